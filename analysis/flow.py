@@ -36,7 +36,8 @@ class Flow:
     window : (float, float) or None
         Times over which means are taken, s; None: the second half of the frames.
     inflow_depth, inflow_speed : float or None
-        y1 (m) and Va (m/s) where discs flow in by rows.
+        y1 (m) and Va (m/s) where discs flow in by rows; of an inflow against time means over the window, Va as the
+        discharge over y1.
     notes : tuple of str
         What was guessed, in sentences.
     sized : bool
@@ -265,22 +266,26 @@ def from_scene(
         m; default from the inlet (else the left wall, else the domain) to the outlet (else the right wall …).
     inflow_depth, inflow_speed : float, optional
         y1, m, and Va, m/s; default from the inlet rows: the depth by mass that their discs carry, and the mean of their
-        speeds.
+        speeds. Of an inflow against time what is asked for in the window.
     water : bool
         As of `Flow`.
     folder : Path, optional
         Run folder, whose ``walls.csv`` tells where the walls are that the discs push.
     """
+    duration = scene.time(scene.steps)
+    window = window or (0.75 * duration, duration)
+    if scene.inlets and scene.hydrograph is not None:
+        inflow_depth, discharge = scene.hydrograph.means(*window)
+        inflow_speed = discharge / inflow_depth if inflow_depth else float(scene.hydrograph.speed(window[1]))
     if scene.inlets and inflow_depth is None:
         inflow_depth = sum(q / abs(row.vx) for q, row in zip(scene.discharges, scene.inlets, strict=True))
     if scene.inlets and inflow_speed is None:
         inflow_speed = float(np.mean([row.vx for row in scene.inlets]))
-    duration = scene.time(scene.steps)
     return Flow(
         scene,
         x_range or _studied(scene),
         bin_width or 5 * scene.diameter,
-        window or (0.75 * duration, duration),
+        window,
         inflow_depth,
         inflow_speed,
         sized=scene.sizes is not None,

@@ -108,6 +108,7 @@ class Front:
     free_length: float = number("m", "distance from the back wall to the first obstacle", default=nan)
     speed: float = number("m/s", "mean speed of the front", default=nan, label="speed")
     arrival_time: float = number("s", "arrival at the first obstacle", default=nan)
+    gate_open: float = number("s", "time at which the rising gate is out of the way", default=nan)
     ritter: Ritter | None = None
     martin_moyce: MartinMoyce | None = None
     reason: str | None = None
@@ -237,6 +238,16 @@ def free_length(flow: Flow, history: FrontHistory, base: float) -> float:
     return min(faces, default=inf) - history.back
 
 
+def rising_gate(flow: Flow, x: float) -> float:
+    """Time (s) at which a sheet that rises at the face of the column (x, m) stands still, NaN where there is none."""
+    for wall, motion in flow.scene.walls:
+        (low, high), _ = wall.extent
+        until = motion.kind.until if motion.kind is not None else None
+        if until is not None and low - flow.scene.diameter <= x <= high + flow.scene.diameter:
+            return float(until)
+    return nan
+
+
 def analyse_front(history: FrontHistory, flow: Flow) -> Front:
     """Front at the end, its speed, Ritter's front while that holds; with `Flow.water` Martin & Moyce's tables."""
     good = np.isfinite(history.bulk)
@@ -263,6 +274,7 @@ def analyse_front(history: FrontHistory, flow: Flow) -> Front:
         free_length=float(free),
         speed=float(speed) if flow.timed else nan,
         arrival_time=end if flow.timed and isfinite(end) else nan,
+        gate_open=rising_gate(flow, base + history.back),
         ritter=_ritter(history, base, depth, gravity, end) if compared else None,
         martin_moyce=_martin_moyce(history, gravity, end) if compared and flow.water else None,
         history=history,

@@ -22,6 +22,7 @@ from . import draw, energy, front
 from .beds.slope import AlongBed, sloping_stretch
 from .budgets import inflow, stations
 from .contacts import ContactCollector
+from .devices import drum, hopper, waves
 from .draw.aside import aside
 from .draw.chart import Bars, Chart, Drawings, Map
 from .draw.depths import depth_profile, xt_map
@@ -85,12 +86,15 @@ QUANTITIES = {
     "energy": Quantity(
         energy.Energy, energy.EnergyLedger, energy.analyse, energy.tables, energy.figures, energy.section
     ),
+    "waves": Quantity(waves.Waves, None, waves.analyse, waves.tables, waves.figures, waves.section),
+    "drum": Quantity(drum.Drum, drum.SurfaceAngles, drum.analyse, drum.tables, drum.figures, drum.section),
+    "hopper": Quantity(hopper.Hopper, hopper.MassAbove, hopper.analyse, hopper.tables, hopper.figures, hopper.section),
 }
 """By the key in ``summary.json``, in the order of the report."""
 BESIDE_FORCES = {"reflected_wave": ReflectedWave, "identity": Identity}
 """Results that stand beside those of the structures under ``force`` in ``summary.json``."""
-ALWAYS = {"inflow", "force"}
-"""Made whether asked for or not, where a scene has rows of inflow or probes."""
+ALWAYS = {"inflow", "force", "waves"}
+"""Made whether asked for or not, where a scene has rows of inflow, probes or gauges."""
 
 
 class Pictures(NamedTuple):

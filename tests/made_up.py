@@ -15,13 +15,16 @@ import lammps_jump as lj
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.guess import known_coefficients
 from lammps_jump.cli.app import main
+from lammps_jump.dump.check import FrameCheck, force_troubles
 from lammps_jump.dump.find import read_dump
 from lammps_jump.dump.frame import Frame, make_frame
 from lammps_jump.engines.choice import choose
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.engines.native.engine import take_frame
+from lammps_jump.errors import DumpError
 from lammps_jump.files import plain
 from lammps_jump.runs import results, start
+from lammps_jump.runs.conclude import CUT
 from lammps_jump.scene.motion import MovingWall
 from lammps_jump.scene.scene import Scene
 from lammps_jump.sweeps import pool
@@ -159,6 +162,20 @@ def without_analysis(monkeypatch) -> None:
 
     monkeypatch.setattr(results, "analyse", analyse)
     monkeypatch.setattr(results, "write_report", lambda folder, *_, **__: (folder / "report.html").write_text(""))
+
+
+def troubles(folder: Path, run: lj.Run) -> list[str]:
+    """What the checks at the end of a run find wrong with frames and forces in a folder, without the rest of a run."""
+    scene = run.scene
+    check = FrameCheck(scene)
+    try:
+        dump = read_dump(folder)
+        for frame in dump:
+            check.add(frame, frame.time)
+        found = [*check.result(scene.steps, run.result.present), *(text for text in dump.warnings if CUT in text)]
+    except DumpError as error:
+        found = [str(error)]
+    return found + force_troubles(folder / "forces.csv", scene, scene.steps)
 
 
 def native_frames(scene):

@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import isfinite, nan
+from typing import NamedTuple
 
 import numpy as np
 
@@ -44,6 +45,8 @@ class Arrivals:
         Sum of their squared diameters times their time in the flow at the frame, m^2 s.
     stream : ndarray, shape (frames, 3)
         Mass depth (m), discharge (m^2/s) and momentum flux over density (m^3/s^2) behind the inlet.
+    pushed : ndarray, shape (frames, 2)
+        Sum of the discs' squared diameters times their velocities at their entry, m^3/s.
     """
 
     time: np.ndarray
@@ -53,6 +56,7 @@ class Arrivals:
     area: np.ndarray
     age: np.ndarray
     stream: np.ndarray
+    pushed: np.ndarray
 
 
 class InflowCounter:
@@ -72,7 +76,7 @@ class InflowCounter:
         highest, rows = int(frame.ids.max(initial=self._highest)), len(self.rows)
         if not self._kept:  # what was there before the first frame is not counted
             self._highest, self._step = highest, frame.step
-        steps, turns = self._turns(frame.step)
+        steps, turns, speeds = self._turns(frame.step)
         new = np.arange(self._highest + 1, highest + 1)
         taken = self._taken(new, turns, frame)
         known, counts = taken is not None, np.bincount(turns, minlength=rows)
@@ -80,15 +84,18 @@ class InflowCounter:
         entered = np.bincount(turns[taken], minlength=rows) if known else np.full(rows, -1)
         by_row = np.bincount(turns[taken], area, rows) if known else area.sum() * counts / max(1, counts.sum())
         age = float(area @ (frame.step - steps[taken])) * self.flow.time_step if known else nan
-        self._kept.append((time, counts, entered, len(new), by_row, age, self._stream(frame)))
+        weights = area if known else np.full(len(turns), area.sum() / max(1, len(turns)))
+        pushed = weights @ (speeds[taken] if known else speeds)
+        self._kept.append((time, counts, entered, len(new), by_row, age, self._stream(frame), pushed))
         self._highest, self._step = highest, frame.step
 
-    def _turns(self, step: int) -> tuple[np.ndarray, np.ndarray]:
-        """Step and row of each turn after the frame before, in order; shape (turns,) each."""
-        steps = self._step, step
-        until = [[range(row.first_step, s + 1, row.every_steps)[: row.limit] for s in steps] for row in self.rows]
+    def _turns(self, step: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Steps and rows (turns,) and velocities (turns, 2) of the turns after the frame before, in order."""
+        until = [[row.turns_until(s) for s in (self._step, step)] for row in self.rows]
         turns = sorted((turn, k) for k, (before, now) in enumerate(until) for turn in now[len(before) :])
-        return tuple(np.array(turns, int).reshape(-1, 2).T)
+        speeds = [(self.rows[k].speed_at(turn), self.rows[k].vy) for turn, k in turns]
+        steps, rows = np.array(turns, int).reshape(-1, 2).T
+        return steps, rows, np.array(speeds, float).reshape(-1, 2)
 
     def _taken(self, new: np.ndarray, turns: np.ndarray, frame: Frame) -> np.ndarray | None:
         """Turn at which each new disc entered, shape (discs,); None where that would be guessing."""
@@ -108,7 +115,7 @@ class InflowCounter:
         their mean at every frame, where sharp ends would count one more or one less.
         """
         inlet, towards = self.rows[0].x, np.sign(self.rows[0].vx)
-        begin, end = (share * (self.flow.inflow_depth or nan) for share in STATION)
+        begin, end = (share * _reach(self.flow) for share in STATION)
         place = (towards * (frame.x - inlet) - begin) / (end - begin)
         weight = np.where((place > 0) & (place < 1), 1.0 - np.cos(2 * np.pi * place), 0.0)
         mass = self.flow.by_mass(weight, frame) * self.flow.scene.diameter**2 / (end - begin)
@@ -117,6 +124,12 @@ class InflowCounter:
     def result(self) -> Arrivals:
         """The history of all frames taken in."""
         return Arrivals(*(np.array(column) for column in zip(*self._kept, strict=True)))
+
+
+def _reach(flow: Flow) -> float:
+    """Depth of the inflow that `STATION` counts in, m: the largest where it changes with time."""
+    graph = flow.scene.hydrograph
+    return max(graph.depths) if graph else flow.inflow_depth or nan
 
 
 def in_order(heights: np.ndarray, wanted: np.ndarray) -> np.ndarray:
@@ -193,16 +206,18 @@ def deliver(arrivals: Arrivals, flow: Flow, window: tuple[float, float]) -> Deli
     """Numbers of the inflow from what came in; means over a window, s.
 
     The discharge of a row is the area of its discs over the time of its turns: whole turns, so that no disc is cut off
-    at the ends of the window.
+    at the ends of the window. Against time it is their area over the time between the first and the last frame of the
+    window, and what was asked for is the mean of the table over that time.
     """
     scene, rows = flow.scene, flow.scene.inlets
     inside = within(arrivals.time, window)
     later = inside & (np.cumsum(inside) > 1)  # what came before the window's first frame belongs to the time before
-    intervals = np.array([row.every_steps * scene.time_step for row in rows])
-    speeds = np.array([row.vx for row in rows])
-    planned = np.array(scene.discharges)
+    tries = arrivals.turns[later].sum(axis=0)
+    plan = _plan(flow, arrivals.time[inside], tries)
     with np.errstate(invalid="ignore", divide="ignore"):
-        delivered = arrivals.area[later].sum(axis=0) / (arrivals.turns[later].sum(axis=0) * intervals)
+        delivered = arrivals.area[later].sum(axis=0) / (tries * plan.intervals)
+    if scene.hydrograph and later.any():
+        delivered[tries == 0] = 0.0  # a row rests while the depth is low
     turns = arrivals.turns.sum(axis=0)
     tried = int(turns.sum())
     lost = tried - int(arrivals.discs.sum())
@@ -212,28 +227,59 @@ def deliver(arrivals: Arrivals, flow: Flow, window: tuple[float, float]) -> Deli
     with np.errstate(invalid="ignore", divide="ignore"):
         scatter = mean_of(arrivals.stream[inside, 1] / arrivals.stream[inside, 0]).error
     speed = Mean(discharge.value / depth.value if depth.value > 0 else nan, scatter)
-    y1, va = flow.inflow_depth or nan, flow.inflow_speed or nan
+    y1, va = plan.depth, plan.speed
     asked, total, across = y1 * abs(va), float(delivered.sum()), flow.gravity
+    of_rows = zip(rows, plan.speeds, plan.intervals, plan.discharges, delivered, turns, refused, strict=True)
     found = [
-        RowDelivery(row.y, row.vx, float(t), float(q), float(got), int(n), int(no) if told else None)
-        for row, t, q, got, n, no in zip(rows, intervals, planned, delivered, turns, refused, strict=True)
+        RowDelivery(row.y, float(v), float(t), float(q), float(got), int(n), int(no) if told else None)
+        for row, v, t, q, got, n, no in of_rows
     ]
-    low, high = sorted(float(rows[0].x + np.sign(rows[0].vx) * share * y1) for share in STATION)
+    low, high = sorted(float(rows[0].x + np.sign(rows[0].vx) * share * _reach(flow)) for share in STATION)
+    seconds = float(np.ptp(arrivals.time[inside])) if scene.hydrograph and inside.any() else 0.0
+    whole = len(rows) * scene.mean_square / seconds if seconds else 0.0  # a disc of each row in the window
     return Delivery(
         asked=asked,
-        planned=float(planned.sum()),
+        planned=float(plan.discharges.sum()),
         delivered=total,
-        deviation=total / asked - 1.0,
+        deviation=total / asked - 1.0 if asked else nan,
         turns=tried,
         refused=lost,
         depth_asked=y1,
         speed_asked=va,
-        momentum_planned=float(planned @ np.abs(speeds)),
+        momentum_planned=float(plan.discharges @ np.abs(plan.speeds)),
         **as_fields(depth=depth, speed=speed, momentum=momentum, **_sequent(depth, speed, across)),
         station=(low, high),
         rows=tuple(found),
-        notes=_notes(total, asked, lost, tried, _blocked(arrivals)),
+        notes=() if abs(total - asked) < whole else _notes(total, asked, lost, tried, _blocked(arrivals)),
     )
+
+
+class _Plan(NamedTuple):
+    """What was asked for: depth (m) and speed (m/s) as means, and of each row time between turns, speed, discharge."""
+
+    depth: float
+    speed: float
+    intervals: np.ndarray
+    speeds: np.ndarray
+    discharges: np.ndarray
+
+
+def _plan(flow: Flow, time: np.ndarray, tries: np.ndarray) -> _Plan:
+    """What was asked for in a window whose frames have these times (s), with the turns of its rows in it."""
+    scene, rows = flow.scene, flow.scene.inlets
+    graph = scene.hydrograph
+    if graph is None or len(time) < 2:
+        intervals = np.array([row.every_steps * scene.time_step for row in rows])
+        y1, va = flow.inflow_depth or nan, flow.inflow_speed or nan
+        return _Plan(y1, va, intervals, np.array([row.vx for row in rows]), np.array(scene.discharges))
+    first, last = float(time[0]), float(time[-1])
+    steps = [scene.settle_steps + round(t / scene.time_step) for t in (first, last)]
+    speeds = [row.speeds[len(row.turns_until(steps[0])) : len(row.turns_until(steps[1]))] for row in rows]
+    means = np.array([np.mean(some) if some else row.vx for row, some in zip(rows, speeds, strict=True)])
+    depth, discharge = graph.means(first, last)
+    intervals = (last - first) / np.where(tries > 0, tries, nan)
+    speed = discharge / depth if depth else float(graph.speed(last))
+    return _Plan(depth, speed, intervals, means, scene.mean_square * tries / (last - first))
 
 
 def _sequent(depth: Mean, speed: Mean, gravity: float) -> dict[str, Mean]:
@@ -252,7 +298,7 @@ def _blocked(arrivals: Arrivals) -> str:
 
 
 def _notes(delivered: float, asked: float, refused: int, turns: int, blocked: str) -> tuple[str, ...]:
-    if not isfinite(delivered) or abs(delivered / asked - 1.0) <= LARGEST_LOSS:
+    if not isfinite(delivered) or not asked or abs(delivered / asked - 1.0) <= LARGEST_LOSS:
         return ()
     cause = "no turn was refused: the rows carry no more in whole steps"
     if refused:
@@ -285,8 +331,9 @@ def section(found: Mapping) -> Section:
             Table(stream, ("", "asked for", "delivered")),
             Table([[row[key] for key in keys] for row in found["rows"]], heads, "Rows of the inlet"),
             Text(
-                "The discharge is the area of the discs that entered, over whole turns of their rows: a count, "
-                "which has no error. Depth, speed and momentum are means over the window between "
+                "The discharge is the area of the discs that entered, over whole turns of their rows (over the window "
+                "where the inflow changes with time): a count, which has no error. Depth, speed and momentum are means "
+                "over the window between "
                 f"x = {low:.3g} and {high:.3g} m."
             ),
         ],

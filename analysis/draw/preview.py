@@ -261,7 +261,10 @@ def _draw_traffic(drawing: Drawing, scene: Scene) -> None:
             drawing.arrow(np.array([(row.x, row.y), (row.x + long * row.vx, row.y)]), BLUE, 1.1, head)
         mean, top = np.mean([row.vx for row in scene.inlets]), max(scene.inlets, key=lambda row: row.y)
         count = len(scene.inlets)
-        drawing.label(f"inlet: {count} row{'s' * (count > 1)}, mean {mean:.3g} m/s", top.x, top.y, BLUE)
+        said = f"{count} row{'s' * (count > 1)}, mean {mean:.3g} m/s"
+        if scene.hydrograph:
+            said = f"against time, up to {count} row{'s' * (count > 1)} and {fastest:.3g} m/s"
+        drawing.label(f"inlet: {said}", top.x, top.y, BLUE)
     for outlet in scene.outlets:
         upright, sign = outlet.axis == "x", 1 if outlet.side == "above" else -1
         line = drawing.axes.axvline if upright else drawing.axes.axhline
@@ -278,13 +281,15 @@ def _draw_traffic(drawing: Drawing, scene: Scene) -> None:
 
 
 def _draw_sequent(drawing: Drawing, scene: Scene, sequent: float) -> None:
-    """The depth to expect, above the longest stretch where the bed is lowest."""
+    """The depth to expect, above the longest stretch where the bed is lowest; none for an inlet above it."""
     flow = from_scene(replace(scene, walls=tuple(one for one in scene.walls if one.motion.kind is None)))
     x = np.linspace(*flow.x_range, 400)
     bed = flow.bed_height(x)
     if not np.isfinite(bed).any():
         return
     low = float(np.nanmin(bed))
+    if any(flow.bed_height(row.x) > low + sequent for row in scene.inlets):
+        return
     level = np.flatnonzero(bed <= low + 0.5 * scene.diameter)
     stretch = max(np.split(level, np.flatnonzero(np.diff(level) > 1) + 1), key=len)
     ends, height = (float(x[stretch[0]]), float(x[stretch[-1]])), low + sequent

@@ -104,7 +104,7 @@ class MomentumLedger:
 
 def with_inflow(history: MomentumHistory, arrivals: Arrivals, scene: Scene) -> MomentumHistory:
     """The history with the discs that rows of inflow let in: those came in known numbers, from known places."""
-    brought = scene.density * arrivals.area @ np.array([(row.vx, row.vy) for row in scene.inlets])
+    brought = scene.density * arrivals.pushed
     held = history.held + np.nan_to_num(arrivals.age) / scene.diameter**2
     return replace(history, brought=brought, held=held, same=np.append(False, np.isfinite(arrivals.age[1:])))
 

@@ -37,6 +37,10 @@ HEAP_SLOPE = 0.02
 """A standing surface steeper than this is a heap: water at rest is level."""
 SURE, MARGINAL = 0.9, 0.1
 """Share of the window's frames with a jump that makes a jump, and that makes a marginal one."""
+LEVEL = 0.05
+"""Change of the bed's height from bin to bin below which it counts as level, in diameters."""
+BAFFLE = 0.25
+"""A block that is lower than this share of the depth above it does not end the level bed."""
 INLET_REACH = 2.0
 """The inlet is drowned when the toe is closer than this many inflow depths (or bins) to it."""
 
@@ -123,9 +127,30 @@ class JumpResult(AlongStream):
 def level_reach(bed: np.ndarray, diameter: float) -> np.ndarray:
     """Bins, in the stream's order, of the longest stretch of level bed (heights in m): up to a sill or a fall."""
     with np.errstate(invalid="ignore"):
-        breaks = np.flatnonzero(~(np.abs(np.diff(bed)) < 0.05 * diameter)) + 1
+        breaks = np.flatnonzero(~(np.abs(np.diff(bed)) < LEVEL * diameter)) + 1
     stretches = [bins for bins in np.split(np.arange(len(bed)), breaks) if np.isfinite(bed[bins[0]])]
     return max(stretches, key=len, default=np.arange(0))
+
+
+def without_baffles(bed: np.ndarray, depth: np.ndarray, width: float, diameter: float) -> np.ndarray:
+    """Heights of the bed (m) in bins of this width, with baffle blocks taken off.
+
+    A baffle stands on one level bed, is lower than `BAFFLE` of the depth (m) above it and shorter than that depth.
+    """
+    bare = bed.copy()
+    longest = int(np.nanmax(depth, initial=0.0) / width)
+    for bins in range(1, min(longest, len(bed) - 2) + 1):
+        for first in range(1, len(bed) - bins):
+            block, before, behind = slice(first, first + bins), bare[first - 1], bare[first + bins]
+            water = float(depth[block].min())
+            rise = bare[block].min() - before, bare[block].max() - before
+            if (
+                abs(behind - before) < LEVEL * diameter
+                and 0 < rise[0] <= rise[1] < BAFFLE * water
+                and bins * width < water
+            ):
+                bare[block] = before
+    return bare
 
 
 def analyse_jump(profiles: xr.Dataset, flow: Flow, contacts: ContactSeries | None = None) -> JumpResult:
@@ -150,7 +175,9 @@ def analyse_jump(profiles: xr.Dataset, flow: Flow, contacts: ContactSeries | Non
     nothing = JumpResult("no jump found", "", flow, direction, window, in_window)
     if gravity <= 0:
         return replace(nothing, reason="there is no gravity towards the bed")
-    reach = level_reach(profiles["bed"].values[::direction], flow.scene.diameter)
+    depth = profiles["mass_depth"].values[in_window].mean(axis=0)
+    bare = without_baffles(profiles["bed"].values, depth, profiles.attrs["bin_width"], flow.scene.diameter)
+    reach = level_reach(bare[::direction], flow.scene.diameter)
     if len(reach) < 8:
         return replace(nothing, reason="fewer than eight bins of level bed to look at")
     fields = profiles[FIELDS]
@@ -158,7 +185,10 @@ def analyse_jump(profiles: xr.Dataset, flow: Flow, contacts: ContactSeries | Non
         scale, dims = 1.0 / flow.scene.density, ("time", "x")
         bed = scale / profiles.attrs["bin_width"] * contacts.wall_fx
         fields = fields.assign(thrust=(dims, scale * contacts.thrust), bed=(dims, bed))
-    found = _follow(nothing, frame.along_stream(fields, direction, ODD).isel(x=reach), profiles.attrs["bin_width"])
+    stream = frame.along_stream(fields, direction, ODD).isel(x=reach)
+    stands = np.flatnonzero((profiles["bed"].values != bare)[::direction][reach])
+    stream.attrs["clear"] = int(stands[0]) if stands.size else len(reach)
+    found = _follow(nothing, stream, profiles.attrs["bin_width"])
     return replace(found.turned(direction), pieces=tuple(piece.turned(direction) for piece in found.pieces))
 
 
@@ -167,6 +197,11 @@ def _follow(nothing: JumpResult, stream: xr.Dataset, width: float) -> JumpResult
     flow, in_window, gravity = nothing.flow, nothing.in_window, nothing.flow.gravity
     x, time = stream.x.values, stream.time.values
     edges = np.append(x - 0.5 * width, x[-1] + 0.5 * width)
+    near = INLET_REACH * max(flow.inflow_depth or 0.0, width)
+    begin = edges[0] * nothing.direction
+    # a level bed at the foot of a chute has no inlet that could be drowned
+    from_inlet = all(abs(row.x - begin) <= near for row in flow.scene.inlets)
+    inflow = flow.inflow_depth if from_inlet else None
     track = track_jump(stream, edges, gravity, flow.scene.diameter, in_window)
     if "thrust" in stream:
         track = replace(track, compression=compression_front(stream, track, gravity))
@@ -175,7 +210,7 @@ def _follow(nothing: JumpResult, stream: xr.Dataset, width: float) -> JumpResult
     if used.sum() < 2 or share < 0.5:
         inside = stream.isel(time=in_window)
         heap = _heap(inside, edges[0], gravity)
-        verdict, reason = _why_none(track, in_window, inside, heap, gravity, flow.inflow_depth)
+        verdict, reason = _why_none(track, in_window, inside, heap, gravity, inflow)
         if used.sum() < 2 or share < MARGINAL or verdict != "no jump found":
             return replace(nothing, verdict=verdict, reason=reason, track=track, heap=heap)
     result = replace(
@@ -189,7 +224,7 @@ def _follow(nothing: JumpResult, stream: xr.Dataset, width: float) -> JumpResult
     result = _measure(result, stream, used)
     late = np.flatnonzero(used)[-max(1, int(used.sum()) // 5) :]
     to_inlet = float(np.median(track.toe[late])) - edges[0]
-    drowned = to_inlet < INLET_REACH * max(flow.inflow_depth or 0.0, width)
+    drowned = from_inlet and to_inlet < near
     verdict, reason = _judge(result, used, gravity, to_inlet, drowned)
     if verdict == "jump" and share < SURE:
         others = _why_none(track, in_window, stream, result.heap, gravity, None)[1]
@@ -213,7 +248,8 @@ def _measure(result: JumpResult, stream: xr.Dataset, used: np.ndarray) -> JumpRe
         result = _within(result, moving, (before, behind), (toe, end))
         toe, end = result.toe, result.end
     depth = result.downstream.mass_depth
-    tail = measure_tail(stream.isel(time=used), front, depth)
+    # water beyond a baffle is lower: it takes up momentum
+    tail = measure_tail(stream.isel(time=used, x=slice(stream.attrs["clear"])), front, depth)
     level = tail.depth.value if isfinite(tail.depth.value) else depth
     before = measure_stream(stream, track, used, speed, level, result.flow.gravity)
     found = frame.roller(moving, speed, toe, end)

@@ -15,6 +15,7 @@ import numpy as np
 from lammps_jump.analysis.beds.slope import TurnedFlow, in_place
 from lammps_jump.analysis.budgets import inflow
 from lammps_jump.analysis.draw.chart import Drawings
+from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.report.headline import AT_SILL, belongs
 from lammps_jump.analysis.report.page import Beside, Section, Table, Text, cut, described, heading, percent_of
@@ -24,7 +25,7 @@ from lammps_jump.units import ABSENT, numbers_of, shown
 from .certainty import starts_needed
 from .figures import balance_bars, frame_chart, head_chart, stream_chart, track_chart
 from .head import Budget, energy_budget, no_budget
-from .result import analyse_jump
+from .result import LEVEL, JumpResult, analyse_jump
 from .summary import ASKED, BEFORE, Jump, Local, summarise_jump
 from .verdict import A_JUMP, untimed, worded
 
@@ -50,6 +51,8 @@ def _analysed(gathered: Gathered, whole: Gathered) -> Jump:
     known = inlet is not None and isfinite(inlet.speed)
     delivered = (Mean.of(inlet, "depth"), Mean.of(inlet, "speed")) if known else None
     measured = analyse_jump(gathered.profiles, gathered.flow, gathered.contacts)
+    if not _on_level_of_inlet(gathered.flow, measured):
+        measured, delivered = replace(measured, flow=replace(gathered.flow, inflow_depth=None)), None
     found = summarise_jump(measured, delivered)
     if not gathered.flow.timed:
         return untimed(found)
@@ -59,6 +62,15 @@ def _analysed(gathered: Gathered, whole: Gathered) -> Jump:
         why = no_budget(gathered.flow) if found.verdict in A_JUMP else ""
         return replace(found, reason=f"{found.reason} {why}".strip())
     return replace(found, budget=budget, head_lost=budget.lost, head_lost_error=budget.inflow_error)
+
+
+def _on_level_of_inlet(flow: Flow, measured: JumpResult) -> bool:
+    """Whether the bed under the toe is as high as that at the inlet: else the inflow is no state before the jump."""
+    rows, track = flow.scene.inlets, measured.track
+    if isinstance(flow, TurnedFlow) or not rows or track is None or not track.found.any():
+        return True
+    at_inlet, at_toe = flow.bed_height(np.array([rows[0].x, float(np.median(track.toe[track.found]))]))
+    return not abs(at_toe - at_inlet) >= LEVEL * flow.scene.diameter
 
 
 class Marks(NamedTuple):

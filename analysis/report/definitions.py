@@ -5,7 +5,8 @@
 
 DEFINITIONS = {
     "inflow": """\
-asked       Va y₁; in whole steps: what the rows carry where no disc is refused
+asked       Va y₁, or the mean of the inflow's table over the window; in whole steps: what the rows carry where no disc
+            is refused
 delivered   area of the discs that entered in the window over the time of their turns; discs are counted by their ids
 refused     turns of the whole record at which the place of the disc was occupied
 depth, speed, momentum   means of the window from one to six depths behind the inlet, weight 1 − cos 2πs
@@ -62,6 +63,22 @@ identity      change of all discs' momentum against the impulse of walls, weight
 wave          place where the mean velocity falls through half of its largest value upstream; bore: of a wall instead
 hydrostatic   on the wetted face, largest: ρg(s² − a²)/2 for the mass depth s in front, a of it above the face
 oncoming      largest ρsu² + ρgs²/2 two bins in front
+""",
+    "waves": """\
+height        crest less trough of the mean wave: the depth at the gauge, averaged over the whole periods of the paddle
+              at the end of the window at equal times within the period
+piston        S 2 (cosh 2kh − 1)/(sinh 2kh + 2kh), small waves of water; S whole stroke, ω² = g k tanh kh
+depth         of the free surface at the gauge, mean of the same periods
+""",
+    "drum": """\
+angle         straight line through the top edges of the highest discs of strips one diameter wide, middle half of the
+              drum; mean of the window; above 0 where the surface rises with the wall that lifts the discs
+scatter       standard deviation of the angle from frame to frame;  Froude number: ω²R/g
+""",
+    "hopper": """\
+discharge     slope of the mass of discs above the slot against time, over the window;  change: second half over first
+slot          narrowest gap D between standing walls around the middle of the discs at the start
+Beverloo      W/(ρ √g (D − 1.4 d)^1.5), ρ and d of a disc: by the law the same for every slot and height of fill
 """,
     "energy": """\
 kinetic, spin, potential (−m g·r), elastic (k δ²/2) energy of all discs, per metre of width

@@ -44,6 +44,30 @@ DISCS = (-0.2, 0.0)
 """Mean difference of fronts of frictionless discs from Martin & Moyce's water, five starts (docs/theory.md)."""
 
 
+def _waves(waves: Mapping) -> str:
+    if waves.get("height") is None:
+        return ""
+    pairs = list(zip(waves["gauges"], waves["heights"], strict=True))
+    last = f" and {pairs[-1][1]:.2f} m at x = {pairs[-1][0]:g} m" if len(pairs) > 1 else ""
+    return f"Waves of {_short(waves['period'])} s are {pairs[0][1]:.2f} m high at x = {pairs[0][0]:g} m{last}."
+
+
+def _drum(drum: Mapping) -> str:
+    angle = drum.get("angle")
+    return "" if angle is None else f"The drum turns, and its surface slopes at {angle:.1f} degrees."
+
+
+def _hopper(hopper: Mapping) -> str:
+    rate = hopper.get("discharge")
+    if rate is None:
+        return ""
+    return f"The hopper lets out {_short(rate / 1e3)} t/s per metre through a slot of {_short(hopper['slot'])} m."
+
+
+OF_DEVICES = {"waves": _waves, "drum": _drum, "hopper": _hopper}
+"""Sentences on flows that a device makes, by the key of their quantity."""
+
+
 def verdict(summary: Mapping) -> str:
     """One short sentence on what happened, the title of a report; empty where there is nothing to be said.
 
@@ -53,7 +77,9 @@ def verdict(summary: Mapping) -> str:
     if status != "complete":
         return f"The run is {status}."
     jump, front, energy = _parts(summary)
-    said = ""
+    said = next(filter(None, (say(summary.get(key) or {}) for key, say in OF_DEVICES.items())), "")
+    if said:
+        return said.replace("-", "−")
     if jump:
         has, starts = summary.get("starts") or (1, 1)
         said = _jump(jump, 2.0 if starts == 1 else 1.0)
@@ -71,7 +97,11 @@ def _collapse(front: Mapping) -> str:
         return f"The front of the discs is at {front['position']:.3g} m{after}."
     ritter = against_water(front) and (front.get("ritter") or {}).get("front_speed")
     more = f"; Ritter’s would run at {_short(ritter)} m/s" if ritter else ""
-    return f"A column collapses: its front runs at {_short(front['speed'])} m/s{more}."
+    arrival = front.get("arrival_time")
+    more = f" and meets the obstacle after {_short(arrival)} s" if arrival is not None else more
+    opens = front.get("gate_open")
+    what = f"The gate opens in {_short(opens)} s: the" if opens is not None else "A column collapses: its"
+    return f"{what} front runs at {_short(front['speed'])} m/s{more}."
 
 
 def _collapsed(front: Mapping) -> bool:
@@ -138,6 +168,7 @@ def headline(summary: Mapping) -> str:
     jump, front, energy = _parts(summary)
     said = [jump.get("headline") or ""]
     said += [_front(front)] if "position" in front else []
+    said += [say(summary.get(key) or {}) for key, say in OF_DEVICES.items()]
     if energy.get("conservative") and energy.get("max_deviation") is not None and not any(said):
         said.append(
             f"The energy deviates from that of the start by at most {percent(energy['max_deviation'], 4)}; exact "
@@ -167,11 +198,19 @@ def _front(front: Mapping) -> str:
     speed = f", mean speed {front['speed']:.2f} m/s" if front.get("speed") is not None else ""
     flow = "The discs’" if front.get("column_base") is not None else "Discs flow in; the"
     if _collapsed(front):
-        flow = f"A column of {front['column_base']:.3g} × {front['column_depth']:.3g} m collapsed; its"
+        column = f"A column of {front['column_base']:.3g} × {front['column_depth']:.3g} m"
+        opens = front.get("gate_open")
+        flow = (
+            f"{column} collapsed; its"
+            if opens is None
+            else f"{column} ran out below a gate that rose until {opens:.3g} s; its"
+        )
     said = [
         f"{flow} front is at "
         f"{front['position']:.2f} m {'at the last frame' if after is None else f'after {after:.2f} s'}{speed}."
     ]
+    if front.get("arrival_time") is not None:
+        said.append(f"It met the first obstacle after {front['arrival_time']:.2f} s.")
     water, ritter = front.get("martin_moyce") or {}, front.get("ritter") or {}
     if water.get("mean_bulk") is not None:
         low, high = (100 * bound for bound in DISCS)

@@ -13,6 +13,9 @@ from math import isfinite, nan
 from typing import Any, NamedTuple
 
 from lammps_jump.analysis.budgets.inflow import Delivery
+from lammps_jump.analysis.devices.drum import Drum
+from lammps_jump.analysis.devices.hopper import Hopper
+from lammps_jump.analysis.devices.waves import Waves
 from lammps_jump.analysis.energy import Energy
 from lammps_jump.analysis.forces.history import Force
 from lammps_jump.analysis.front import Front, MartinMoyce
@@ -88,6 +91,16 @@ FOUND = (
         for row in COMPARED
     ),
     Wanted("jump.froude", Jump),
+    Wanted("waves.height", Waves, "piston, small waves", "waves.height_piston"),
+    Wanted("waves.height_last", Waves),
+    Wanted("waves.depth", Waves),
+    Wanted("drum.angle", Drum),
+    Wanted("drum.scatter", Drum),
+    Wanted("drum.froude", Drum),
+    Wanted("hopper.discharge", Hopper),
+    Wanted("hopper.beverloo", Hopper),
+    Wanted("hopper.slot", Hopper),
+    Wanted("hopper.change", Hopper, label="discharge, second half of the window over the first", **PERCENT),
     Wanted("front.position", Front, label="front after {time}"),
     Wanted("front.speed", Front, "Ritter", WATER),
     Wanted("front.speed", Front),

@@ -1,25 +1,23 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Checks of a case that need more than one field: stability of the step, places of discs and inlets, size.
+"""Checks of a case that need more than one field: stability of the step, size, engine, inflow.
 
 Each raises `CaseError` with the place in the file and the remedy.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from math import isinf, pi, radians, tan
-
-import numpy as np
+from collections.abc import Iterable
+from math import pi, radians, tan
 
 from lammps_jump.physics import contact
 from lammps_jump.physics.inlet import LEAST_GAP, REFUSAL_GAP
 from lammps_jump.physics.slip import FRICTION_LAWS, slip_warnings
-from lammps_jump.scene import Beginning, InletRow, Interval, MovingWall, Sizes, Wall
+from lammps_jump.scene import Beginning, InletRow, Interval, Sizes, Wall
 from lammps_jump.scene.schedule import MOST_BINS, MOST_FRAMES, told
-from lammps_jump.scene.shapes import open_ends
 
-from .fields import CaseFields, Column, PourInflow, RowsInflow
-from .packing import deepest_overlap, disc_count
+from .fields import CaseFields, Column
+from .packing import disc_count
+from .parts.inflow import PourInflow, RowsInflow
 from .text import CaseSource
 
 MOST_STEPS = 2_000_000_000
@@ -154,6 +152,11 @@ def check_engine(case: CaseFields, source: CaseSource) -> None:
         )
     if engine == "lammps" and case.run.integrator == "leapfrog_extrapolated":
         raise source.error("run.integrator: leapfrog_extrapolated is the native engine's; use engine.name: native")
+    if engine == "lammps" and kernel != "auto" and isinstance(case.inflow, RowsInflow) and case.inflow.table:
+        raise source.error(
+            f"inflow.table: engine.kernel: {kernel} has no inflow against time; use engine.kernel: auto or "
+            "engine.name: native, which both take the native engine"
+        )
     if engine == "lammps" and kernel == "stock":
         law = case.contact.friction_law
         if case.contact.friction > 0 and not FRICTION_LAWS[law].in_stock:
@@ -174,13 +177,14 @@ def _against_inflow(case: CaseFields) -> list[str]:
     if not isinstance(rows, RowsInflow):
         return []
     for index, item in enumerate(case.initial):
-        if not isinstance(item, Column) or item.x[0] - rows.x > rows.depth or item.x[1] <= rows.x:
+        first, towards = rows.over(0.0, 0.0)
+        if not isinstance(item, Column) or item.x[0] - rows.x > first or item.x[1] <= rows.x or not first:
             continue
         depth, speed = item.y[1] - item.y[0], item.velocity[0]
-        if abs(depth / rows.depth - 1) > CONTRADICTION or abs(speed / rows.velocity - 1) > CONTRADICTION:
+        if abs(depth / first - 1) > CONTRADICTION or abs(speed / towards - 1) > CONTRADICTION:
             notes.append(
                 f"initial.{index}: the column at the inlet is {depth:.3g} m deep at {speed:.3g} m/s, the inflow "
-                f"{rows.depth:.3g} m at {rows.velocity:.3g} m/s: both meet at t = 0 and a wave runs off; give the "
+                f"{first:.3g} m at {towards:.3g} m/s: both meet at t = 0 and a wave runs off; give the "
                 "column the inflow's depth and velocity, or begin it further down"
             )
     return notes
@@ -229,10 +233,11 @@ def adapted(case: CaseFields, scene: Beginning, inlets: tuple[InletRow, ...]) ->
         asked["run.output_interval"] = min(case.output_interval, case.run.duration), scene.output_steps * dt
     if case.probes.forces or case.probes.groups:
         asked["probes.interval"] = case.probes.interval, scene.probe_steps * dt
-    if not isinstance(case.inflow, RowsInflow):
+    if not isinstance(case.inflow, RowsInflow) or case.inflow.table:
         return told(asked)
+    depth, speed = case.inflow.over(0.0, 0.0)
     carried = sum(scene.discharges_of(inlets))
-    return told(asked) + told({"discharge of the inflow": (case.inflow.velocity * case.inflow.depth, carried)}, "m^2/s")
+    return told(asked) + told({"discharge of the inflow": (speed * depth, carried)}, "m^2/s")
 
 
 def check_stop(case: CaseFields, source: CaseSource) -> list[str]:
@@ -274,81 +279,3 @@ def check_stability(
             f"{integrator}); energies near it are not to be trusted",
         )
     return found
-
-
-def check_places(
-    source: CaseSource,
-    scene: Beginning,
-    inlets: tuple[InletRow, ...],
-    walls: Iterable[MovingWall],
-    fields: Mapping[str, str],
-) -> None:
-    """Refuse discs and inlets in a wall at the start, and discs that overlap by more than d/n.
-
-    `fields`: where in the case each wall stands, by name; gates and others stand in none.
-    """
-    positions, allowed = scene.positions, 0.5 * scene.overlap_limit
-    diameters = scene.diameters(np.arange(1, len(positions) + 1))
-    found = deepest_overlap(positions, diameters)
-    if found is not None and found[0] > allowed * (1 + 1e-9):
-        overlap, i, j = found
-        raise source.error(
-            f"initial: discs {i + 1} at ({positions[i, 0]:g}, {positions[i, 1]:g}) and {j + 1} at "
-            f"({positions[j, 0]:g}, {positions[j, 1]:g}) overlap by {overlap:.3g} m at the start; allowed is d/n = "
-            f"{allowed:.3g} m; move them apart"
-        )
-    for one in walls:
-        field = fields.get(one.wall.name, "initial")
-        if wall := one.at(0):
-            _check_discs_free_of(wall, field, source, positions, diameters, allowed)
-        if isinf(one.motion.gone):
-            _check_inlets_free_of(one.wall, source, inlets, scene.largest)
-
-
-def check_in_domain(case: CaseFields, source: CaseSource, positions, inlets, domain) -> None:
-    """Refuse discs and inlets outside the domain."""
-    for axis, label in enumerate("xy"):
-        low, high = domain[axis]
-        outside = np.flatnonzero((positions[:, axis] <= low) | (positions[:, axis] >= high))
-        if outside.size:
-            value = positions[outside[0], axis]
-            raise source.error(
-                f"{'domain' if case.domain else 'initial'}: disc {outside[0] + 1} starts at {label} = {value:g} m, "
-                f"outside the domain [{low:g}, {high:g}]; widen domain.{label}"
-            )
-        for row in inlets:
-            if not low < (row.x, row.y)[axis] < high:
-                raise source.error(
-                    f"inflow: the inlet at {label} = {(row.x, row.y)[axis]:g} m is outside domain.{label} "
-                    f"[{low:g}, {high:g}]"
-                )
-
-
-def _check_discs_free_of(wall: Wall, field: str, source: CaseSource, positions, diameters, allowed: float) -> None:
-    if not len(positions):
-        return
-    gap = wall.distance(positions[:, 0], positions[:, 1])
-    if open_ends(wall.faces):  # it pushes nothing that is a radius behind it
-        gap = np.where(gap < -diameters / 2, np.inf, gap)
-    depth = diameters / 2 - gap
-    worst = int(np.argmax(depth))
-    if depth[worst] > allowed * (1 + 1e-9):
-        raise source.error(
-            f"{field}: disc {worst + 1} at ({positions[worst, 0]:g}, {positions[worst, 1]:g}) starts "
-            f"{depth[worst]:.3g} m deep in wall '{wall.name}'; allowed is d/n = {allowed:.3g} m; move the wall or the "
-            "discs"
-        )
-
-
-def _check_inlets_free_of(wall: Wall, source: CaseSource, inlets: tuple[InletRow, ...], largest: float) -> None:
-    if not inlets:
-        return
-    distances = wall.distance(*np.array([(row.x, row.y) for row in inlets]).T)
-    if open_ends(wall.faces):  # it pushes nothing that is a radius behind it
-        distances = np.where(distances < -largest / 2, np.inf, distances)
-    for number, (row, distance) in enumerate(zip(inlets, distances.tolist(), strict=True), 1):
-        if distance < largest / 2 * (1 - 1e-6):
-            raise source.error(
-                f"inflow: row {number} enters at ({row.x:g}, {row.y:g}), {largest / 2 - distance:.3g} m deep in "
-                f"wall '{wall.name}'; move the inlet (inflow.x, inflow.y) or the wall"
-            )

@@ -5,16 +5,19 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import asdict, dataclass
+from itertools import pairwise
 from math import inf
 
 from lammps_jump.files import plain
 from lammps_jump.physics import contact, jump
 from lammps_jump.physics.contact import WallLaw
+from lammps_jump.physics.hydrograph import Hydrograph
 from lammps_jump.scene import Beginning, InletRow, Scene, Wall
 from lammps_jump.scene.shapes import open_ends
 from lammps_jump.units import numbers_of
 
-from .fields import CaseFields, RowsInflow
+from .fields import CaseFields
+from .parts.inflow import RowsInflow
 from .walls import told
 
 FASTEST = 1.25
@@ -98,6 +101,12 @@ class Derived:
             }
         )
 
+    def _quarters(self, graph: Hydrograph) -> list[str]:
+        """What is asked for in each quarter of the run."""
+        ends = [0.25 * i * self.fields.run.duration for i in range(5)]
+        means = [(begin, end, *graph.means(begin, end)) for begin, end in pairwise(ends)]
+        return [f"  t = {a:.4g} to {b:.4g} s  depth {h:.4g} m  discharge {q:.4g} m^2/s" for a, b, h, q in means]
+
     def __str__(self) -> str:
         """Text for the screen: the verdict, tables with units, what is skipped and adapted."""
         scene = self.scene
@@ -114,7 +123,13 @@ class Derived:
                 lines += ["", title]
                 width = max(len(label) for _, label, _, _ in rows)
                 lines += [f"  {label:<{width}}  {_show(value):>12} {unit}".rstrip() for _, label, value, unit in rows]
-        if scene.inlets:
+        if scene.hydrograph:
+            lines += [
+                "",
+                "inflow against time (means over a quarter of the run each)",
+                *self._quarters(scene.hydrograph),
+            ]
+        elif scene.inlets:
             lines += ["", "inflow rows (a disc waits while its place is occupied)"]
             lines += [
                 f"  y = {row.y:.4g} m  v = {row.vx:.3f} m/s  every {row.every_steps} steps = "
@@ -207,15 +222,23 @@ def _flow_rows(case: CaseFields, scene: Scene) -> list[Row]:
     inflow = case.inflow
     if not isinstance(inflow, RowsInflow) or case.gravity == 0:
         return []
-    found = jump.inflow_theory(inflow.depth, inflow.velocity, case.gravity)
+    depth, speed = inflow.over(*_studied(case))
+    if not depth:
+        return []
+    found = jump.inflow_theory(depth, speed, case.gravity)
     number, y1 = found.froude, found.depth
     low, high = jump.velocity_range(y1, case.gravity)
     carried = sum(scene.discharges)
     rows: list[Row] = [
         ("froude", "Froude number Fr1", number, ""),
         ("jump_class", "class of jump", found.jump_class if number > 1 else "none: the inflow is subcritical", ""),
-        ("discharge", "discharge asked for, Va y1", found.velocity * y1, "m^2/s"),
-        ("discharge_rows", "discharge of the rows, in whole steps", carried, "m^2/s"),
+        ("discharge", f"discharge asked for, {'mean of the window' if inflow.table else 'Va y1'}", speed * y1, "m^2/s"),
+        (
+            "discharge_rows",
+            f"discharge of the rows, {'over the run' if inflow.table else 'in whole steps'}",
+            carried,
+            "m^2/s",
+        ),
         ("mass_flow_rows", "mass flow of the rows", scene.density * carried, "kg/(m s)"),
         ("thesis_speed_low", "thesis' range of Va from", low, "m/s"),
         ("thesis_speed_high", "thesis' range of Va to", high, "m/s"),
@@ -230,6 +253,11 @@ def _flow_rows(case: CaseFields, scene: Scene) -> list[Row]:
             ("channel_length", "channel length 1.5 Lj", jump.channel_length(number, y1), "m"),
         ]
     return rows
+
+
+def _studied(case: CaseFields) -> tuple[float, float]:
+    """Times over which the analysis takes its means, s: for them an inflow against time has its theory."""
+    return case.analysis.window or (0.75 * case.run.duration, case.run.duration)
 
 
 def doubts(case: CaseFields, impact_speed: float, inlets: tuple[InletRow, ...]) -> list[str]:
@@ -272,8 +300,10 @@ def _stands(wall: Wall) -> bool:
 
 def _jump_doubts(case: CaseFields, inflow: RowsInflow) -> list[str]:
     """Sentences on a jump that cannot form, has no room, or is not held by the sill."""
-    y1, g = inflow.depth, case.gravity
-    number = jump.froude(inflow.velocity, y1, g)
+    g, (y1, speed) = case.gravity, inflow.over(*_studied(case))
+    if not y1:
+        return ["no disc flows in during the window of the analysis, so that it finds no jump; take another window"]
+    number = jump.froude(speed, y1, g)
     if number <= 1:
         return [f"the inflow is subcritical (Fr = {number:.3g}), so that no jump forms; Fr must be above 1"]
     y2 = y1 * jump.belanger(number)
@@ -290,7 +320,7 @@ def _jump_doubts(case: CaseFields, inflow: RowsInflow) -> list[str]:
             f"the channel is {end - inflow.x:.3g} m long from the inlet to the sill or outlet; stream, jump and tail "
             f"water need {room:.3g} m (5 y1 + 3.5 y2; 1.5 Lj of water are {jump.channel_length(number, y1):.3g} m)"
         )
-    height = jump.sill_holding_height(inflow.velocity, y1, g)
+    height = jump.sill_holding_height(speed, y1, g)
     if steps and sill < LOWEST_SILL * height:
         found.append(
             f"the jet will run over the sill of {sill:.3g} m without a jump: a broad crest that holds it has "

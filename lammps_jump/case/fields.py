@@ -7,47 +7,36 @@ from math import sqrt
 from operator import itemgetter
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Discriminator, Field, Tag
 from pydantic.functional_validators import field_validator, model_validator
 
 from lammps_jump import units
-from lammps_jump.physics.inlet import LEAST_GAP
 from lammps_jump.quoting import LONGEST_NAME, one_line
 from lammps_jump.scene.walls import KINDS, Coordinate, Extent, WallName, ordered
 
+from .parts.base import (
+    FINE_LENGTH,
+    LEAST_GRAVITY,
+    LENGTH,
+    MOST_GRAVITY,
+    SPEED,
+    STIFFNESS,
+    TIME,
+    Component,
+    Moment,
+    Point,
+    Strict,
+    Vector,
+    Whole,
+    no_truth,
+)
+from .parts.inflow import InflowField
+
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=LONGEST_NAME)]
-
-# Wider than any use, and narrow enough that squares and quotients stay finite.
-LENGTH = {"ge": 1e-6, "le": 1e6}
-FINE_LENGTH = {"ge": 1e-12, "le": 1e6}
-SPEED = {"ge": 1e-6, "le": 1e6}
-TIME = {"ge": 1e-9, "le": 1e9}
-STIFFNESS = {"ge": 1e-6, "le": 1e24}
-LEAST_GRAVITY, MOST_GRAVITY = 1e-6, 1e6
-
-Component = Annotated[units.MetrePerSecond, Field(ge=-1e6, le=1e6)]
-Moment = Annotated[units.Second, Field(ge=-1e9, le=1e9)]
-Point = tuple[Coordinate, Coordinate]
-Vector = tuple[Component, Component]
-
-
-def _no_truth(value: Any) -> Any:
-    if isinstance(value, bool):
-        raise ValueError(f"{str(value).lower()} is not a number; expected a whole number")
-    return value
 
 
 def _folded(value: Any) -> Any:
     return one_line(value) if isinstance(value, str) else value
-
-
-Whole = Annotated[int, BeforeValidator(_no_truth)]
-
-
-class Strict(BaseModel):
-    """Frozen model that refuses unknown keys."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
 
 
 Spread = Annotated[units.Plain, Field(ge=0, le=0.5, description="half the range of diameters, in nominal diameters")]
@@ -227,68 +216,6 @@ class DiscList(Strict):
 InitialField = Annotated[Column | Lattice | DiscList, Field(discriminator="kind")]
 
 
-class RowsInflow(Strict):
-    """A jet of discs in rows (thesis 4.1-4.2); row i at (i + 1/2) d_max above `y`."""
-
-    kind: Literal["rows"]
-    x: Coordinate = 0.0
-    y: Coordinate = 0.0
-    depth: units.Metre = Field(**LENGTH)
-    mean_speed: units.MetrePerSecond | None = Field(default=None, **SPEED)
-    discharge: units.MetrePerSecondMetre | None = Field(
-        default=None, ge=1e-12, le=1e12, description="in place of mean_speed: mean_speed * depth, m^2/s"
-    )
-    profile: Literal["power_law", "uniform"] = "power_law"
-    schedule: Literal["exact", "thesis"] = Field(
-        default="exact", description="exact: rows carry the discharge asked for; thesis: touching rows fill the depth"
-    )
-    spacing: units.Plain = Field(
-        default=LEAST_GAP, ge=1, le=5, description="least distance between discs of a row, in largest diameters"
-    )
-    back: Literal["wall", "open"] = Field(default="wall", description="wall: discs cannot flow back through the inlet")
-
-    @model_validator(mode="before")
-    @classmethod
-    def _fields_of_0_1_0(cls, data: Any) -> Any:
-        """Leave out fields that earlier cases name: the default schedule carries the exact discharge."""
-        if isinstance(data, dict):
-            return {key: value for key, value in data.items() if key not in ("turns", "exact_discharge")}
-        return data
-
-    @model_validator(mode="after")
-    def _speed_given_once(self) -> RowsInflow:
-        if (self.mean_speed is None) == (self.discharge is None):
-            raise ValueError(
-                "needs mean_speed (m/s) or discharge (m^2/s), one of the two; null takes the other away, for example "
-                "--set inflow.mean_speed=null"
-            )
-        if not SPEED["ge"] <= self.velocity <= SPEED["le"]:
-            raise ValueError(
-                f"discharge {self.discharge:g} m^2/s over the depth is {self.velocity:.3g} m/s; allowed is "
-                f"{SPEED['ge']:g} to {SPEED['le']:g} m/s"
-            )
-        return self
-
-    @property
-    def velocity(self) -> float:
-        """Mean velocity Va, m/s: given, or the discharge over the depth."""
-        return self.mean_speed if self.discharge is None else self.discharge / self.depth  # type: ignore[return-value]
-
-
-class PourInflow(Strict):
-    """Discs dropped at random places of a rectangle, for filling."""
-
-    kind: Literal["pour"]
-    x: Extent
-    y: Extent
-    count: Whole = Field(gt=0, le=20_000_000)
-    volume_fraction: units.Plain = Field(default=0.4, gt=0, le=0.7)
-    speed_down: units.MetrePerSecond = Field(default=0.0, ge=0, le=1e6)
-
-
-InflowField = Annotated[RowsInflow | PourInflow, Field(discriminator="kind")]
-
-
 class Outflow(Strict):
     """A line beyond which discs are taken out: one of the four."""
 
@@ -351,13 +278,12 @@ class Probes(Strict):
     """What is recorded at every step: forces on walls, and the energy between two stations."""
 
     forces: tuple[Name, ...] = ()
-    interval: units.Second = Field(
-        default=0.01, **TIME, description="forces are averaged over this time, every step counted"
-    )
+    interval: units.Second = Field(default=0.01, **TIME, description="forces are means over it, every step counted")
     stations: StationPair | None = Field(default=None, description="energy budget between them; native engine only")
     groups: dict[WallName, tuple[Name, ...]] = Field(
         default_factory=dict, description="name: walls whose forces are summed"
     )
+    gauges: tuple[Coordinate, ...] = Field(default=(), max_length=100, description="x where the depth is followed")
 
 
 class Analysis(Strict):
@@ -368,6 +294,8 @@ class Analysis(Strict):
     jump: bool = False
     energy: bool = False
     front: Literal[False, True, "water"] = Field(default=False, description="water: also against columns of water")
+    drum: bool = Field(default=False, description="angle of the surface in a drum that turns")
+    hopper: bool = Field(default=False, description="discharge of a hopper")
     fields: bool = False
     animation: bool = False
     figures: Literal["default", "all", "player", "none"] = Field(default="default", description="none: no report")
@@ -378,7 +306,7 @@ class Engine(Strict):
 
     name: Literal["lammps", "native"] = "lammps"
     kernel: Literal["auto", "stock", "compiled"] = "auto"
-    ranks: Annotated[int | Literal["auto"], BeforeValidator(_no_truth)] = 1
+    ranks: Annotated[int | Literal["auto"], BeforeValidator(no_truth)] = 1
     skin: units.Metre | None = Field(default=None, **FINE_LENGTH, description="neighbour skin; default 0.3 d")
 
     @field_validator("ranks")

@@ -8,7 +8,6 @@ import math
 import numpy as np
 
 from lammps_jump.physics import contact
-from lammps_jump.physics.inlet import COARSEST_RASTER, plan_rows, row_count, seeded_speeds, thesis_rows
 from lammps_jump.scene import (
     Beginning,
     InletRow,
@@ -26,17 +25,17 @@ from lammps_jump.scene.schedule import Schedule, fitted_step, plan_stations, pla
 
 from . import checks, walls
 from .derived import doubts, skipped
-from .fields import CaseFields, Column, PourInflow, RowsInflow
+from .fields import CaseFields, Column
 from .packing import arrange, disc_sizes
+from .parts import places
+from .parts.inflow import PourInflow, RowsInflow
+from .parts.rows import Inlet, inlet_of
 from .text import CaseSource
 
 INTEGRATORS = {"lammps": "velocity_verlet", "native": "leapfrog_extrapolated"}
 """What ``run.integrator: auto`` means, by engine."""
 MAX_SPEED_MARGIN = 2.0
 """Ratio of the speed at which a disc could jump over an outlet to the largest speed that the case implies."""
-
-MOST_ROWS = 10_000
-"""Rows of an inflow; each is a fix of LAMMPS."""
 
 POUR_RASTER = 100
 """Steps at whose multiples poured discs get their own diameter. To set diameters is free at every 100 steps; at every 8
@@ -102,7 +101,8 @@ def build_scene(case: CaseFields, source: CaseSource) -> Scene:
         a wall, no rows, unknown probes, discs outside the domain; with the place in the file.
     """
     begun, warnings = _beginning(case, source)
-    inlets, raster = _inlets(case, source, begun)
+    rows = case.inflow if isinstance(case.inflow, RowsInflow) else None
+    inlets, raster, hydrograph = inlet_of(rows, source, begun, case.run.seed) if rows else Inlet()
     theirs = walls.joined(case, source)
     given = theirs + walls.lifted(case)
     walls.check_bends(source, given, begun.largest)
@@ -120,9 +120,9 @@ def build_scene(case: CaseFields, source: CaseSource) -> Scene:
     gates = walls.shut_gates(case, begun, domain)
     moving += map(MovingWall, _inlet_back(case, begun.largest))
     own_names = checks.check_names(case, source, [wall for wall, _ in (*moving[len(theirs) :], *gates)])
-    checks.check_in_domain(case, source, begun.positions, inlets, domain)
+    places.check_in_domain(case, source, begun.positions, inlets, domain)
     fields = {item.wall.name: item.field for item in theirs}
-    checks.check_places(source, begun, inlets, (*moving, *gates), fields)
+    places.check_places(source, begun, inlets, (*moving, *gates), fields)
     checks.check_pour(case, source, domain, begun.largest)
     names = [wall.name for wall, _ in moving]
     probes, groups = _probes(case, source, names), walls.groups(case, source, moving, own_names)
@@ -144,11 +144,13 @@ def build_scene(case: CaseFields, source: CaseSource) -> Scene:
         walls=(*kept, *gates),
         own_laws=laws,
         inlets=inlets,
+        hydrograph=hydrograph,
         pours=(Pour(**pour.model_dump(exclude={"kind"})),) if pour else (),
         outlets=outlets,
         probes=probes,
         groups=groups,
         stations=_stations(case, source, begun, inlets, outlets),
+        gauges=places.gauges(case, source, domain[0]),
         seed=case.run.seed,
         skin=case.engine.skin or 0.3 * begun.diameter,
         touch=law.touch,
@@ -266,53 +268,6 @@ def _discs(
         positions.append(place)
         velocities.append(speed)
     return np.concatenate(positions), np.concatenate(velocities)
-
-
-def _inlets(case: CaseFields, source: CaseSource, begun: Beginning) -> tuple[tuple[InletRow, ...], int]:
-    """Rows of the inflow, and the raster of their steps."""
-    inflow, d, dt = case.inflow, begun.diameter, begun.time_step
-    if not isinstance(inflow, RowsInflow):
-        return (), 1
-    largest, mean_square = begun.largest, begun.mean_square
-    if inflow.depth < d * (1 - 1e-9):
-        raise source.error(
-            f"inflow.depth: {inflow.depth:g} m holds no row of discs of {d:g} m; allowed is one diameter or more"
-        )
-    count = row_count(inflow.depth, mean_square, largest, inflow.spacing)
-    if count > MOST_ROWS:
-        raise source.error(
-            f"inflow.depth: {inflow.depth:g} m holds {count} rows of discs of {d:g} m; allowed are {MOST_ROWS}: take "
-            "larger discs"
-        )
-    slowest = count * mean_square / (inflow.depth * inflow.velocity * dt)
-    if slowest > checks.MOST_STEPS:
-        raise source.error(
-            f"inflow.{'mean_speed' if inflow.discharge is None else 'discharge'}: {inflow.velocity:g} m/s lets a disc "
-            f"in every {slowest:.3g} steps; allowed are {checks.MOST_STEPS:.0e}: raise it or lower the stiffness"
-        )
-    if inflow.schedule == "thesis":
-        if begun.sizes:
-            raise source.error(
-                "inflow.schedule: 'thesis' is for equal discs; allowed is exact where discs.sizes is given"
-            )
-        plan = thesis_rows(inflow.depth, d, inflow.velocity, dt, profile=inflow.profile)
-    else:
-        plan = plan_rows(
-            inflow.depth,
-            inflow.velocity,
-            dt,
-            mean_square=mean_square,
-            largest=largest,
-            profile=inflow.profile,
-            least_gap=inflow.spacing,
-            coarsest=COARSEST_RASTER if begun.sizes else 1,
-        )
-    first = (begun.settle_steps // plan.raster + 1) * plan.raster
-    rows = zip(plan.heights, seeded_speeds(plan.speeds, case.run.seed), plan.steps, strict=True)
-    return tuple(
-        InletRow(inflow.x, inflow.y + height, speed, 0.0, first, steps, 0.999 * largest)
-        for height, speed, steps in rows
-    ), plan.raster
 
 
 Rectangle = tuple[Interval, Interval]

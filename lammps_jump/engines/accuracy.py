@@ -158,6 +158,8 @@ def fits(row: Calibrated, case: CaseFields, usable: set[str]) -> bool:
         return False
     if engine.name == "lammps" and engine.kernel not in ("auto", row.kernel):
         return False
+    if row.kernel != "native" and getattr(case.inflow, "table", None):  # no kernel of LAMMPS has it
+        return False
     if row.kernel == "stock" and law.friction > 0 and not FRICTION_LAWS[law.friction_law].in_stock:
         return False
     integrator = "leapfrog_extrapolated" if row.kernel == "native" else "velocity_verlet"

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from lammps_jump.errors import CaseError, SetupError
 from lammps_jump.scene.scene import Scene
-from lammps_jump.script.stock import lacking
+from lammps_jump.script.stock import lacking, lacking_everywhere
 
 from .lammps.loader import check_installed
 from .plugin.build import availability, plugin_path
@@ -28,7 +28,7 @@ def choose(engine: str, kernel: str, ranks: int | str, scene: Scene) -> tuple[Se
     engine : {'lammps', 'native'}
     kernel : {'auto', 'stock', 'compiled'}
         LAMMPS only. ``auto`` is the compiled kernel. Where that cannot be used it is stock, and where stock lacks
-        something the native engine.
+        something the native engine, as where both kernels do.
     ranks : int or 'auto'
         LAMMPS only.
     scene : Scene
@@ -44,6 +44,12 @@ def choose(engine: str, kernel: str, ranks: int | str, scene: Scene) -> tuple[Se
         return Setting("native", "numba"), []
     if kernel not in KERNELS:
         raise CaseError(f"engine.kernel: {kernel} is not known; use {', '.join(KERNELS)}")
+    if missing := lacking_everywhere(scene):
+        if kernel != "auto":
+            raise SetupError(
+                f"kernel {kernel}: LAMMPS has no {missing}; set engine.name to native, or engine.kernel to auto"
+            )
+        return Setting("native", "numba"), [f"the native engine is used: LAMMPS has no {missing}"]
     check_installed()
     number, notes = choose_ranks(ranks, scene)
     if kernel == "stock":

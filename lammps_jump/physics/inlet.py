@@ -93,8 +93,13 @@ def seeded_speeds(speeds: tuple[float, ...], seed: int) -> tuple[float, ...]:
 
     Collisions make a flow of it that differs within a second: runs with other seeds are other samples.
     """
-    draws = np.random.default_rng(seed).uniform(-1.0, 1.0, len(speeds)) if seed else np.zeros(len(speeds))
-    return tuple(speed * (1.0 + SHIFT * float(draw)) for speed, draw in zip(speeds, draws, strict=True))
+    return tuple(speed * factor for speed, factor in zip(speeds, seed_factors(len(speeds), seed), strict=True))
+
+
+def seed_factors(rows: int, seed: int) -> tuple[float, ...]:
+    """What `seeded_speeds` multiplies the speed of each row by."""
+    draws = np.random.default_rng(seed).uniform(-1.0, 1.0, rows) if seed else np.zeros(rows)
+    return tuple(1.0 + SHIFT * float(draw) for draw in draws)
 
 
 def whole_intervals(ideal: np.ndarray, wanted: float) -> np.ndarray:

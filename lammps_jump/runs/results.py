@@ -78,13 +78,14 @@ def flow_of(case: ReadCase, folder: Path | None = None) -> Flow:
     The contacts of a frame are found once for all who have the same flow.
     """
     asked, inflow = case.fields.analysis, case.fields.inflow
-    rows = inflow if inflow is not None and inflow.kind == "rows" else None
+    steady = inflow if inflow is not None and inflow.kind == "rows" and inflow.table is None else None
+    depth, speed = steady.over(0.0, 0.0) if steady else (None, None)  # one against time is in the scene
     return from_scene(
         case.scene(),
         bin_width=asked.bin_width,
         window=asked.window,
-        inflow_depth=rows.depth if rows else None,
-        inflow_speed=rows.velocity if rows else None,
+        inflow_depth=depth,
+        inflow_speed=speed,
         water=asked.front == "water",
         folder=folder,
     )

@@ -207,9 +207,13 @@ def flow_state(
 
 
 def steady_window(scene: Scene, reach: tuple[float, float]) -> float | None:
-    """Length of record for the test, s; None for a scene without inflow, whose flow does not become steady."""
-    speeds = [row.vx for row in scene.inlets if row.vx]
-    if not speeds:
+    """Length of record for the test, s; None for a scene without inflow, whose flow does not become steady.
+
+    Of an inflow against time its last values count, those that stay.
+    """
+    graph = scene.hydrograph
+    speeds = [row.vx for row in scene.inlets if row.vx] if graph is None else [graph.speeds[-1]]
+    if not speeds or (graph is not None and not graph.depths[-1]):
         return None
     passage = (reach[1] - reach[0]) / abs(float(np.mean(speeds)))
     return max(PASSAGES * passage, FEWEST_FRAMES * scene.output_steps * scene.time_step)
@@ -239,13 +243,18 @@ class SteadyWatch:
     ----------
     reason : str
         Empty until the run may stop; then the sentence for the summary.
+    changing : float
+        Time until which the inflow changes, s: frames before it do not count.
     """
 
     def __init__(self, scene: Scene, folder: Path, reach: tuple[float, float]):
         self.scene, self.flow, self.reach = scene, from_scene(scene), reach
         self.tail = Tail(folder.absolute() / "dump.lammpstrj")  # whoever changes the working directory meanwhile
         window = steady_window(scene, reach)
-        self.detector = SteadyDetector(window, sum(scene.discharges)) if window else None
+        graph = scene.hydrograph
+        self.changing = graph.times[-1] if graph is not None and graph.changes else 0.0
+        carried = graph.depths[-1] * graph.speeds[-1] if graph is not None else sum(scene.discharges)
+        self.detector = SteadyDetector(window, carried) if window else None
         self.reason, self._highest, self._entered = "", 0, 0.0
 
     def __call__(self) -> bool:
@@ -253,7 +262,7 @@ class SteadyWatch:
         if self.detector is None:
             return False
         for frame in self.tail.new_frames():
-            if frame.n and not self.reason:
+            if frame.n and not self.reason and self.flow.time(frame) >= self.changing:
                 self.reason = self._look(frame, self.flow.time(frame), self.detector)
         return bool(self.reason)
 

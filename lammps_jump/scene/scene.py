@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from bisect import bisect_right
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import isinf
 
@@ -11,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lammps_jump.physics.contact import Coefficients, WallLaw
+from lammps_jump.physics.hydrograph import Hydrograph
 from lammps_jump.physics.slip import Springs, slots_of
 
 from .motion import MovingWall, Pose, arms
@@ -27,6 +29,10 @@ class InletRow:
     Attempts are made at the steps ``first_step + i every_steps`` (i = 0, 1, …). An attempt succeeds unless a
     centre lies closer than `clearance` to (x, y) or `limit` discs have entered; a refused one waits for the
     next turn. A disc enters after the drift of that step and before its forces (LAMMPS' ``pre_exchange``).
+
+    A row of an inflow against time has `turns`, the steps of its attempts in their order, and `speeds`, the velocity
+    along x that each of them gives, m/s. Then `vx` is the largest of them, `first_step` the first turn and
+    `every_steps` the mean time between turns over the run.
     """
 
     x: float
@@ -37,6 +43,18 @@ class InletRow:
     every_steps: int
     clearance: float
     limit: int | None = None
+    turns: tuple[int, ...] = ()
+    speeds: tuple[float, ...] = ()
+
+    def turns_until(self, step: int) -> Sequence[int]:
+        """Steps of its attempts up to a step, if all succeed."""
+        if self.turns:
+            return self.turns[: bisect_right(self.turns, step)]
+        return range(self.first_step, step + 1, self.every_steps)[: self.limit]
+
+    def speed_at(self, step: int) -> float:
+        """Velocity along x of a disc that enters at a step, m/s; of an inflow against time at the last turn by then."""
+        return self.speeds[max(0, bisect_right(self.turns, step) - 1)] if self.turns else self.vx
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,6 +97,7 @@ class Measures:
     diameter: float
     coefficients: Coefficients
     sizes: Sizes | None
+    steps: int
     settle_steps: int
 
     @property
@@ -110,8 +129,13 @@ class Measures:
         return (step - self.settle_steps) * self.time_step
 
     def discharges_of(self, rows: tuple[InletRow, ...]) -> tuple[float, ...]:
-        """Discharge of inlet rows in whole steps, without refused turns, m^2/s: mean squared diameter by time."""
-        return tuple(self.mean_square / (row.every_steps * self.time_step) for row in rows)
+        """Discharge of inlet rows in whole steps, without refused turns, m^2/s: mean squared diameter by time.
+
+        Against time it is the mean over the run.
+        """
+        steps = self.steps - self.settle_steps
+        each = (steps / len(row.turns) if row.turns else row.every_steps for row in rows)
+        return tuple(self.mean_square / (every * self.time_step) for every in each)
 
 
 @dataclass(frozen=True)
@@ -149,10 +173,14 @@ class Scene(Measures):
         Discs at the start, read-only; their ids are 1 … n in this order.
     walls : tuple of MovingWall
         Each wall with its motion; a `Wall` given alone stands. A gate is a wall whose motion takes it away.
+    hydrograph : Hydrograph, optional
+        The inflow against time that the rows carry out; without it they are steady.
     probes : tuple of str
         Names of walls whose force is recorded every step and averaged over `probe_steps`; those of groups are added.
     groups : tuple of (str, tuple of str)
         Names of groups and of their walls, whose forces are summed.
+    gauges : tuple of float
+        Places along x where the analysis follows the depth, m.
     stations : Stations, optional
         Between them the native engine keeps an energy budget.
     sizes : Sizes, optional
@@ -188,6 +216,7 @@ class Scene(Measures):
     velocities: np.ndarray
     walls: tuple[MovingWall, ...]
     inlets: tuple[InletRow, ...] = ()
+    hydrograph: Hydrograph | None = None
     pours: tuple[Pour, ...] = ()
     outlets: tuple[Outlet, ...] = ()
     probes: tuple[str, ...] = ()
@@ -211,6 +240,7 @@ class Scene(Measures):
     warnings: tuple[str, ...] = field(default=())
     adapted: tuple[str, ...] = field(default=())
     groups: tuple[tuple[str, tuple[str, ...]], ...] = ()
+    gauges: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         """Let a wall that is given alone stand; record the walls of groups; CaseError where they move apart."""
@@ -244,7 +274,7 @@ class Scene(Measures):
     def expected_discs(self) -> int:
         """Discs in play at the end if none leaves: those at the start and all that the inlets can bring."""
         steps = self.steps - self.settle_steps
-        brought = sum(row.limit or steps // row.every_steps for row in self.inlets)
+        brought = sum(row.limit or len(row.turns) or steps // row.every_steps for row in self.inlets)
         return len(self.positions) + brought + sum(item.count for item in self.pours)
 
     @property

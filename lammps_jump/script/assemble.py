@@ -54,10 +54,14 @@ class Options:
 def script_text(scene: Scene, **options) -> str:
     """The LAMMPS input script of a scene; keywords as of `Options`.
 
-    A stock script of what stock LAMMPS lacks says so and ends with status 1.
+    A script of what its kernel lacks says so and ends with status 1.
     """
     how = Options(**options)
     title = f"{scene.name}: {scene.description}".rstrip(": ")
+    if lacking := stock.lacking_everywhere(scene):
+        said = f"No run: LAMMPS has no {lacking}, nor has the plugin; `lammps-jump run` takes its native engine"
+        how = replace(how, header=(said, *how.header))
+        return joined(title, SCRIPTS[how.kernel], how, [("end", [f'print "{lammps_comment(said)}"', "quit 1"])])
     if how.kernel == "stock" and (lacking := stock.lacking(scene)):
         said = f"No run: LAMMPS' own styles have no {lacking}; {SCRIPTS['compiled']} beside it runs with the plugin"
         how = replace(how, kernel="compiled", header=(said, *how.header))

@@ -26,8 +26,18 @@ LOG_LINES_PER_FRAME = 5
 probes, gates = stock_probes, stock_gates
 
 
+def lacking_everywhere(scene: Scene) -> str:
+    """What both kernels lack, so that the native engine alone runs the scene; empty where one of them has all of it.
+
+    ``fix deposit`` has one interval and one speed for all its discs.
+    """
+    return "'inflow.table'" if scene.hydrograph else ""
+
+
 def lacking(scene: Scene) -> str:
     """What the styles of LAMMPS lack of a scene, with the field that asks for it; empty where they write all of it."""
+    if missing := lacking_everywhere(scene):
+        return missing
     if scene.touch == "smooth":
         return "'touch: smooth'"
     if scene.rubs and not FRICTION_LAWS[scene.friction_law].in_stock:

@@ -19,7 +19,7 @@ from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.analysis.report.page import heading
 from lammps_jump.case.case import ReadCase
 from lammps_jump.case.explain import explain
-from lammps_jump.case.fields import Strict
+from lammps_jump.case.parts.base import Strict
 from lammps_jump.case.text import CaseSource, nearest, parse_source, read_source, read_text
 from lammps_jump.errors import CaseError
 from lammps_jump.files import plain

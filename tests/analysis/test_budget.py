@@ -37,10 +37,18 @@ from lammps_jump.units import ABSENT, as_summary
 
 D = 0.2
 FLOOR = Plane("floor", "y", 0.0, "above")
+SEVERAL = Sizes((1.0,), (0.14,), (0.26,), seed=3)
 
 
-@pytest.mark.parametrize(("integrator", "error"), [("velocity_verlet", 1e-4), ("leapfrog_extrapolated", 0.02)])
-@pytest.mark.parametrize("sizes", [None, Sizes((1.0,), (0.14,), (0.26,), seed=3)])
+@pytest.mark.parametrize(
+    ("integrator", "error", "sizes"),
+    [
+        ("velocity_verlet", 1e-4, SEVERAL),
+        ("leapfrog_extrapolated", 0.02, None),
+        pytest.param("velocity_verlet", 1e-4, None, marks=pytest.mark.long),
+        pytest.param("leapfrog_extrapolated", 0.02, SEVERAL, marks=pytest.mark.long),
+    ],
+)
 def test_dashpots_of_frames_at_every_step_are_those_of_the_ledger(integrator, error, sizes):
     """A disc that falls onto the floor between two that lean on it: pairs and walls, both sides of a bin's edge."""
     places = [(-0.19, 0.13), (0.0, 0.4), (0.19, 0.13)]

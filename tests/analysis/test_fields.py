@@ -33,10 +33,10 @@ def frame(x, y, u=0.0, v=0.0, time=0.0):
 points = st.lists(st.tuples(st.floats(0.01, 3.99), st.floats(0.01, 5.5)), min_size=1, max_size=40)
 
 
-@settings(max_examples=15)
+@settings(max_examples=10)
 @given(
     points=points,
-    spacing=st.sampled_from([0.05, 0.1, 0.2, 0.5]),
+    spacing=st.sampled_from([0.1, 0.2, 0.5]),  # 0.05 m takes four times as long as 0.1 m, in the same lines
     reach=st.floats(0.05, 1.5),
     seed=st.integers(0, 1000),
 )

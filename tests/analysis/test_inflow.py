@@ -15,6 +15,7 @@ from lammps_jump.case import load_case
 from lammps_jump.dump.find import ForceHistory
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.engines.native.engine import take_frame
+from lammps_jump.runs.results import flow_of
 
 QUICK = ("run.duration=3", "run.time_step_fraction=0.2", "initial=[]")
 
@@ -23,8 +24,8 @@ def delivered(*changes):
     """Numbers of the inflow of a short jet, and the simulation."""
     case = load_case(INPUTS / "quick_jump.yaml", [*QUICK, *changes])
     scene = case.scene()
-    inflow = case.fields.inflow
-    flow = from_scene(scene, inflow_depth=inflow.depth, inflow_speed=inflow.velocity, window=(1.0, 3.0))
+    flow = flow_of(case)
+    flow = from_scene(scene, inflow_depth=flow.inflow_depth, inflow_speed=flow.inflow_speed, window=(1.0, 3.0))
     counter, simulation = InflowCounter(flow), NativeSimulation(scene, ledger=False)
     while True:
         frame = take_frame(simulation)
@@ -42,6 +43,21 @@ def test_the_exact_schedule_delivers_what_is_asked_and_refuses_none(changes):
     assert not found.notes
     assert found.speed * found.depth == pytest.approx(found.delivered, rel=5e-3)
     assert found.momentum == pytest.approx(found.momentum_planned, rel=0.03)
+
+
+def test_an_inflow_against_time_is_held_against_its_table_over_the_window():
+    table = "inflow.table=[[0, 0.2, 6], [1.5, 0.6, 10], [2.5, 0.6, 10], [3, 0.3, 8]]"
+    found, simulation = delivered("inflow.depth=null", "inflow.mean_speed=null", table)
+    graph = simulation.scene.hydrograph
+    depth, discharge = graph.means(1.0, 3.0)
+    assert (found.asked, found.depth_asked) == pytest.approx((discharge, depth), rel=1e-3)  # the window in whole frames
+    # half a disc of each row at both ends of the window: the area of 3 discs in 2 s at most, mostly one
+    assert found.delivered == pytest.approx(found.asked, abs=0.5 * 0.0228 * 6)
+    assert found.planned == pytest.approx(found.asked, abs=0.5 * 0.0228 * 6)
+    assert found.refused == 0 and not found.notes
+    assert found.speed_asked == pytest.approx(discharge / depth, rel=1e-3)
+    dry, _ = delivered("inflow.depth=null", "inflow.mean_speed=null", "inflow.table=[[0, 0.6, 10], [0.9, 0, 10]]")
+    assert dry.asked == dry.delivered == 0.0 and not dry.notes
 
 
 def test_refused_turns_are_told_row_by_row():
@@ -62,7 +78,9 @@ def test_a_drowned_inlet_is_told_with_the_time_of_its_last_disc():
     time, rows = np.arange(0.0, 20.0), len(flow.scene.inlets)
     turns = np.full((20, rows), 50)
     entered = np.where(time[:, None] <= 12, turns, 0)
-    arrivals = Arrivals(time, turns, entered, entered.sum(axis=1), 0.15**2 * entered, 0 * time, np.ones((20, 3)))
+    arrivals = Arrivals(
+        time, turns, entered, entered.sum(axis=1), 0.15**2 * entered, 0 * time, np.ones((20, 3)), np.ones((20, 2))
+    )
     assert deliver(arrivals, flow, flow.window).notes[0].endswith("no disc has entered since t = 12 s")
     some = replace(arrivals, discs=np.maximum(arrivals.discs, 1))
     assert "since" not in deliver(some, flow, flow.window).notes[0]
@@ -92,7 +110,20 @@ def test_the_section_says_what_came_of_the_discharge():
     assert len(blocks[1].rows) == 6
 
 
-@pytest.mark.parametrize("changes", [(), ("discs.sizes=null",), ("discs.sizes=null", "inflow.schedule=thesis")])
+AGAINST_TIME = (
+    "inflow.depth=null", "inflow.mean_speed=null", "inflow.table=[[0, 0.6, 12], [4, 0.6, 12], [6, 0.3, 10]]"
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        (),
+        pytest.param(("discs.sizes=null",), marks=pytest.mark.long),
+        pytest.param(("discs.sizes=null", "inflow.schedule=thesis"), marks=pytest.mark.long),
+        pytest.param(AGAINST_TIME, marks=pytest.mark.long),
+    ],
+)
 def test_momentum_of_a_jet_that_leaves_at_an_outlet_is_accounted_for(changes):
     """Over a low sill and out in free flight: what walls gave, and what discs brought in and carried out, adds up."""
     near = ("walls.floor.x=[-5, 20.2]", "walls.sill.x=[20, 20.6]")

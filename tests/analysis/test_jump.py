@@ -18,7 +18,7 @@ from lammps_jump.analysis.beds.slope import AlongBed, sloping_stretch
 from lammps_jump.analysis.jump.certainty import LOCAL_BOUNDS, LOWER_BOUNDS, MADE_OF, UNTOLD, inherited
 from lammps_jump.analysis.jump.frame import Moving, Roller, growth_rate
 from lammps_jump.analysis.jump.head import Budget
-from lammps_jump.analysis.jump.result import analyse_jump, level_reach
+from lammps_jump.analysis.jump.result import analyse_jump, level_reach, without_baffles
 from lammps_jump.analysis.jump.section import analyse, certainty, section
 from lammps_jump.analysis.jump.stream import compression_front, measure_stream, running_median
 from lammps_jump.analysis.jump.summary import Jump, Local, summarise_jump
@@ -32,6 +32,7 @@ from lammps_jump.analysis.statistics import STUDENT, Mean, mean_of, piece_error,
 from lammps_jump.analysis.tables.rows import rows_of, tiles
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.physics import jump as theory
+from lammps_jump.scene.scene import InletRow
 from lammps_jump.scene.walls import Block, Line, Plane
 from lammps_jump.units import numbers_of
 
@@ -288,6 +289,35 @@ def test_reach_is_the_longest_level_stretch():
     assert level_reach(bed, D).tolist() == list(range(50))
     assert level_reach(bed[::-1], D).tolist() == list(range(10, 60))
     assert not level_reach(np.full(9, np.nan), D).size
+
+
+def test_a_baffle_does_not_end_the_level_bed():
+    """A block lower than a quarter of the water above it and shorter than that depth; a sill or a long step does."""
+    bed, water = np.zeros(20), np.full(20, 4.0)
+    bed[8:10], bed[15:] = 0.9, 2.0
+    assert without_baffles(bed, water, 1.0, D)[:15].tolist() == [0.0] * 15
+    assert without_baffles(bed, water, 2.0, D)[8:10].tolist() == [0.9] * 2  # four metres long
+    assert without_baffles(bed, 0.8 * water, 1.0, D)[8:10].tolist() == [0.9] * 2  # higher than a quarter
+    bed[8:10] = -0.5
+    assert without_baffles(bed, water, 1.0, D).tolist() == bed.tolist()  # a pit stays
+
+
+def test_a_basin_at_the_foot_of_a_chute():
+    """The inlet stands 3 m above the bed: it is not drowned, and its stream is no state before the jump."""
+    chute = Line("chute", points=((-1.0, 3.0), (2.0, 3.0), (8.0, 0.0), (61.0, 0.0)))
+    rows = (InletRow(0.0, 3.1, 20.0, 0.0, 1, 10, 0.2),)
+    there = context(walls=(chute,), inlets=rows, inflow_depth=1.2, inflow_speed=20.0)
+
+    def stream(frame):
+        below = frame.x > 8.0
+        columns = {name: np.array(values)[below] for name, values in frame.columns.items()}
+        return make_frame(frame.step, frame.time, frame.box, columns)
+
+    frames = [stream(frame) for frame in moving_step(24, 14.5)]
+    profiles = compute_profiles(frames, there)
+    assert analyse_jump(profiles, there).verdict == "jump"  # the toe comes within 2.4 m of the foot
+    found = analyse(Gathered(there, profiles, None, {}, {}))
+    assert (found.of, found.inflow) == ("stream before the toe", None)
 
 
 @settings(max_examples=60)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """What the contact tests share: the engines behind one face, and a table entry turned into a scene and a record.
 
-An engine here is anything with ``run(steps)``, ``positions``, ``velocities`` (n, 2) and ``spin`` (n,).
+An engine here is anything with ``run(steps)``, ``positions``, ``velocities`` (n, 2), ``spin`` (n,) and ``wall(name)``.
 """
 
 from __future__ import annotations
@@ -43,6 +43,7 @@ class LammpsEngine:
         from lammps_jump.engines.lammps.loader import load_lammps
         from lammps_jump.script import write_script
 
+        self.scene = scene
         plugin = plugin_or_skip() if compiled else None
         path = write_script(scene, folder, kernel="compiled" if compiled else "stock")
         commands = path.read_text().partition("# --- run")[0]
@@ -75,6 +76,11 @@ class LammpsEngine:
     def spin(self) -> np.ndarray:
         return self._by_id("omega")[:, 2].copy()
 
+    def wall(self, name: str) -> list[float]:
+        """Means over the last whole window: force on a wall, moment, and power where walls move."""
+        columns, index = 3 + self.scene.moves, self.scene.probes.index(name)
+        return [self.lmp.extract_fix("motion", 0, 1, columns * index + column) for column in range(columns)]
+
     def close(self) -> None:
         self.lmp.close()
 
@@ -97,6 +103,10 @@ class NativeEngine:
     positions = property(lambda self: self.simulation.positions)
     velocities = property(lambda self: self.simulation.velocities)
     spin = property(lambda self: self.simulation.spin)
+
+    def wall(self, name: str) -> list[float]:
+        """Means over the last whole window: force on a wall, moment, and power where walls move."""
+        return next(list(row[2:]) for row in reversed(self.simulation.forces) if row[1] == name)
 
     def close(self) -> None:
         pass

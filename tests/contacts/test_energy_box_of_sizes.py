@@ -29,8 +29,19 @@ def energy(scene: Scene, x: np.ndarray, v: np.ndarray) -> float:
     return float(0.5 * scene.masses(d) @ np.square(v).sum(axis=1) + springs)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("sizes", ["null", "{kind: uniform, spread: 0.2}", "{kind: bidisperse, spread: 0.2}"])
+SIZES = ("null", "{kind: uniform, spread: 0.2}", "{kind: bidisperse, spread: 0.2}")
+USUAL = {("lammps", SIZES[0]), ("compiled", SIZES[1]), ("native_verlet", SIZES[2])}
+"""Each engine once and each kind of sizes once; the others are long."""
+
+
+@pytest.mark.parametrize(
+    ("engine", "sizes"),
+    [
+        pytest.param(engine, sizes, marks=[] if (engine, sizes) in USUAL else pytest.mark.long)
+        for engine in ENGINES
+        for sizes in SIZES
+    ],
+)
 def test_sixteen_discs_keep_their_energy(engine, sizes, tmp_path):
     deviations = []
     for seed in range(1, STARTS + 1):

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
 import sys
 from dataclasses import replace
@@ -63,6 +64,10 @@ SCENES = {
         "quick_jump", *JUMP, "probes.stations={x: [2, 4], speed: 0.5, window: [0.4, 1.0]}"
     ),
     "inlets and outlets, equal discs": lambda: case_scene("quick_jump", *JUMP, "discs.sizes=null"),
+    "inflow against time": lambda: case_scene(
+        "quick_jump", *JUMP, "inflow.depth=null", "inflow.mean_speed=null",
+        "inflow.table=[[0, 0.2, 6], [0.6, 0.6, 10], [0.8, 0.3, 8]]",
+    ),
     "gate, friction, spin": lambda: case_scene(
         "wave_structure", "run.duration=0.1", "initial.0.settle=0.1", "run.output_interval=0.01",
         "contact.rotation=true", "contact.friction=0.1",
@@ -175,7 +180,7 @@ def test_a_full_disk_is_told(tmp_path, monkeypatch):
 # --- the whole job -----------------------------------------------------------------------------------------------
 
 
-CHANGES = ["engine.name=native", "run.duration=1.2", "run.output_interval=0.05"]
+CHANGES = ["engine.name=native", "run.duration=1.2", "run.output_interval=0.05", "initial=[]"]
 
 
 def job(folder: Path, changes=CHANGES, **options):
@@ -188,14 +193,22 @@ def light(monkeypatch):
     without_analysis(monkeypatch)
 
 
-@pytest.fixture
-def interrupted(tmp_path, monkeypatch, light):
-    """A run folder of a run that was interrupted half way."""
-    with monkeypatch.context() as patch:
+@pytest.fixture(scope="module")
+def stopped(tmp_path_factory):
+    """A run folder of a run that was interrupted half way; tests work on copies."""
+    folder = tmp_path_factory.mktemp("stopped") / "run"
+    with pytest.MonkeyPatch.context() as patch:
+        without_analysis(patch)
         patch.setattr(engine, "choose", choose_to_stop_at(2500))
         with pytest.raises(RunInterrupted, match=r"lammps-jump run .* --resume"):
-            job(tmp_path / "run")
-    return tmp_path / "run"
+            job(folder)
+    return folder
+
+
+@pytest.fixture
+def interrupted(stopped, tmp_path, light):
+    """A copy of the folder of a run that was interrupted half way."""
+    return Path(shutil.copytree(stopped, tmp_path / "run"))
 
 
 def snapshot(folder: Path) -> dict[str, bytes]:

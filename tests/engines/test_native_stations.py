@@ -73,7 +73,7 @@ def test_stations_around_all_discs_count_what_the_run_loses(integrator, law, siz
     assert left_over(sums) == pytest.approx(ledger["elastic"], abs=2e-3 * ledger["throughput"])
 
 
-@pytest.mark.parametrize("make", [NativeSimulation, CellSimulation])
+@pytest.mark.parametrize("make", [pytest.param(NativeSimulation, marks=pytest.mark.long), CellSimulation])
 def test_two_stretches_make_up_the_whole(make):
     """At the station between them discs cross and contacts are cut, with friction and spin."""
     scene = column()

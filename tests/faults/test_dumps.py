@@ -78,8 +78,18 @@ ABSURD = [
 ]
 
 
-@pytest.mark.parametrize("column", [1, 2, 3, 4])
-@pytest.mark.parametrize("value, refused", ABSURD)
+OFTEN = {(1, "1e12"), (2, "nan"), (3, "1e308"), (4, "inf"), (1, "1e5"), (2, "-50")}
+"""Each column and each kind of value; the others are long."""
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "refused"),
+    [
+        pytest.param(column, *one, marks=[] if (column, one[0]) in OFTEN else pytest.mark.long)
+        for column in (1, 2, 3, 4)
+        for one in ABSURD
+    ],
+)
 def test_an_absurd_value_is_refused_with_step_and_name(whole, tmp_path, column, value, refused):
     said = outcome(with_value(whole, column, value), tmp_path, bin_width=1e4 if (column, value) == (1, "1e5") else None)
     if refused:
@@ -173,7 +183,14 @@ def test_a_bare_dump_of_a_young_jump(tmp_path):
     assert outcome((run.folder / "dump.lammpstrj").read_bytes(), tmp_path, figures="all") == ""
 
 
-@pytest.mark.parametrize("given", [{"diameter": 1e-6}, {"diameter": 1e6}, {"density": 1e-300}, {"bin_width": 1e-3}])
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"diameter": 1e6},
+        {"density": 1e-300},
+        *(pytest.param(one, marks=pytest.mark.long) for one in ({"diameter": 1e-6}, {"bin_width": 1e-3})),
+    ],
+)
 def test_absurd_sizes_are_analysed_or_refused(whole, tmp_path, given):
     outcome(whole, tmp_path, **given)
 

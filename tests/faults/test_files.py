@@ -14,15 +14,13 @@ from pathlib import Path
 
 import pytest
 from fault_table import LONG, many
-from made_up import INPUTS, without_analysis
+from made_up import INPUTS, troubles, without_analysis
 
 import lammps_jump as lj
-from lammps_jump.dump.check import FrameCheck, force_troubles
-from lammps_jump.dump.find import read_dump
+from lammps_jump.dump.check import force_troubles
 from lammps_jump.errors import DumpError, JumpError
 from lammps_jump.files import write_bytes
 from lammps_jump.runs import start
-from lammps_jump.runs.conclude import CUT
 
 CHANGES = {
     "run.duration": 0.3,
@@ -146,8 +144,15 @@ def said_truth(folder: Path, dump: bytes) -> None:
 
 
 @pytest.mark.fault("files that cannot be written")
-@pytest.mark.parametrize("code", [errno.ENOSPC, errno.EIO], ids=["no space", "bad disk"])
-@pytest.mark.parametrize("persistent", [False, True], ids=["once", "from then on"])
+@pytest.mark.parametrize(
+    ("code", "persistent"),
+    [
+        pytest.param(errno.ENOSPC, True, id="no space from then on"),
+        pytest.param(errno.EIO, False, id="bad disk once"),
+        pytest.param(errno.ENOSPC, False, id="no space once", marks=pytest.mark.long),
+        pytest.param(errno.EIO, True, id="bad disk from then on", marks=pytest.mark.long),
+    ],
+)
 def test_a_run_tells_the_truth_whatever_fails(case, finished, tmp_path, monkeypatch, tried, persistent, code):
     """At the N-th call for N = 1, 2, … until none is met; then the run is made without a fault."""
     without_analysis(monkeypatch)
@@ -180,7 +185,7 @@ def test_a_run_tells_the_truth_whatever_fails(case, finished, tmp_path, monkeypa
         done = again(case, folder)
         assert done.status == "complete" and (folder / DUMP).read_bytes() == dump, faults.met
         shutil.rmtree(folder)
-        number += 1 if LONG or number < 6 else 5
+        number += 1 if LONG or number < 6 else 7
     assert times > 10
     tried(times)
 
@@ -194,20 +199,6 @@ def again(case, folder: Path):
 
 
 # --- files that are cut, or differ by a bit
-
-
-def troubles(folder: Path, run) -> list[str]:
-    """What is found wrong with the frames and forces of a run, by themselves."""
-    scene = run.scene
-    check = FrameCheck(scene)
-    try:
-        dump = read_dump(folder)
-        for frame in dump:
-            check.add(frame, frame.time)
-        found = [*check.result(scene.steps, run.result.present), *(text for text in dump.warnings if CUT in text)]
-    except DumpError as error:
-        found = [str(error)]
-    return found + force_troubles(folder / FORCES, scene, scene.steps)
 
 
 def test_an_intact_run_has_no_trouble(finished):

@@ -49,7 +49,7 @@ def test_skin_of_the_case_reaches_every_neighbour_list():
 
 def test_traps_of_the_design_are_avoided():
     for name, text in TEXTS.items():
-        if ".stock." not in name:
+        if ".stock." not in name or "# No run: " in text:
             continue
         assert "hooke/history" not in text
         assert text.index("thermo_style") < text.index("thermo_modify")  # the style resets the other
@@ -58,8 +58,8 @@ def test_traps_of_the_design_are_avoided():
             assert lines and all(line.endswith(" 0 0") for line in lines)  # flat in z
             assert text.count("mol disk id max") == text.count(" all deposit ")
         for line in text.splitlines():
-            if line.startswith("region          solid_"):
-                assert line.endswith("INF INF side out")  # a finite face in z would be a contact
+            if line.startswith(("region          solid_", "region          face_")) and " intersect " not in line:
+                assert " INF INF side " in line  # a finite face in z would be a contact
             if "wall/gran" in line and " granular " in line:
                 assert line.count(" damping coeff_restitution") == 1  # others give unequal discs another restitution
             elif "wall/gran" in line:

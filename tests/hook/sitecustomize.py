@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What tests do at a step of an engine, set by the environment; and one cache of compiled code for all processes.
+"""What tests do at a step of an engine, set by the environment; and compiled code that all processes share.
 
 Python runs this file when it starts with this folder on its path, as all processes do that tests start. `conftest` runs
 it for the processes of the tests themselves. The program itself reads none of these variables.
@@ -52,29 +52,33 @@ if signal_at or sleep or save_at or full:
 threads, holding = threading.RLock(), []
 
 
-def one_at_a_time(method):
-    """The method of numba's cache, while no other process reads or writes the cache; one may call another."""
+def one_at_a_time(compile_or_load):
+    """The method of a jitted function, while no other process is in it; it calls itself for functions inside."""
 
-    def call(cache, *arguments):
+    def call(function, signature):
         with threads:
             if holding:
-                return method(cache, *arguments)
+                return compile_or_load(function, signature)
             with open(os.path.join(os.environ["NUMBA_CACHE_DIR"], "lock"), "w") as file:
                 fcntl.flock(file, fcntl.LOCK_EX)
                 holding.append(file)
                 try:
-                    return method(cache, *arguments)
+                    return compile_or_load(function, signature)
                 finally:
                     holding.clear()
 
     return call
 
 
-class SharedCache:
-    """Puts a lock around the cache when numba is imported; without it two processes can take each other's code."""
+class CompiledOnce:
+    """Puts a lock around the look into the cache, the compilation and the way into the cache, all in one.
+
+    Each function is compiled by one process, while the others wait and then load it. Without the lock every process
+    compiles on its own, and two can take each other's code.
+    """
 
     def find_spec(self, name, path=None, target=None):
-        if name != "numba.core.caching":
+        if name != "numba.core.dispatcher":
             return None
         sys.meta_path.remove(self)
         spec = importlib.util.find_spec(name)
@@ -82,14 +86,12 @@ class SharedCache:
 
         def exec_module(module):
             execute(module)
-            for method in ("load", "save"):
-                kind = module.IndexDataCacheFile
-                setattr(kind, method, one_at_a_time(getattr(kind, method)))
+            module.Dispatcher.compile = one_at_a_time(module.Dispatcher.compile)
 
         spec.loader.exec_module = exec_module
         return spec
 
 
 # a worker of pytest runs this file twice: as it starts, and by `conftest`
-if "NUMBA_CACHE_DIR" in os.environ and "SharedCache" not in {type(finder).__name__ for finder in sys.meta_path}:
-    sys.meta_path.insert(0, SharedCache())
+if "NUMBA_CACHE_DIR" in os.environ and "CompiledOnce" not in {type(finder).__name__ for finder in sys.meta_path}:
+    sys.meta_path.insert(0, CompiledOnce())

@@ -79,7 +79,7 @@ def whole(made, here):
 @pytest.mark.parametrize(
     ("engine", "who"),
     [
-        ("native", "all"),
+        pytest.param("native", "all", marks=pytest.mark.long),
         pytest.param("native", "engine", marks=pytest.mark.long),
         pytest.param("stock", "all", marks=pytest.mark.long),
         pytest.param("compiled", "engine", marks=pytest.mark.long),

@@ -33,7 +33,7 @@ LONG = pytest.mark.long
 SIGNALLED = [
     pytest.param(1, signal.SIGINT, marks=LONG),
     pytest.param(1, signal.SIGTERM, marks=LONG),
-    (2, signal.SIGTERM),
+    pytest.param(2, signal.SIGTERM, marks=LONG),
 ]
 
 

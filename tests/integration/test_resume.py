@@ -84,7 +84,7 @@ def apart(one, two) -> float:
         pytest.param("compiled", "gz", "wave_structure", FRICTION, marks=LONG),
         pytest.param("compiled", "text", "dam_break", SIGN, marks=LONG),
         pytest.param("stock", "binary", "quick_jump", JUMP, marks=LONG),
-        ("compiled", "binary", "quick_jump", JUMP),
+        pytest.param("compiled", "binary", "quick_jump", JUMP, marks=LONG),
         pytest.param("compiled", "text", "quick_jump", (*JUMP, "discs.sizes=null", "contact.friction=0.1"), marks=LONG),
     ],
 )
@@ -156,7 +156,8 @@ def test_full_step_velocities_would_not_do(tmp_path):
 # --- what could not go on before ------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("kernel", ["stock", pytest.param("compiled", marks=LONG)])
+@pytest.mark.long
+@pytest.mark.parametrize("kernel", ["stock", "compiled"])
 def test_a_pour_goes_on_with_the_discs_that_are_left(kernel, tmp_path):
     """fix pour keeps no state: the others come from a new random stream, and all are there in the end."""
     pour = Pour(x=(12.0, 20.0), y=(6.0, 8.0), count=300, volume_fraction=0.2, speed_down=1.0)
@@ -181,9 +182,8 @@ def test_a_pour_goes_on_with_the_discs_that_are_left(kernel, tmp_path):
 @pytest.mark.parametrize(
     ("kernel", "stop"),
     [
-        ("stock", 3500),
-        ("compiled", 1000),
-        *(pytest.param(*one, marks=LONG) for one in (("stock", 1000), ("compiled", 3500))),
+        ("compiled", 3500),
+        *(pytest.param(*one, marks=LONG) for one in (("stock", 1000), ("stock", 3500), ("compiled", 1000))),
     ],
 )
 def test_a_gate_before_inlets_goes_on_closed_or_open(kernel, stop, tmp_path):

@@ -110,6 +110,9 @@ EXACT = {
     "pier": scene_of(Drawn(drawn=(circle((0.0, 0.0), 0.4, inside=False),)), OSCILLATES),
     "box": scene_of(Box("wall", (-1.3, 1.3), (0.2, 2.0)), OSCILLATES, (0.0, 0.5)),
     "plane": scene_of(Plane("wall", "y", 0.3, "above"), OSCILLATES, (0.0, 0.5)),
+    "block that stands": scene_of(Block("wall", (-0.5, 1.5), (-0.2, 0.3))),
+    "box that stands": scene_of(Box("wall", (-1.3, 1.3), (0.3, 2.0))),
+    "plane that stands": scene_of(Plane("wall", "y", 0.3, "above")),
     "own law": replace(
         scene_of(Block("wall", (-1.5, 1.5), (-0.2, 0.3)), friction=0.0),
         own_laws={"wall": WallLaw(4e6, 300.0, 900.0, 0.8)},

@@ -9,7 +9,7 @@ from made_up import INPUTS
 import lammps_jump as lj
 from lammps_jump.analysis import contacts, quantities
 
-SHORT = {"run.duration": 0.6, "run.output_interval": 0.02, "engine.name": "native", "analysis.figures": "none"}
+SHORT = {"run.duration": 0.3, "run.output_interval": 0.02, "engine.name": "native", "analysis.figures": "none"}
 
 
 KINDS = [
@@ -47,9 +47,9 @@ def test_the_pairs_of_a_frame_are_looked_for_once(tmp_path, passes, monkeypatch)
     found, close_pairs = [], contacts.close_pairs
     monkeypatch.setattr(contacts, "close_pairs", lambda *more: found.append(more) or close_pairs(*more))
     run = lj.load_case(INPUTS / "quick_jump.yaml", SHORT).run(tmp_path / "run")
-    assert len(found) == run.summary["profiles"]["frames"] == 31
+    assert len(found) == run.summary["profiles"]["frames"] == 16
     lj.runs.start.reanalyse(run.folder)
-    assert len(found) == 2 * 31
+    assert len(found) == 2 * 16
 
 
 def test_progress_and_seconds_tell_the_parts_of_the_analysis(tmp_path):

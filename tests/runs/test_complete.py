@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 from children import run_child
-from made_up import INPUTS, call, files, without_analysis
+from made_up import INPUTS, call, files, troubles, without_analysis
 
 import lammps_jump as lj
 from lammps_jump import engines
@@ -124,6 +124,22 @@ DAMAGES = {
 
 @pytest.mark.parametrize("damage", DAMAGES)
 @pytest.mark.fault("wrong frames, discs or forces")
+def test_the_checks_see_every_damage(case, finished, tmp_path, damage):
+    """The frames and forces by themselves; whole runs and analyses with some damages follow."""
+    spoil, said = DAMAGES[damage]
+    for name in (DUMP, FORCES):
+        shutil.copy(finished / name, tmp_path)
+    spoil(tmp_path, case.scene())
+    assert said in "; ".join(troubles(tmp_path, lj.open_run(finished)))
+
+
+def some_of(damages: set[str]) -> list:
+    """All damages, all but some of them marked long."""
+    return [pytest.param(name, marks=[] if name in damages else pytest.mark.long) for name in DAMAGES]
+
+
+@pytest.mark.parametrize("damage", some_of({"frames cut out", "a torn frame", "a force row twice"}))
+@pytest.mark.fault("wrong frames, discs or forces")
 def test_complete_is_not_written_for_what_is_not_whole(case, finished, engine_result, tmp_path, monkeypatch, damage):
     """The dump of a disk that was full for a second, say, was called complete."""
     spoil, said = DAMAGES[damage]
@@ -146,7 +162,7 @@ def test_complete_is_not_written_for_what_is_not_whole(case, finished, engine_re
         case.run(tmp_path / "run")
 
 
-@pytest.mark.parametrize("damage", DAMAGES)
+@pytest.mark.parametrize("damage", some_of({"a disc far away", "no dump", "force rows missing"}))
 @pytest.mark.fault("wrong frames, discs or forces")
 def test_analyze_names_what_is_no_longer_what_the_run_wrote(case, folder, damage):
     spoil, said = DAMAGES[damage]
@@ -201,7 +217,10 @@ SPOILT = {
 }
 
 
-@pytest.mark.parametrize("name", SPOILT)
+OFTEN = {"figure gone", "not checked", "summary cut"}
+
+
+@pytest.mark.parametrize("name", [pytest.param(one, marks=[] if one in OFTEN else pytest.mark.long) for one in SPOILT])
 def test_a_result_that_is_not_whole_is_made_again(monkeypatch, capsys, folder, name):
     """It was answered with 'already holds this run: nothing to do'."""
     if name != "figure gone":

@@ -20,6 +20,7 @@ from lammps_jump.engines.choice import choose_ranks
 from lammps_jump.engines.lammps.log import read_log
 from lammps_jump.engines.native import run_native
 from lammps_jump.engines.result import Progress
+from lammps_jump.physics.hydrograph import Hydrograph
 from lammps_jump.runs.steady import SteadyWatch, steady_window
 
 
@@ -64,7 +65,9 @@ def test_watch_stops_a_standing_jump_and_no_moving_one(tmp_path, scene, drift, s
         assert answers.index(True) * 0.1 >= 1.5 * steady_window(scene, (0.0, 20.0)) - 0.2
 
 
-@pytest.mark.parametrize(("speed", "said"), [(0.01, ", and the discs stand still"), (1.0, "")])
+@pytest.mark.parametrize(
+    ("speed", "said"), [(0.01, ", and the discs stand still"), pytest.param(1.0, "", marks=pytest.mark.long)]
+)
 def test_watch_ends_a_run_whose_inlet_is_drowned(tmp_path, scene, monkeypatch, speed, said):
     """Discs enter until 2 s; the watch looks at the place that it was given, wherever the process goes meanwhile."""
     monkeypatch.chdir(tmp_path)
@@ -94,6 +97,21 @@ def test_watch_reads_every_frame_once_and_leaves_the_unfinished(tmp_path, scene)
     path.write_text("".join(whole) + "ITEM: TIME\n")
     watch()
     assert fed == [0, 1, 2, 3]
+
+
+def test_an_inflow_against_time_is_watched_once_its_table_has_ended(tmp_path, scene):
+    slow = Hydrograph((0.0, 1.5), (0.2, 0.6), (20.0, 5.0))
+    watch = SteadyWatch(replace(scene, hydrograph=slow), tmp_path, (0.0, 20.0))
+    fed = []
+    watch.detector.feed = lambda time, *state: fed.append(time)
+    (tmp_path / "dump.lammpstrj").write_text(
+        "".join(frame_text(t, t, step_flow(10)) for t in range(4)) + "ITEM: TIME\n"
+    )
+    watch()
+    assert fed == [2, 3]
+    assert steady_window(watch.scene, (0.0, 20.0)) >= 1.5 * 20.0 / 5.0  # at the speed that stays
+    dry = replace(slow, depths=(0.6, 0.0))
+    assert steady_window(replace(scene, hydrograph=dry), (0.0, 20.0)) is None
 
 
 def test_scene_without_inflow_has_no_window(tmp_path):

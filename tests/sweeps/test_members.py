@@ -16,7 +16,7 @@ from lammps_jump.sweeps.members import run_member, state_of
 
 @pytest.fixture(scope="module")
 def pool():
-    with Pool(2) as pool:
+    with Pool(1) as pool:
         yield pool
 
 

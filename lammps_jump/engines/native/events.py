@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Callable
 from math import inf, pi, sqrt
 from typing import NamedTuple
@@ -49,10 +50,13 @@ class Newcomer(NamedTuple):
 
 
 class Turns:
-    """Steps at which an inlet tries: from `first` on `every` so many, until `limit` discs have entered (None: ever)."""
+    """Steps at which an inlet tries: from `first` on `every` so many, until `limit` discs have entered (None: ever).
 
-    def __init__(self, first: int, every: int, limit: int | None):
-        self.first, self.every, self.limit = first, every, limit
+    With `steps`, those and no others: of an inflow against time.
+    """
+
+    def __init__(self, first: int, every: int, limit: int | None, steps: tuple[int, ...] = ()):
+        self.first, self.every, self.limit, self.steps = first, every, limit, steps
         self.entered = 0
 
     def due(self, step: int) -> bool:
@@ -63,6 +67,9 @@ class Turns:
         """First step after `step` at which it tries; infinite where all discs have entered."""
         if self.limit is not None and self.entered >= self.limit:
             return inf
+        if self.steps:
+            place = bisect_right(self.steps, step)
+            return self.steps[place] if place < len(self.steps) else inf
         if step < self.first:
             return self.first
         return self.first + ((step - self.first) // self.every + 1) * self.every
@@ -106,7 +113,7 @@ class OpenBoundaries:
 
     def __init__(self, scene: Scene):
         self.scene = scene
-        self.rows = [Turns(row.first_step, row.every_steps, row.limit) for row in scene.inlets]
+        self.rows = [Turns(row.first_step, row.every_steps, row.limit, row.turns) for row in scene.inlets]
         self.rng = np.random.default_rng(scene.seed)
         self.pours = [PourState(pour, scene, self.rng) for pour in scene.pours]
         self.removed = 0
@@ -142,7 +149,7 @@ class OpenBoundaries:
         for row, state in zip(self.scene.inlets, self.rows, strict=True):
             if state.due(step) and self._free(discs, row.x, row.y, row.clearance):
                 state.entered += 1
-                yield Newcomer(self._new_id(), row.x, row.y, row.vx, row.vy)
+                yield Newcomer(self._new_id(), row.x, row.y, row.speed_at(step), row.vy)
         for state in self.pours:
             if not state.due(step):
                 continue

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Waves at gauges: depth against time at places along a tank, and the height of the waves that a paddle makes there.
+
+The mean wave of a gauge is the mean of its depth over whole periods, at equal times within the period. Its crest less
+its trough is the height: noise of single discs, which another period does not repeat, is averaged first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import nan, pi
+
+import numpy as np
+
+from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Line, Panel
+from lammps_jump.analysis.flow import Flow
+from lammps_jump.analysis.passes import Gathered, Tables
+from lammps_jump.analysis.profiles import window_of
+from lammps_jump.analysis.report.page import Section, Table, described
+from lammps_jump.physics import devices
+from lammps_jump.units import number
+
+PHASES = 20
+"""Times within a period at which the mean wave is known."""
+
+
+@dataclass(frozen=True)
+class Waves:
+    """Waves of a paddle at gauges; NaN where nothing oscillates or the window holds no whole period."""
+
+    period: float = number("s", "period of the paddle", default=nan)
+    periods: int = number("", "whole periods at the end of the window", default=0)
+    height: float = number("m", "wave height at the first gauge", default=nan, label="wave height, first gauge")
+    height_last: float = number("m", "wave height at the last gauge", default=nan, label="last gauge")
+    height_piston: float = number("m", "height of small waves of this piston", default=nan)
+    depth: float = number("m", "mean depth at the first gauge", default=nan)
+    gauges: tuple[float, ...] = ()
+    heights: tuple[float, ...] = ()
+    depths: tuple[float, ...] = ()
+    reason: str | None = None
+    time: np.ndarray | None = field(default=None, metadata={"summary": False})
+    records: np.ndarray | None = field(default=None, metadata={"summary": False})
+
+
+def mean_wave(time: np.ndarray, depth: np.ndarray, period: float, until: float, periods: int) -> np.ndarray:
+    """Depth at `PHASES` times within a period (m), mean of so many whole periods before a time (s)."""
+    at = until - period * (periods - np.arange(periods * PHASES) / PHASES)
+    return np.interp(at, time, depth).reshape(periods, PHASES).mean(axis=0)
+
+
+def paddle(flow: Flow) -> tuple[float, float, float]:
+    """Period (s), stroke along x (m) and begin (s) of the wall that oscillates with the longest stroke; else NaN."""
+    waves = [motion.kind.wave() for _, motion in flow.scene.walls if motion.kind is not None]
+    moved = [wave for wave in waves if wave is not None and wave.rate > 0]
+    if not moved:
+        return nan, nan, nan
+    wave = max(moved, key=lambda one: abs(one.amplitude[0]))
+    return 2.0 * pi / wave.rate, 2.0 * abs(wave.amplitude[0]), wave.begin
+
+
+def analyse(gathered: Gathered) -> Waves | None:
+    """Waves at the gauges of a scene; None where it has none."""
+    flow, profiles = gathered.flow, gathered.profiles
+    gauges = flow.scene.gauges
+    if not gauges:
+        return None
+    x, time, depth = profiles["x"].values, profiles["time"].values, profiles["surface_depth"].values
+    records = np.array([[np.interp(place, x, row) for row in depth] for place in gauges])
+    (first, last), (period, stroke, begin) = window_of(profiles), paddle(flow)
+    known = {"gauges": tuple(gauges), "time": time, "records": records}
+    if not period > 0:
+        return Waves(**known, reason="no wall oscillates, so that no period is known")
+    periods = int((last - max(first, begin) + 1e-6 * period) / period)
+    if periods < 1:
+        return Waves(period, **known, reason=f"the window holds no whole period of {period:g} s of the moving paddle")
+    means = [mean_wave(time, record, period, last, periods) for record in records]
+    heights = tuple(float(np.ptp(mean)) for mean in means)
+    depths = tuple(float(mean.mean()) for mean in means)
+    small = devices.piston_wave_height(stroke, period, depths[0], flow.gravity) if stroke > 0 < depths[0] else nan
+    return Waves(period, periods, heights[0], heights[-1], small, depths[0], heights=heights, depths=depths, **known)
+
+
+def tables(waves: Waves) -> Tables:
+    """Depth at each gauge against time, m."""
+    columns = {f"depth_{place:g}": record for place, record in zip(waves.gauges, waves.records, strict=True)}
+    return {"gauges.csv": {"time": waves.time, **columns}}
+
+
+LOOKS = ("first", "second", "third")
+
+
+def figures(waves: Waves, gathered: Gathered) -> Drawings:
+    """Depth at the gauges against time."""
+    lines = [
+        Line(f"x = {place:g} m", waves.time, record, LOOKS[k % len(LOOKS)])
+        for k, (place, record) in enumerate(zip(waves.gauges, waves.records, strict=True))
+    ]
+    return {"gauges": Chart("depth at the gauges", TIME, [Panel("Depth of the\nfree surface [m]", lines)])}
+
+
+def section(waves: Mapping) -> Section:
+    """Heights and depths by gauge."""
+    if waves.get("height") is None:
+        return Section("Waves", [])
+    columns = waves["gauges"], waves["heights"], waves["depths"]
+    rows = [(f"{x:g}", f"{height:.3f}", f"{depth:.3f}") for x, height, depth in zip(*columns, strict=True)]
+    by_gauge = Table(rows, ("Gauge, x [m]", "wave height [m]", "mean depth [m]"))
+    return Section("Waves", [by_gauge, Table(described(Waves, waves, "period", "periods", "height_piston"))])

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Places of discs, inlets and gauges: in the domain, in no wall, in no other disc.
+
+Each check raises `CaseError` with the place in the file and the remedy.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from math import isinf
+
+import numpy as np
+
+from lammps_jump.case.fields import CaseFields
+from lammps_jump.case.packing import deepest_overlap
+from lammps_jump.case.text import CaseSource
+from lammps_jump.scene import Beginning, InletRow, Interval, MovingWall, Wall
+from lammps_jump.scene.shapes import open_ends
+
+
+def check_places(
+    source: CaseSource,
+    scene: Beginning,
+    inlets: tuple[InletRow, ...],
+    walls: Iterable[MovingWall],
+    fields: Mapping[str, str],
+) -> None:
+    """Refuse discs and inlets in a wall at the start, and discs that overlap by more than d/n.
+
+    `fields`: where in the case each wall stands, by name; gates and others stand in none.
+    """
+    positions, allowed = scene.positions, 0.5 * scene.overlap_limit
+    diameters = scene.diameters(np.arange(1, len(positions) + 1))
+    found = deepest_overlap(positions, diameters)
+    if found is not None and found[0] > allowed * (1 + 1e-9):
+        overlap, i, j = found
+        raise source.error(
+            f"initial: discs {i + 1} at ({positions[i, 0]:g}, {positions[i, 1]:g}) and {j + 1} at "
+            f"({positions[j, 0]:g}, {positions[j, 1]:g}) overlap by {overlap:.3g} m at the start; allowed is d/n = "
+            f"{allowed:.3g} m; move them apart"
+        )
+    for one in walls:
+        field = fields.get(one.wall.name, "initial")
+        if wall := one.at(0):
+            _check_discs_free_of(wall, field, source, positions, diameters, allowed)
+        if isinf(one.motion.gone):
+            _check_inlets_free_of(one.wall, source, inlets, scene.largest)
+
+
+def gauges(case: CaseFields, source: CaseSource, room: Interval) -> tuple[float, ...]:
+    """Places of the gauges along x (m), in the room of the domain and each once."""
+    (low, high), asked = room, case.probes.gauges
+    for index, place in enumerate(asked):
+        if not low < place < high:
+            raise source.error(
+                f"probes.gauges.{index}: {place:g} m is outside the domain; allowed is between {low:g} and {high:g} m: "
+                "move the gauge or widen the domain"
+            )
+        if place in asked[:index]:
+            raise source.error(f"probes.gauges.{index}: {place:g} m is there already: name each place once")
+    return asked
+
+
+def check_in_domain(case: CaseFields, source: CaseSource, positions, inlets, domain) -> None:
+    """Refuse discs and inlets outside the domain."""
+    for axis, label in enumerate("xy"):
+        low, high = domain[axis]
+        outside = np.flatnonzero((positions[:, axis] <= low) | (positions[:, axis] >= high))
+        if outside.size:
+            value = positions[outside[0], axis]
+            raise source.error(
+                f"{'domain' if case.domain else 'initial'}: disc {outside[0] + 1} starts at {label} = {value:g} m, "
+                f"outside the domain [{low:g}, {high:g}]; widen domain.{label}"
+            )
+        for row in inlets:
+            if not low < (row.x, row.y)[axis] < high:
+                raise source.error(
+                    f"inflow: the inlet at {label} = {(row.x, row.y)[axis]:g} m is outside domain.{label} "
+                    f"[{low:g}, {high:g}]"
+                )
+
+
+def _check_discs_free_of(wall: Wall, field: str, source: CaseSource, positions, diameters, allowed: float) -> None:
+    if not len(positions):
+        return
+    gap = wall.distance(positions[:, 0], positions[:, 1])
+    if open_ends(wall.faces):  # it pushes nothing that is a radius behind it
+        gap = np.where(gap < -diameters / 2, np.inf, gap)
+    depth = diameters / 2 - gap
+    worst = int(np.argmax(depth))
+    if depth[worst] > allowed * (1 + 1e-9):
+        raise source.error(
+            f"{field}: disc {worst + 1} at ({positions[worst, 0]:g}, {positions[worst, 1]:g}) starts "
+            f"{depth[worst]:.3g} m deep in wall '{wall.name}'; allowed is d/n = {allowed:.3g} m; move the wall or the "
+            "discs"
+        )
+
+
+def _check_inlets_free_of(wall: Wall, source: CaseSource, inlets: tuple[InletRow, ...], largest: float) -> None:
+    if not inlets:
+        return
+    distances = wall.distance(*np.array([(row.x, row.y) for row in inlets]).T)
+    if open_ends(wall.faces):  # it pushes nothing that is a radius behind it
+        distances = np.where(distances < -largest / 2, np.inf, distances)
+    for number, (row, distance) in enumerate(zip(inlets, distances.tolist(), strict=True), 1):
+        if distance < largest / 2 * (1 - 1e-6):
+            raise source.error(
+                f"inflow: row {number} enters at ({row.x:g}, {row.y:g}), {largest / 2 - distance:.3g} m deep in "
+                f"wall '{wall.name}'; move the inlet (inflow.x, inflow.y) or the wall"
+            )

@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Rows of an inflow to the scene: their heights, speeds and steps; refused where the discs do not suit it."""
+
+from __future__ import annotations
+
+from math import ceil
+from typing import NamedTuple
+
+import numpy as np
+
+from lammps_jump.case.checks import MOST_STEPS
+from lammps_jump.case.text import CaseSource
+from lammps_jump.physics.hydrograph import Hydrograph, entries_of_rows
+from lammps_jump.physics.inlet import (
+    COARSEST_RASTER,
+    plan_rows,
+    row_count,
+    seed_factors,
+    seeded_speeds,
+    thesis_rows,
+)
+from lammps_jump.scene import Beginning, InletRow
+
+from .inflow import RowsInflow
+
+MOST_ROWS = 10_000
+"""Rows of an inflow; each is a fix of LAMMPS."""
+MOST_ENTRIES = 5_000_000
+"""Discs that an inflow against time brings: the scene holds the step of each."""
+CLEARANCE = 0.999
+"""Distance to the next disc below which a place is occupied, in largest diameters."""
+
+
+class Inlet(NamedTuple):
+    """Rows of an inflow, the raster of their steps, and the table where they change with time."""
+
+    rows: tuple[InletRow, ...] = ()
+    raster: int = 1
+    hydrograph: Hydrograph | None = None
+
+
+def inlet_of(inflow: RowsInflow, source: CaseSource, begun: Beginning, seed: int) -> Inlet:
+    """The inlet of an inflow by rows.
+
+    Raises
+    ------
+    CaseError
+        No row, too many of them, rows too slow, a schedule that sizes do not have.
+    """
+    graph, d, dt = inflow.hydrograph, begun.diameter, begun.time_step
+    depth, field = max(graph.depths), "depth" if inflow.table is None else "table"
+    if depth < d * (1 - 1e-9):
+        raise source.error(
+            f"inflow.{field}: {depth:g} m holds no row of discs of {d:g} m; allowed is one diameter or more"
+        )
+    count = row_count(depth, begun.mean_square, begun.largest, inflow.spacing)
+    if count > MOST_ROWS:
+        raise source.error(
+            f"inflow.{field}: {depth:g} m holds {count} rows of discs of {d:g} m; allowed are {MOST_ROWS}: take larger "
+            "discs"
+        )
+    if inflow.table is not None:
+        return Inlet(_rows_against_time(inflow, source, begun, seed), 1, graph)
+    speed = graph.speeds[0]
+    slowest = count * begun.mean_square / (depth * speed * dt)
+    if slowest > MOST_STEPS:
+        raise source.error(
+            f"inflow.{'mean_speed' if inflow.discharge is None else 'discharge'}: {speed:g} m/s lets a disc in every "
+            f"{slowest:.3g} steps; allowed are {MOST_STEPS:.0e}: raise it or lower the stiffness"
+        )
+    if inflow.schedule == "thesis":
+        if begun.sizes:
+            raise source.error(
+                "inflow.schedule: 'thesis' is for equal discs; allowed is exact where discs.sizes is given"
+            )
+        plan = thesis_rows(depth, d, speed, dt, profile=inflow.profile)
+    else:
+        plan = plan_rows(
+            depth,
+            speed,
+            dt,
+            mean_square=begun.mean_square,
+            largest=begun.largest,
+            profile=inflow.profile,
+            least_gap=inflow.spacing,
+            coarsest=COARSEST_RASTER if begun.sizes else 1,
+        )
+    first = (begun.settle_steps // plan.raster + 1) * plan.raster
+    rows = zip(plan.heights, seeded_speeds(plan.speeds, seed), plan.steps, strict=True)
+    return Inlet(
+        tuple(
+            InletRow(inflow.x, inflow.y + height, speed, 0.0, first, steps, CLEARANCE * begun.largest)
+            for height, speed, steps in rows
+        ),
+        plan.raster,
+    )
+
+
+def _rows_against_time(inflow: RowsInflow, source: CaseSource, begun: Beginning, seed: int) -> tuple[InletRow, ...]:
+    """Rows with the step and the speed of each disc; those that let none in during the run are left out."""
+    graph, dt, settle = inflow.hydrograph, begun.time_step, begun.settle_steps
+    duration = (begun.steps - settle) * dt
+    brought = duration * graph.means(0.0, duration)[1] / begun.mean_square
+    if brought > MOST_ENTRIES:
+        raise source.error(
+            f"inflow.table: lets {brought:.3g} discs in during the run; allowed are {MOST_ENTRIES:.0e}: take larger "
+            "discs or a shorter run"
+        )
+    entries = entries_of_rows(
+        graph,
+        duration,
+        mean_square=begun.mean_square,
+        largest=begun.largest,
+        profile=inflow.profile,
+        least_gap=inflow.spacing,
+    )
+    found = []
+    for i, (one, factor) in enumerate(zip(entries, seed_factors(len(entries), seed), strict=True)):
+        steps = settle + np.maximum(1, np.ceil(one.times / dt - 1e-9).astype(np.int64))
+        steps, kept = np.unique(np.minimum(steps, begun.steps), return_index=True)
+        if not len(steps):
+            continue
+        speeds = graph.speed((steps - settle) * dt) * one.relative[kept] * factor
+        every = max(1, ceil((begun.steps - settle) / len(steps)))
+        height = inflow.y + (i + 0.5) * begun.largest
+        found.append(
+            InletRow(
+                inflow.x, height, float(speeds.max()), 0.0, int(steps[0]), every, CLEARANCE * begun.largest,
+                turns=tuple(steps.tolist()), speeds=tuple(speeds.tolist()),
+            )
+        )  # fmt: skip
+    return tuple(found)
