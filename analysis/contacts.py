@@ -228,7 +228,7 @@ def whole_forces(
     """Force (fx, fy) of each contact on its second disc, friction included, N/m; shape (n,) each.
 
     It is what the engine has written, where it has. Else the laws are those of `lammps_jump.physics.law`, with the
-    velocities of the dump, which stand at the full step.
+    velocities of the dump, which stand at the full step; springs with memory, which no frame tells, are left out.
 
     Parameters
     ----------
@@ -242,7 +242,7 @@ def whole_forces(
     scene, zero = flow.scene, np.zeros(frame.n + 1)
     # behind the discs stands one that never moves: the walls, whose own velocity stands with the contact
     u, v, rim = (np.append(values, 0.0) for values in (frame.vx, frame.vy, zero[1:])) if velocity else (zero,) * 3
-    friction = contacts.friction if velocity and scene.rubs else None
+    friction = contacts.friction if velocity and scene.rubs and scene.springs is None else None
     if not velocity:
         contacts = contacts._replace(wall_u=np.zeros(len(contacts.first)), wall_v=np.zeros(len(contacts.first)))
     if friction is not None and scene.rotation and "omegaz" in frame.columns:

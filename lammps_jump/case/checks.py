@@ -11,7 +11,7 @@ from math import pi, radians, tan
 
 from lammps_jump.physics import contact
 from lammps_jump.physics.inlet import LEAST_GAP, REFUSAL_GAP
-from lammps_jump.physics.slip import FRICTION_LAWS, slip_warnings
+from lammps_jump.physics.slip import FRICTION_LAWS, slip_warnings, spring_warnings
 from lammps_jump.scene import Beginning, InletRow, Interval, Sizes, Wall
 from lammps_jump.scene.schedule import MOST_BINS, MOST_FRAMES, told
 
@@ -152,6 +152,10 @@ def check_engine(case: CaseFields, source: CaseSource) -> None:
         )
     if engine == "lammps" and case.run.integrator == "leapfrog_extrapolated":
         raise source.error("run.integrator: leapfrog_extrapolated is the native engine's; use engine.name: native")
+    if case.run.integrator == "leapfrog_extrapolated" and FRICTION_LAWS[case.contact.friction_law].remembers:
+        raise source.error(
+            "run.integrator: leapfrog_extrapolated is not there for friction_law: history; use auto or velocity_verlet"
+        )
     if engine == "lammps" and kernel != "auto" and isinstance(case.inflow, RowsInflow) and case.inflow.table:
         raise source.error(
             f"inflow.table: engine.kernel: {kernel} has no inflow against time; use engine.kernel: auto or "
@@ -193,7 +197,7 @@ def _against_inflow(case: CaseFields) -> list[str]:
 def check_sizes(case: CaseFields, source: CaseSource, sizes: Sizes | None) -> list[str]:
     """Refuse a law that discs of several sizes do not have; return notes on what sizes mean for the scene."""
     friction = case.contact.friction
-    if sizes and friction and case.contact.restitution == 1:
+    if sizes and friction and case.contact.restitution == 1 and not case.contact.springs:
         raise source.error(
             f"contact.friction: is {friction:g} with restitution 1; with discs.sizes the tangential dashpot is a "
             "multiple of the normal one, which is 0 then: allowed is friction 0, restitution below 1, or equal discs"
@@ -267,6 +271,7 @@ def check_stability(
     given = case.contact
     smallest = sizes.smallest / case.discs.diameter if sizes else 1.0
     found = slip_warnings(coefficients, given.friction_law, given.rotation, smallest)
+    found += spring_warnings(coefficients, given.springs, given.rotation)
     if coefficients.restitution > 0.9 and fraction >= 0.2 and given.touch == "sharp":
         found.append(
             f"time_step_fraction {fraction:g} is stable, but at restitution {coefficients.restitution:g} the kink at "

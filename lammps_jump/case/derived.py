@@ -12,6 +12,7 @@ from lammps_jump.files import plain
 from lammps_jump.physics import contact, jump
 from lammps_jump.physics.contact import WallLaw
 from lammps_jump.physics.hydrograph import Hydrograph
+from lammps_jump.physics.slip import springs_stable_fraction
 from lammps_jump.scene import Beginning, InletRow, Scene, Wall
 from lammps_jump.scene.shapes import open_ends
 from lammps_jump.units import numbers_of
@@ -193,8 +194,25 @@ def _contact_rows(scene: Scene) -> list[Row]:
     ]
     if c.friction:
         rows.append(("friction_law", "friction law", scene.friction_law, ""))
-        rows += _described(c, "gamma_tangential gamma_tangential_wall slip_speed")
+        rows += _described(c, "gamma_tangential gamma_tangential_wall")
+        rows += _spring_rows(scene) or _described(c, "slip_speed")
     return [*rows, *_described(c, "largest_overlap")]
+
+
+def _spring_rows(scene: Scene) -> list[Row]:
+    """Springs with memory; none where the law has none."""
+    c, springs = scene.coefficients, scene.springs
+    if springs is None:
+        return []
+    limit = springs_stable_fraction(c.damping_ratio * c.correction, springs, scene.rotation)
+    rows: list[Row] = [
+        ("stiffness_tangential", "stiffness of the tangential spring", springs.tangential_ratio * c.stiffness, "N/m"),
+        ("stable_fraction_springs", "tangential springs stable up to f =", limit, "of 2/omega"),
+    ]
+    if roll := springs.rolling:
+        rows.append(("rolling_friction", "coefficient of rolling friction", roll.friction, ""))
+        rows.append(("stiffness_rolling", "stiffness against rolling", roll.stiffness_ratio * c.stiffness, "N/m"))
+    return rows
 
 
 def _time_rows(scene: Scene) -> list[Row]:
@@ -350,7 +368,7 @@ def skipped(
         "inlet: no inflow": case.inflow is None,
         "outlet: no outflow": not case.outflow,
         "z constraint: nothing pushes out of the plane": True,
-        "tangential springs: the laws here have no history": True,
+        "tangential springs: the contact law has no memory": not (law.springs and rubs),
         f"dump columns {columns}: no analysis reads them": True,
         "wall forces: no probe asks for them": not case.probes.forces,
         "stress fields: analysis.fields is false": case.run.dump_format == "text" and not case.analysis.fields,

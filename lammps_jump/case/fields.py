@@ -20,7 +20,6 @@ from .parts.base import (
     LENGTH,
     MOST_GRAVITY,
     SPEED,
-    STIFFNESS,
     TIME,
     Component,
     Moment,
@@ -30,6 +29,7 @@ from .parts.base import (
     Whole,
     no_truth,
 )
+from .parts.contact import Contact
 from .parts.inflow import InflowField
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=LONGEST_NAME)]
@@ -95,41 +95,6 @@ class Discs(Strict):
                     f"sizes.diameters holds {value:g} m; allowed are {self.diameter / WIDEST_SIZES:g} to "
                     f"{self.diameter * WIDEST_SIZES:g} m, a quarter to four times the nominal diameter"
                 )
-        return self
-
-
-class Contact(Strict):
-    """Contact of two discs: coefficients of the thesis and further options."""
-
-    restitution: units.Plain = Field(ge=1e-6, le=1)
-    friction: units.Plain = Field(default=0.0, ge=0, le=1000)
-    friction_law: Literal["hooke", "sign"] = "hooke"
-    penetration_fraction: units.Plain | None = Field(
-        default=None, ge=1, le=1e6, description="n = d / largest overlap (3.20)"
-    )
-    impact_speed: units.MetrePerSecond | None = Field(default=None, **SPEED, description="v0 of (3.20)")
-    stiffness: units.Stiffness | None = Field(default=None, **STIFFNESS)
-    stiffness_wall: units.Stiffness | None = Field(default=None, **STIFFNESS)
-    rotation: bool = False
-    correct_restitution: bool = Field(default=True, description="remove the restitution bias of velocity Verlet")
-    tangential_damping: units.PerSecond | None = Field(
-        default=None, ge=1e-9, le=1e24, description="gamma_t, 1/s; default by rule"
-    )
-    touch: Literal["sharp", "smooth"] = "sharp"
-    touch_width: units.Metre | None = Field(
-        default=None, **FINE_LENGTH, description="smooth touch: width of the soft start, m"
-    )
-
-    @model_validator(mode="after")
-    def _stiffness_given_once(self) -> Contact:
-        if self.stiffness is None and self.impact_speed is None:
-            raise ValueError(
-                "needs impact_speed (with penetration_fraction, default 10), or stiffness in place of the two"
-            )
-        if self.stiffness is not None and self.penetration_fraction is not None:
-            raise ValueError("stiffness and penetration_fraction both fix the stiffness; keep one of them")
-        if self.touch == "sharp" and self.touch_width is not None:
-            raise ValueError("touch_width has no meaning for touch: sharp; write touch: smooth or drop it")
         return self
 
 

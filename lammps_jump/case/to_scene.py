@@ -8,6 +8,7 @@ import math
 import numpy as np
 
 from lammps_jump.physics import contact
+from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.scene import (
     Beginning,
     InletRow,
@@ -62,6 +63,7 @@ def contact_of(
 ) -> contact.Contact:
     """What a case says of its contacts."""
     _, impact_speed, stiffness = _stiffness(case)
+    springs = case.contact.springs
     return contact.Contact(
         **case.discs.model_dump(exclude={"sizes"}),
         **case.contact.model_dump(include=LAW),
@@ -70,6 +72,7 @@ def contact_of(
         impact_speed=impact_speed,
         time_step_fraction=time_step_fraction or case.run.time_step_fraction,
         integrator=integrator,
+        tangential_damping_ratio=springs.tangential_damping_ratio if springs else None,
         smallest=sizes.smallest if sizes else None,
     )
 
@@ -129,6 +132,8 @@ def build_scene(case: CaseFields, source: CaseSource) -> Scene:
     asked = {*probes, *(name for _, members in groups for name in members)}
     kept = [one for one in moving if walls.reachable(one, begun, domain) or one.wall.name in asked]
     law, pour = case.contact, case.inflow if isinstance(case.inflow, PourInflow) else None
+    rubs = law.friction > 0 or any(own.friction for own in laws.values())
+    springs = law.springs if rubs else None
     sharp = law.touch == "sharp"
     _, impact_speed, _ = _stiffness(case)
     return Scene(
@@ -138,7 +143,9 @@ def build_scene(case: CaseFields, source: CaseSource) -> Scene:
         density=case.discs.density,
         gravity=_gravity(case),
         friction_law=law.friction_law,
-        rotation=law.rotation and (law.friction > 0 or any(own.friction for own in laws.values())),
+        springs=springs,
+        contact_output=springs is not None and case.engine.name == "native",
+        rotation=law.rotation and rubs,
         integrator=_integrator(case),
         domain=domain,
         walls=(*kept, *gates),
@@ -173,7 +180,9 @@ def _own_laws(case: CaseFields, begun: Beginning, given: tuple[walls.CaseWall, .
 
 
 def _integrator(case: CaseFields) -> str:
-    return INTEGRATORS[case.engine.name] if case.run.integrator == "auto" else case.run.integrator
+    if case.run.integrator != "auto":
+        return case.run.integrator
+    return "velocity_verlet" if FRICTION_LAWS[case.contact.friction_law].remembers else INTEGRATORS[case.engine.name]
 
 
 def _beginning(case: CaseFields, source: CaseSource) -> tuple[Beginning, list[str]]:

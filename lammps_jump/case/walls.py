@@ -72,7 +72,7 @@ def _joined(case: CaseFields, source: CaseSource, join: str) -> Line:
     if not others:
         raise source.error(f"walls.{first}.join: no other line has join: {join}; drop it, or name the others too")
     for index in others:
-        for name in ("sheet", "friction", "restitution", "stiffness", "motion"):
+        for name in ("sheet", "friction", "restitution", "stiffness", "rolling", "motion"):
             if getattr(lines[index], name) != getattr(lines[first], name):
                 raise source.error(
                     f"walls.{index}.{name}: differs from that of '{lines[first].name}'; lines of one join have one "
@@ -171,7 +171,12 @@ def check_own_laws(
         law = laws.get(item.wall.name)
         if law is None:
             continue
-        if begun.sizes and law.friction and not law.gamma_normal:
+        if law.rolling is not None and case.contact.rolling is None:
+            raise source.error(
+                f"{item.field}.rolling: wall '{item.wall.name}' has rolling friction, but contact.rolling is null; "
+                "give contact.rolling too, with friction 0 if discs alone do not resist rolling"
+            )
+        if begun.sizes and law.friction and not law.gamma_normal and not case.contact.springs:
             raise source.error(
                 f"{item.field}: wall '{item.wall.name}' has friction {law.friction:g} and restitution 1; with "
                 "discs.sizes the tangential dashpot is a multiple of the normal one, which is 0 then: allowed is "
@@ -355,7 +360,7 @@ def _gap_doubts(walls: Sequence[Wall], smallest: float) -> list[str]:
 def told(one: MovingWall, scene: Scene) -> str:
     """Contact numbers and motion of a wall in words; empty where it has none of its own."""
     wall = one.wall
-    names = {"friction": "", "restitution": "", "stiffness": " N/m"}
+    names = {"friction": "", "restitution": "", "stiffness": " N/m", "rolling": ""}
     parts = [f"{name} {getattr(wall, name):g}{unit}" for name, unit in names.items() if getattr(wall, name) is not None]
     kind = one.motion.kind
     if kind is not None:

@@ -337,6 +337,8 @@ class Contact:
     rotation : bool
     tangential_damping : float, optional
         gamma_t in 1/s; default `TANGENTIAL_RATE` omega.
+    tangential_damping_ratio : float, optional
+        gamma_t over gamma_n of contacts with a tangential spring; it goes before the field above.
     touch : {'sharp', 'smooth'}
         A smooth touch gets `SMOOTH_SHARE` of the correction.
     smallest : float, optional
@@ -356,6 +358,7 @@ class Contact:
     correct_restitution: bool
     rotation: bool
     tangential_damping: float | None = None
+    tangential_damping_ratio: float | None = None
     touch: str = "sharp"
     smallest: float | None = None
 
@@ -369,7 +372,9 @@ def _side(
         share = SMOOTH_SHARE if given.touch == "smooth" else 1.0
         factor -= share * (1.0 - lagged_correction(restitution, frequency * time_step))
     gamma = given.tangential_damping
-    if gamma is None:
+    if given.tangential_damping_ratio is not None:
+        gamma = given.tangential_damping_ratio * factor * dashpot / effective_mass
+    elif gamma is None:
         gamma = TANGENTIAL_RATE / (3.0 if given.rotation else 1.0) * frequency
     return {
         "stiffness": k,
@@ -382,7 +387,7 @@ def _side(
 
 
 def own_wall_law(
-    coefficients: Coefficients, own: tuple[float | None, float | None, float | None], given: Contact
+    coefficients: Coefficients, own: tuple[float | None, float | None, float | None, float | None], given: Contact
 ) -> WallLaw:
     """Contact with a wall that has numbers of its own.
 
@@ -390,16 +395,16 @@ def own_wall_law(
     ----------
     coefficients : Coefficients
         Of the scene: what the wall takes where it has none of its own.
-    own : (float or None, float or None, float or None)
-        Stiffness (N/m), restitution and friction coefficient of the wall.
+    own : (float or None, float or None, float or None, float or None)
+        Stiffness (N/m), restitution, friction coefficient and coefficient of rolling friction of the wall.
     given : Contact
         What the coefficients were derived from.
     """
     c = coefficients
     defaults = c.stiffness_wall, c.restitution, c.friction
-    stiffness, restitution, friction = (b if a is None else a for a, b in zip(own, defaults, strict=True))
+    stiffness, restitution, friction = (b if a is None else a for a, b in zip(own[:3], defaults, strict=True))
     found = _side(given, c.time_step, stiffness, c.mass, restitution, friction)
-    return WallLaw(stiffness, found["gamma_normal"], found["gamma_tangential"], friction)
+    return WallLaw(stiffness, found["gamma_normal"], found["gamma_tangential"], friction, own[3])
 
 
 def own_stable_fraction(coefficients: Coefficients, law: WallLaw, smallest: float, integrator: str) -> float:
@@ -460,6 +465,6 @@ def derive(given: Contact) -> Coefficients:
         ),
         contact_duration=contact_duration(restitution, omega),
         contact_steps=contact_duration(restitution, omega) / time_step,
-        slip_speed=friction * load / (mass / 2 * pair["gamma_tangential"]) if friction else 0.0,
+        slip_speed=friction * load / (mass / 2 * pair["gamma_tangential"]) if pair["gamma_tangential"] else 0.0,
         largest_overlap=largest_overlap(given.impact_speed, restitution, omega),
     )

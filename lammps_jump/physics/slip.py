@@ -3,10 +3,10 @@
 
 from __future__ import annotations
 
-from math import asin, pi
+from math import asin, pi, sqrt
 from typing import NamedTuple
 
-from .contact import Coefficients, peak_force
+from .contact import Coefficients, lagged_stable_h, peak_force
 
 SLIP_MODES = {False: 3.0, True: 12.0}
 """Fastest decay of slip in a hexagonal packing over gamma_t, without and with spin (a pair: 1 and 3; derived)."""
@@ -88,6 +88,41 @@ def slots_of(smallest: float, largest: float) -> int:
     """
     apart = 0.5 * (smallest + largest) - 0.1 * smallest
     return int(pi / asin(min(1.0, 0.45 * smallest / apart))) + AT_WALLS
+
+
+def springs_stable_fraction(xi: float, springs: Springs, spin: bool) -> float:
+    """Largest step at which tangential springs are stable in a hexagonal packing, as a fraction f of 2/omega.
+
+    With spin the fastest mode is that of discs that all turn alike: each of the six contacts slips by 2 R omega, so
+    that its frequency is sqrt(12 kt/k) of a pair's and its damping 12 ct/c (derived; the largest over all wave numbers
+    for kt/k above a quarter). Without it the fastest is that of rows that pass each other, sqrt(3 + kt/k).
+
+    Parameters
+    ----------
+    xi : float
+        Damping ratio of a pair.
+    springs : Springs
+    spin : bool
+    """
+    tangential, damping = springs.tangential_ratio, springs.tangential_damping_ratio
+    modes = [(sqrt(3.0 + tangential), 3.0 + damping)]
+    if spin:
+        modes.append((sqrt(max(12.0 * tangential, 1e-6)), 12.0 * damping))
+    return min(lagged_stable_h(xi * rate / ratio) / ratio / 2.0 for ratio, rate in modes)
+
+
+def spring_warnings(c: Coefficients, springs: Springs | None, spin: bool) -> list[str]:
+    """A warning where tangential springs are unstable: they turn round every step, until Coulomb's bound holds them."""
+    if springs is None or not c.friction:
+        return []
+    limit = springs_stable_fraction(c.damping_ratio * c.correction, springs, spin)
+    if c.time_step_fraction <= limit:
+        return []
+    return [
+        f"friction_law history: tangential springs are stable up to time_step_fraction {limit:.2g}; above it discs at "
+        f"rest tremble, at most by what sliding allows: lower run.time_step_fraction to {limit:.2g}"
+        + (" or contact.tangential_damping_ratio" if springs.tangential_damping_ratio else "")
+    ]
 
 
 def slip_warnings(c: Coefficients, law: str, spin: bool, smallest: float = 1.0) -> list[str]:

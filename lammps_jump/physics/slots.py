@@ -105,6 +105,6 @@ def _end_step_py(slots, n):
             slots.used[i, s] = 0
 
 
-held = njit(cache=True)(_held_py)
-slot_of = njit(cache=True)(_slot_of_py)
+held = njit(cache=True, inline="always")(_held_py)
+slot_of = njit(cache=True, inline="always")(_slot_of_py)
 end_step = njit(cache=True)(_end_step_py)

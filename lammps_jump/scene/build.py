@@ -57,6 +57,7 @@ def handmade_scene(
     """
     k = stiffness(density, penetration_fraction, impact_speed)
     law = {name: others.get(name, value) for name, value in CONTACT.items()}
+    springs = others.get("springs")
     contact = Contact(
         density=density,
         diameter=diameter,
@@ -64,6 +65,7 @@ def handmade_scene(
         stiffness_wall=others.pop("stiffness_wall", None) or k,
         impact_speed=impact_speed,
         smallest=sizes.smallest if (sizes := others.get("sizes")) else None,
+        tangential_damping_ratio=springs.tangential_damping_ratio if springs else None,
         **law,
     )
     fields = {

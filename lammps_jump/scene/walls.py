@@ -80,6 +80,9 @@ class _Own:
     stiffness: Annotated[
         Annotated[Stiffness, Field(ge=1e-6, le=1e24)] | None, Field(description="default: contact.stiffness_wall")
     ] = field(default=None, repr=False)
+    rolling: Annotated[
+        Annotated[Plain, Field(ge=0, le=1000)] | None, Field(description="default: contact.rolling.friction")
+    ] = field(default=None, repr=False)
     motion: Annotated[Motions | None, Field(description="how it moves; null: it stands")] = field(
         default=None, repr=False
     )
@@ -124,9 +127,9 @@ class Wall(_Own):
         return bool(np.isfinite(self.extent).all())
 
     @property
-    def own_law(self) -> tuple[float | None, float | None, float | None]:
-        """Stiffness (N/m), restitution and friction coefficient of its own; all None: those of the scene."""
-        return self.stiffness, self.restitution, self.friction
+    def own_law(self) -> tuple[float | None, float | None, float | None, float | None]:
+        """Stiffness (N/m), restitution, friction and rolling friction of its own; all None: those of the scene."""
+        return self.stiffness, self.restitution, self.friction, self.rolling
 
     @property
     def pivot_point(self) -> tuple[float, float]:

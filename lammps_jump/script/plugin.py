@@ -43,10 +43,9 @@ def own_sizes(scene: Scene) -> list[str]:
 def contact_law(scene: Scene) -> list[str]:
     """The plugin's pair style; what the scene lacks (friction, spin, sizes, soft touch) is left out, not computed."""
     c, springs = scene.coefficients, scene.springs
-    slope = c.gamma_tangential if springs is None else springs.tangential_damping_ratio * c.gamma_normal
     words = [
         f"pair_style      jump/disc law {scene.friction_law} k {number(c.stiffness)} gamma {number(c.gamma_normal)}",
-        f"gammat {number(slope)} mu {number(c.friction)} mass {number(c.mass)} diameter "
+        f"gammat {number(c.gamma_tangential)} mu {number(c.friction)} mass {number(c.mass)} diameter "
         f"{number(scene.diameter)} skin {number(scene.skin)}",
     ]
     if scene.touch == "smooth":
@@ -88,12 +87,9 @@ def motion_and_walls(scene: Scene) -> list[str]:
         lines += stock.gravity(scene)
     elif any(scene.gravity):
         words.append(f"gravity {numbers(*scene.gravity)}")
-    slope = c.gamma_tangential_wall
-    if scene.springs is not None:
-        slope = scene.springs.tangential_damping_ratio * c.gamma_normal_wall
     words.append(
         f"k_wall {number(c.stiffness_wall)} gamma_wall {number(c.gamma_normal_wall)} "
-        f"gammat_wall {number(slope)} mu_wall {number(c.friction)}"
+        f"gammat_wall {number(c.gamma_tangential_wall)} mu_wall {number(c.friction)}"
     )
     words += [*plugin_walls(scene), *sizes(scene), *([f"slots {scene.slots}"] if scene.slots else [])]
     if scene.probes:

@@ -10,7 +10,6 @@ from __future__ import annotations
 from math import inf, nan, sqrt
 
 from lammps_jump.physics.contact import WallLaw, restitution_of
-from lammps_jump.physics.slip import Springs
 from lammps_jump.scene import Block, Box, Interval, MovingWall, Plane, Scene, Wall
 from lammps_jump.scene.chains import WALL
 
@@ -252,10 +251,10 @@ def _plain_gate(moving: MovingWall, law: str, tail: str) -> list[str]:
 
 def plugin_walls(scene: Scene) -> list[str]:
     """Words of the plugin's fix for every wall and gate."""
-    return [plugin_wall(one, scene.own_laws.get(one.wall.name), scene.springs) for one in scene.walls]
+    return [plugin_wall(one, scene.own_laws.get(one.wall.name)) for one in scene.walls]
 
 
-def plugin_wall(moving: MovingWall, own: WallLaw | None = None, springs: Springs | None = None) -> str:
+def plugin_wall(moving: MovingWall, own: WallLaw | None = None) -> str:
     """Words of one wall: its name, moment point and faces, own law and motion (``fix_jump_step.h``)."""
     wall, motion = moving
     codes, shape, _, (deep,) = wall.faces
@@ -265,8 +264,7 @@ def plugin_wall(moving: MovingWall, own: WallLaw | None = None, springs: Springs
         f"{' '.join(map(str, code))} {numbers(*row)}" for code, row in zip(codes[:, kept].tolist(), shape, strict=True)
     ]
     if own:
-        slope = own.gamma_tangential if springs is None else springs.tangential_damping_ratio * own.gamma_normal
-        lines.append(f"law {numbers(own.stiffness, own.gamma_normal, slope, own.friction)}")
+        lines.append(f"law {numbers(own.stiffness, own.gamma_normal, own.gamma_tangential, own.friction)}")
         lines += [f"roll {number(own.rolling)}"] if own.rolling is not None else []
     lines += [] if motion.gone == inf else [f"until {int(motion.gone)}"]
     if load := motion.load:

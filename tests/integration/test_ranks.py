@@ -21,6 +21,10 @@ from lammps_jump.engines.launch import run as run_scene
 
 pytestmark = pytest.mark.lammps
 MANY = ("run.duration=0.2125", "run.output_interval=0.2125", "discs.diameter=0.05", "initial=[]")
+SPRINGS = (
+    "run.duration=0.0935", "run.output_interval=0.0935", "contact.friction_law=history", "contact.friction=0.5",
+    "contact.rotation=true", "contact.rolling={friction: 0.1}",
+)  # fmt: skip
 
 
 @pytest.fixture(autouse=True)
@@ -52,6 +56,7 @@ def frames(folder):
     [
         ("dam_break", ("run.duration=0.0935", "run.output_interval=0.0935")),
         pytest.param("quick_jump", MANY, marks=pytest.mark.long),
+        pytest.param("dam_break", SPRINGS, marks=pytest.mark.long),
     ],
 )
 def test_a_thousand_steps_are_those_of_one_rank(plugin, tmp_path, name, changes):

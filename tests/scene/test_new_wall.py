@@ -42,7 +42,7 @@ def shower(**more):
     )  # fmt: skip
 
 
-OWN = ["kind", "name", "friction", "restitution", "stiffness", "motion"]
+OWN = ["kind", "name", "friction", "restitution", "stiffness", "rolling", "motion"]
 """Fields that every wall has."""
 
 

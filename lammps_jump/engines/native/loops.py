@@ -186,12 +186,15 @@ class Memory(NamedTuple):
     rolling_at: np.ndarray
 
 
-def _spring_forces_py(memory, i, partner, foot, around, radius, slip, turn, push, friction, numbers, rolling):
+def _spring_forces_py(memory, i, where, radius, slips, push, numbers, rolling):
     """Tangential and rolling force of a contact of disc i, N per m of width; its springs go on by a step.
 
-    `slip` and `turn` (m/s) are the tangential speed and that of rolling, `push` is the normal force, `numbers` holds
-    stiffness and dashpot of the tangential spring, `rolling` those of the rolling spring and its friction coefficient.
+    `where` holds the partner, the arc length of the foot on its chain and the chain's length (m); `slips` the
+    tangential speed and that of rolling (m/s); `push` is the normal force; `numbers` are stiffness and dashpot of the
+    tangential spring and the friction coefficient, `rolling` those of the rolling spring.
     """
+    partner, foot, around = where
+    slip, turn = slips
     dt, slots = memory.time_step, memory.slots
     limit = 0.5 * radius + abs(slip) * dt
     stretch = bent = 0.0
@@ -203,7 +206,7 @@ def _spring_forces_py(memory, i, partner, foot, around, radius, slip, turn, push
         slot = held(slots, i, partner, foot, limit, around)
     if slot != FULL:
         stretch, bent = slots.spring[i, slot], slots.roll[i, slot]
-    force, stretch = slider(stretch + slip * dt, slip, friction * abs(push), numbers[0], numbers[1])
+    force, stretch = slider(stretch + slip * dt, slip, numbers[2] * abs(push), numbers[0], numbers[1])
     resists = 0.0
     if rolling[0] > 0.0:
         resists, bent = slider(bent + turn * dt, turn, rolling[2] * abs(push), rolling[0], rolling[1])
@@ -212,27 +215,36 @@ def _spring_forces_py(memory, i, partner, foot, around, radius, slip, turn, push
     return force, resists
 
 
-def _pair_springs_py(memory, i, j, radii, overlap, slip, spins, push, friction, numbers):
-    """Tangential force of two discs along (-ny, nx) of disc i, and the torques on both (N, N m per m of width)."""
+def _pair_springs_py(memory, pair, radii, overlap, slip, spins, push, numbers):
+    """Tangential force of two discs along (-ny, nx) of the first, and the torques on both (N, N m per m of width).
+
+    `numbers` are stiffness, dashpot and friction coefficient of the contact.
+    """
+    i, j = pair
     one, other = (i, j) if memory.ids[i] > memory.ids[j] else (j, i)
     a, b = radii
+    k, c, friction = numbers
     arm = a * b / (a + b)
     turn = arm * (spins[0] - spins[1]) if one == i else arm * (spins[1] - spins[0])
-    force, resists = _spring_forces(
-        memory, one, memory.ids[other], 0.0, 0.0, a, slip, turn, push, friction,
-        (memory.ratio * numbers[0], memory.damping * numbers[1]), memory.rolling,
-    )  # fmt: skip
+    springs = memory.ratio * k, memory.damping * c, friction
+    where = memory.ids[other], 0.0, 0.0
+    force, resists = _spring_forces(memory, one, where, a, (slip, turn), push, springs, memory.rolling)
     resists *= arm if one == i else -arm
     return force, -(a - 0.5 * overlap) * force + resists, -(b - 0.5 * overlap) * force - resists
 
 
-def _wall_springs_py(memory, i, wall, face, foot, radius, slip, spin, push, friction, numbers):
-    """Tangential force of a disc at a wall along (-ny, nx), and the torque on it (N, N m per m of width)."""
-    at = memory.rolling_at
-    force, resists = _spring_forces(
-        memory, i, memory.chain[face], foot, memory.around[face], radius, slip, radius * spin, push, friction,
-        (memory.ratio * numbers[0], memory.damping * numbers[1]), (at[wall, 0], at[wall, 1], at[wall, 2]),
-    )  # fmt: skip
+def _wall_springs_py(memory, i, at, radius, slip, spin, push, numbers):
+    """Tangential force of a disc at a wall along (-ny, nx), and the torque on it (N, N m per m of width).
+
+    `at` holds the wall, the face and the arc length of the foot; `numbers` are as of two discs.
+    """
+    wall, face, foot = at
+    k, c, friction = numbers
+    rolls = memory.rolling_at
+    rolling = rolls[wall, 0], rolls[wall, 1], rolls[wall, 2]
+    springs = memory.ratio * k, memory.damping * c, friction
+    where = memory.chain[face], foot, memory.around[face]
+    force, resists = _spring_forces(memory, i, where, radius, (slip, radius * spin), push, springs, rolling)
     return force, radius * (resists - force)
 
 
@@ -451,8 +463,8 @@ def _pair_forces_py(
                 if memory is not None:
                     spins = (0.0, 0.0) if omega is None else (omega[i], omega[j])
                     ft, on_one, on_two = _pair_springs(
-                        memory, i, j, (a, b), overlap, slip[1] * nx - slip[0] * ny - rim, spins, px * nx + py * ny,
-                        friction, (k, c * size),
+                        memory, (i, j), (a, b), overlap, slip[1] * nx - slip[0] * ny - rim, spins, px * nx + py * ny,
+                        (k, c * size, friction),
                     )  # fmt: skip
                     px -= ft * ny
                     py += ft * nx
@@ -563,9 +575,9 @@ def _wall_forces_py(
                     if several:
                         face = which[contact]
                     ft, turn = _wall_springs(
-                        memory, i, wall, face, foot_at(codes, shape, face, inner_x, inner_y), own,
+                        memory, i, (wall, face, foot_at(codes, shape, face, inner_x, inner_y)), own,
                         slip_y * nx - slip_x * ny - rim, 0.0 if omega is None else omega[i], px * nx + py * ny,
-                        near.numbers[wall, 3], numbers,
+                        (numbers[0], numbers[1], near.numbers[wall, 3]),
                     )  # fmt: skip
                     px -= ft * ny
                     py += ft * nx
@@ -813,8 +825,8 @@ def _contacts_py(
             if memory is not None:
                 spins = (0.0, 0.0) if omega is None else (turned[i], turned[j])
                 rub, on_one, on_two = _pair_springs(
-                    memory, i, j, (a, b), overlap, slip[1] * nx - slip[0] * ny - rim, spins, px * nx + py * ny,
-                    friction, (law.stiffness, law.damping * size),
+                    memory, (i, j), (a, b), overlap, slip[1] * nx - slip[0] * ny - rim, spins, px * nx + py * ny,
+                    (law.stiffness, law.damping * size, friction),
                 )  # fmt: skip
                 px, py = px - rub * ny, py + rub * nx
                 if omega is not None and rub != 0.0:
@@ -852,8 +864,9 @@ def _contacts_py(
                 qx, qy, rub, dash = contact_force(a - gap, (nx, ny), slip, rim, numbers, rub_here, inverse_eps, touch)
                 if memory is not None:
                     rub, on_it = _wall_springs(
-                        memory, i, wall, face, foot, a, slip[1] * nx - slip[0] * ny - rim,
-                        0.0 if omega is None else turned[i], qx * nx + qy * ny, near.numbers[wall, 3], numbers,
+                        memory, i, (wall, face, foot), a, slip[1] * nx - slip[0] * ny - rim,
+                        0.0 if omega is None else turned[i], qx * nx + qy * ny,
+                        (numbers[0], numbers[1], near.numbers[wall, 3]),
                     )  # fmt: skip
                     qx, qy = qx - rub * ny, qy + rub * nx
                     if omega is not None and rub != 0.0:
@@ -917,10 +930,12 @@ slope = njit(cache=True)(_slope_py)
 _power = njit(cache=True, error_model="numpy", fastmath={"reassoc", "nsz"})(_power_py)
 _power_of_torque = njit(cache=True, error_model="numpy", fastmath={"reassoc", "nsz"})(_power_of_torque_py)
 _kick_drift = njit(cache=True, error_model="numpy")(_kick_drift_py)
-_spring_forces = watching_law(njit(cache=True)(_spring_forces_py), slot_of)
-_pair_springs = watching_law(njit(cache=True)(_pair_springs_py), slot_of)
-_wall_springs = watching_law(njit(cache=True)(_wall_springs_py), slot_of)
-_pair_forces = watching_law(njit(cache=True)(_pair_forces_py), slot_of)
+# springs: numba would count references to the arrays at every contact, atomically, which takes ten times the contact;
+# nothing is allocated there, so that there is nothing to count
+_spring_forces = watching_law(njit(cache=True, inline="always")(_spring_forces_py), slot_of)
+_pair_springs = watching_law(njit(cache=True, inline="always")(_pair_springs_py), slot_of)
+_wall_springs = watching_law(njit(cache=True, inline="always")(_wall_springs_py), slot_of)
+_pair_forces = watching_law(njit(cache=True, _nrt=False)(_pair_forces_py), slot_of)
 pose = njit(cache=True)(pose_py)
 _place_walls = watching_law(njit(cache=True)(_place_walls_py), pose)
 _inward = njit(cache=True)(_inward_py)
@@ -928,7 +943,7 @@ _outward = njit(cache=True)(_outward_py)
 _wall_velocity = njit(cache=True)(_wall_velocity_py)
 _see_lid = njit(cache=True)(_see_lid_py)
 _drift_lids = njit(cache=True)(_drift_lids_py)
-_wall_forces = watching_law(njit(cache=True)(_wall_forces_py), touching, slot_of)
+_wall_forces = watching_law(njit(cache=True, _nrt=False)(_wall_forces_py), touching, slot_of)
 _cell_pairs = njit(cache=True)(_cell_pairs_py)
 advance = watching_law(njit(cache=True)(_advance_py), touching, pose, slot_of)
 cell_pairs = _cell_pairs
