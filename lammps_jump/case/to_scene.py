@@ -157,7 +157,7 @@ def build_scene(case: CaseFields, source: CaseSource) -> Scene:
         touch_width=0.0 if sharp else law.touch_width or TOUCH_STEPS * impact_speed * begun.time_step,
         size_steps=raster if inlets else POUR_RASTER,
         skipped=skipped(case, tuple(wall for wall, _ in moving), [wall for wall, _ in kept], begun, laws.values()),
-        warnings=(*warnings, *checks.check_stop(case, source), *doubts(case, impact_speed, inlets), *notes),
+        warnings=(*warnings, *checks.check_stop(case), *doubts(case, impact_speed, inlets), *notes),
         adapted=checks.adapted(case, begun, inlets),
     )
 
