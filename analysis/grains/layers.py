@@ -30,6 +30,8 @@ from lammps_jump.units import number
 MOST_LAYERS = 5000
 HEIGHT = 2.0
 """Height of a layer in diameters, where none is asked for."""
+THIN = 0.1
+"""Solid fraction below which single discs fly: I and mu mean nothing there, and are left out."""
 AREA, MASS, U, V, Y, UU, VV, UV, UY, VY, YY, FXX, FXY, FYX, FYY = range(15)
 """Rows of the sums of a layer: area of discs (m^2); mass (kg/m), alone and times velocities and places; F l (N)."""
 
@@ -269,10 +271,11 @@ def profile_of(found: Sums, inside: np.ndarray, flow: Flow) -> Profile:
         contact = np.array([sums[FXX], sums[FYY], 0.5 * (sums[FXY] + sums[FYX])]) / area
         contact = contact if found.stressed else np.full_like(contact, nan)
         xx, yy_, xy = contact + kinetic
-        pressure = np.where(yy_ > 0, yy_, nan)
+        packing = sums[AREA] / area
+        pressure = np.where((yy_ > 0) & (packing >= THIN), yy_, nan)
         inertial = np.abs(shear) * np.sqrt(flow.scene.mass / pressure)
         return Profile(
-            0.5 * (edges[1:] + edges[:-1]), u, v, sums[AREA] / area, np.maximum(0.5 * (along + across), 0.0), shear,
+            0.5 * (edges[1:] + edges[:-1]), u, v, packing, np.maximum(0.5 * (along + across), 0.0), shear,
             xx, yy_, -xy, contact[1] / pressure, inertial, np.abs(xy) / pressure,
         )  # fmt: skip
 
