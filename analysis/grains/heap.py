@@ -63,9 +63,7 @@ class Heap:
     rods: float = number("", "run-out over base, aluminium rods (arXiv 1512.05180)", default=nan)
     sand: float = number("", "run-out over base, sand (Lube et al. 2005)", default=nan)
     height_rods: float = number("", "height over base, aluminium rods (arXiv 1512.05180)", default=nan)
-    shape_off: float = number(
-        "", "h/L₀ less that of published discs of this aspect, root mean square", default=nan
-    )
+    shape_off: float = number("", "h/L₀ less that of published discs of this aspect, root mean square", default=nan)
     friction: float = number("", "friction coefficient of the discs", default=nan)
     at_rest: bool | None = None
     reason: str | None = None

@@ -341,8 +341,8 @@ def figures(layers: Layers, gathered: Gathered) -> Drawings:
             Line("τ", y, profile.stress_xy / scale, "third"),
         )
         panels.append(Panel("Stress [kPa]", stresses))
-        numbers = Line("I", y, profile.inertial_number), Line("μ = |τ|/σ_yy", y, profile.friction, "second")
-        panels.append(Panel("Inertial number,\nfriction", numbers, ylim=(0.0, None)))
+        panels.append(Panel("Inertial\nnumber I", [Line("", y, profile.inertial_number)], ylim=(0.0, None)))
+        panels.append(Panel("Friction\nμ = |τ|/σ_yy", [Line("", y, profile.friction)], ylim=(0.0, None)))
     stretch = f"x = {layers.begin:.3g} … {layers.end:.3g} m"
     return {"layers": Chart(f"layers, {stretch}", "Height y [m]", panels)}
 

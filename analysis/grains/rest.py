@@ -6,7 +6,6 @@ the highest edge within 0.05 d, and their number as it is. The stretch must be 2
 the top would move by 0.2 d in it.
 """
 
-# ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
 from __future__ import annotations
 
 from collections.abc import Mapping
@@ -30,6 +29,8 @@ CONSTANT = 0.05
 """Diameters within which the top stays."""
 SPAN = 20.0
 """Length of the stretch over sqrt(d/g)."""
+LOWEST = 1e-6
+"""Least speed over sqrt(g d) that the figure tells apart."""
 FEWEST = 4
 """Frames of the stretch."""
 
@@ -203,7 +204,7 @@ def figures(rest: Rest, gathered: Gathered) -> Drawings:
     scale = sqrt(flow.g * flow.scene.diameter)
     marks = {"at rest": rest.time} if isfinite(rest.time) else {}
     with np.errstate(divide="ignore", invalid="ignore"):
-        digits = np.log10(np.maximum(history.speed / scale, 1e-9))
+        digits = np.log10(np.maximum(history.speed / scale, LOWEST))
     panels = (
         Panel("Median speed,\nlog₁₀ of v/√(g d)", [Line("", history.time, digits)],
               levels={f"rest: {SLOW:g}": float(np.log10(SLOW))}, marks=marks),

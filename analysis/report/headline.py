@@ -70,7 +70,7 @@ def _heap(heap: Mapping) -> str:
     rests = "still moves" if heap.get("at_rest") is False else "is at rest" if heap.get("at_rest") else "stands"
     slope = "" if heap.get("angle") is None else f", its flanks slope at {heap['angle']:.0f} degrees"
     if heap.get("run_out_over_base") is None:
-        return f"A heap of {_short(heap['height'])} m {rests}{slope}."
+        return f"A {'heap' if slope else 'bed'} of {_short(heap['height'])} m {rests}{slope}."
     return f"The column has run out {_short(heap['run_out_over_base'])} times its base and {rests}{slope}."
 
 

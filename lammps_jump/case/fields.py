@@ -307,9 +307,9 @@ class Analysis(Strict):
     front: Literal[False, True, "water"] = Field(default=False, description="water: also against columns of water")
     drum: bool = Field(default=False, description="angle of the surface in a drum that turns")
     hopper: bool = Field(default=False, description="discharge of a hopper")
-    layers: Annotated[
-        Annotated[bool, Tag("<all>")] | Annotated[Layers, Tag("<layers>")], Discriminator(_layers)
-    ] = Field(default=False, description="profiles over y; {x: [10, 20], height: 0.4}: where")
+    layers: Annotated[Annotated[bool, Tag("<all>")] | Annotated[Layers, Tag("<layers>")], Discriminator(_layers)] = (
+        Field(default=False, description="profiles over y; {x: [10, 20], height: 0.4}: where")
+    )
     heap: bool = Field(default=False, description="shape of the discs at the end, slopes, run-out of a column")
     rest: bool = Field(default=False, description="when the discs come to rest")
     fields: bool = False

@@ -22,10 +22,13 @@ class FrictionLaw(NamedTuple):
         Slip below which friction falls to 0, over v_max; None: LAMMPS' viscous ramp.
     in_stock : bool
         The styles that come with LAMMPS have it.
+    remembers : bool
+        Contacts have a tangential spring.
     """
 
     ramp: float | None
     in_stock: bool
+    remembers: bool = False
 
 
 FRICTION_LAWS = {"hooke": FrictionLaw(None, True), "sign": FrictionLaw(SIGN_RAMP, False)}

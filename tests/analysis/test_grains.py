@@ -141,7 +141,8 @@ def test_flanks_of_a_heap(sign):
     assert (sign * getattr(found, steep), sign * getattr(found, flat)) == pytest.approx((-4.0, 7.8), abs=0.21)
     assert np.isnan(found.base) and found.at_rest is None
     said = verdict({"heap": numbers(found)})
-    assert said == "A heap of 2.0 m stands, its flanks slope at 20 degrees." and said in headline({"heap": numbers(found)})
+    assert said == "A heap of 2.0 m stands, its flanks slope at 20 degrees."
+    assert said in headline({"heap": numbers(found)})
     assert heap.figures(found, made)["heap"] is not None
 
 

@@ -134,7 +134,7 @@ def test_without_inflow_a_run_ends_at_rest(tmp_path, dump_format):
             file.write_frame(make_frame(k, time, ((-1, 90), (-1, 90)), columns))
             answers.append(watch())
     assert answers[-1] and not any(answers[: int(10 * (3.0 + span))])
-    assert f"the discs rest since t = 3 s" in watch.reason
+    assert "the discs rest since t = 3 s" in watch.reason
     ended = float(watch.reason.split("t = ")[1].split()[0])
     assert 3 + span - 0.01 <= ended <= 3.21 + span  # frames every 0.1 s, the newest is whole with the next
 
