@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from math import sqrt
+from math import inf, sqrt
 
 from lammps_jump.case.fields import CaseFields, Column
 from lammps_jump.physics.devices import creep_speed
@@ -33,12 +33,10 @@ def makes_heap(case: CaseFields, diameter: float, walls: Iterable[MovingWall]) -
     walls = list(walls)
     if not case.gravity or case.outflow or any(motion.kind is not None for _, motion in walls):
         return False
-    rooms = [wall.room("x") for wall, _ in walls]
-    falls = any(
-        isinstance(item, Column)
-        and not (any(item.x[0] - low <= diameter for low, _ in rooms) and any(high - item.x[1] <= diameter for _, high in rooms))
-        for item in case.initial
-    )  # fmt: skip
+    lows, highs = zip(*(wall.room("x") for wall, _ in walls), strict=True) if walls else ((), ())
+    columns = (item.x for item in case.initial if isinstance(item, Column))
+    falls = any(left - max(lows, default=-inf) > diameter or min(highs, default=inf) - right > diameter
+                for left, right in columns)  # fmt: skip
     return (falls and case.inflow is None) or isinstance(case.inflow, PourInflow)
 
 
