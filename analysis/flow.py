@@ -54,6 +54,8 @@ class Flow:
         Contact forces of each frame as the engine had them; None: they are computed from the frame.
     poses : PoseFile or None
         Where the walls are that the discs push; without it they are where the case has them.
+    layers : ((float, float) or None, float or None) or None
+        Stretch of x and height of the layers over which profiles over y are made, m; None: those of the analysis.
     """
 
     scene: Scene
@@ -70,6 +72,7 @@ class Flow:
     water: bool = False
     written: ContactFile | None = field(default=None, repr=False, compare=False)
     poses: PoseFile | None = field(default=None, compare=False)
+    layers: tuple[Interval | None, float | None] | None = None
 
     def radii(self, frame: Frame) -> np.ndarray:
         """Radius of each disc, m, shape (n,); one number seen n times where discs are equal. Not to be changed."""

@@ -32,6 +32,7 @@ from .forces import figures as forces
 from .forces.history import Force, Forces
 from .forces.impulse import Identity, MomentumLedger
 from .forces.reflection import ReflectedWave
+from .grains import heap, layers, rest
 from .jump import head
 from .jump import section as jump
 from .jump.summary import Jump
@@ -89,6 +90,9 @@ QUANTITIES = {
     "waves": Quantity(waves.Waves, None, waves.analyse, waves.tables, waves.figures, waves.section),
     "drum": Quantity(drum.Drum, drum.SurfaceAngles, drum.analyse, drum.tables, drum.figures, drum.section),
     "hopper": Quantity(hopper.Hopper, hopper.MassAbove, hopper.analyse, hopper.tables, hopper.figures, hopper.section),
+    "layers": Quantity(layers.Layers, layers.LayerSums, layers.analyse, layers.tables, layers.figures, layers.section),
+    "heap": Quantity(heap.Heap, heap.HeapWatch, heap.analyse, heap.tables, heap.figures, heap.section),
+    "rest": Quantity(rest.Rest, rest.RestWatch, rest.analyse, rest.tables, rest.figures, rest.section),
 }
 """By the key in ``summary.json``, in the order of the report."""
 BESIDE_FORCES = {"reflected_wave": ReflectedWave, "identity": Identity}

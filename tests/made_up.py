@@ -83,7 +83,10 @@ COEFFICIENTS = (
     "mass", "stiffness", "stiffness_wall", "time_step", "restitution", "friction",
     "gamma_tangential", "gamma_tangential_wall",
 )  # fmt: skip
-FLOW = ("x_range", "bin_width", "window", "inflow_depth", "inflow_speed", "notes", "sized", "timed", "water", "poses")
+FLOW = (
+    "x_range", "bin_width", "window", "inflow_depth", "inflow_speed", "notes", "sized", "timed", "water", "poses",
+    "layers",
+)  # fmt: skip
 
 
 def flow_context(*, dashpot=0.0, dashpot_wall=0.0, **given) -> Flow:

@@ -27,6 +27,9 @@ from lammps_jump.scene.chains import X0, X1, Y0, Y1
 from lammps_jump.scene.scene import Scene
 from lammps_jump.units import number
 
+PIECE = 0.05
+"""Share of the record over which the discharge at a time is taken."""
+
 
 class Slot(NamedTuple):
     """Left and right edge and height of a slot, m."""
@@ -133,20 +136,39 @@ def analyse(gathered: Gathered) -> Hopper:
     )
 
 
+def discharge_over_time(time: np.ndarray, mass: np.ndarray) -> np.ndarray:
+    """Discharge against time, kg/s/m: mass lost over a `PIECE` of the record around each frame; NaN at its ends.
+
+    Parameters
+    ----------
+    time : ndarray, shape (frames,), s
+    mass : ndarray, shape (frames,), kg/m
+    """
+    found, reach = np.full(len(time), nan), max(1, round(0.5 * PIECE * len(time)))
+    if len(time) > 2 * reach:
+        found[reach:-reach] = (mass[: -2 * reach] - mass[2 * reach :]) / (time[2 * reach :] - time[: -2 * reach])
+    return found
+
+
 def tables(hopper: Hopper) -> Tables:
-    """Mass above the slot against time, kg/m."""
-    return {} if hopper.time is None else {"hopper.csv": {"time": hopper.time, "mass": hopper.mass}}
+    """Mass above the slot, kg/m, and discharge, kg/s/m, against time."""
+    if hopper.time is None or hopper.mass is None:
+        return {}
+    columns = {"time": hopper.time, "mass": hopper.mass}
+    return {"hopper.csv": columns | {"discharge": discharge_over_time(hopper.time, hopper.mass)}}
 
 
 def figures(hopper: Hopper, gathered: Gathered) -> Drawings:
-    """Mass above the slot against time."""
-    if hopper.time is None:
+    """Mass above the slot, and the discharge, against time."""
+    if hopper.time is None or hopper.mass is None:
         return {}
-    return {
-        "hopper": Chart(
-            "hopper", TIME, [Panel("Mass above the\nslot [t/m]", [Line("", hopper.time, hopper.mass / 1e3)])]
-        )
-    }
+    rate = discharge_over_time(hopper.time, hopper.mass)
+    mean = {"mean of the window": hopper.discharge / 1e3} if isfinite(hopper.discharge) else {}
+    panels = (
+        Panel("Mass above the\nslot [t/m]", [Line("", hopper.time, hopper.mass / 1e3)]),
+        Panel("Discharge\n[t/s per metre]", [Line("", hopper.time, rate / 1e3)], levels=mean, ylim=(0.0, None)),
+    )
+    return {"hopper": Chart("hopper", TIME, panels)}
 
 
 def section(hopper: Mapping) -> Section:

@@ -80,6 +80,26 @@ discharge     slope of the mass of discs above the slot against time, over the w
 slot          narrowest gap D between standing walls around the middle of the discs at the start
 Beverloo      W/(ρ √g (D − 1.4 d)^1.5), ρ and d of a disc: by the law the same for every slot and height of fill
 """,
+    "layers": """\
+layer         discs count with the share of their area in it, contacts with that of the line between the centres
+packing       π d²/4 of the discs over the area of the layer
+temperature   half of the mean square of the velocities about the mean of the layer, the shear taken off, m²/s²
+stress        σ = (∑ F l + ∑ m v′ v′)/area, contacts and fluctuations; τ = −σ_xy: the upper layer drags the lower
+I, μ          γ̇ √(m/P) = γ̇ d √(ρ/P) and |τ|/P, with P = σ_yy
+""",
+    "heap": """\
+surface       free surface in bins one diameter wide, last frame; height: the largest depth over the bed
+angle         straight line through the bins from 80 % down to 20 % of the height, to the horizontal; ± is half of the
+              95 % interval, from their scatter about the line; a flank that leans on a wall is none
+run-out       L − L₀; L₀ base of the column at the start, half of it where it falls to both sides (the mean is given)
+fronts        bulk: before the first gap of two diameters between neighbours in x; 99 %: what 1 % of the discs pass
+discs, rods, sand   published, for the same a = H₀/L₀; they are of other grains: friction and sizes differ
+""",
+    "rest": """\
+rest          from the first frame on after which, up to the end: median speed below 0.01 √(g d), highest edge within
+              0.05 d, number of discs as it is; at least for 20 √(d/g), with all gates open
+sinking       fall of the highest edge over the last 20 √(d/g)
+""",
     "energy": """\
 kinetic, spin, potential (−m g·r), elastic (k δ²/2) energy of all discs, per metre of width
 drift         straight-line change over the record, over the energy at the start

@@ -64,8 +64,18 @@ def _hopper(hopper: Mapping) -> str:
     return f"The hopper lets out {_short(rate / 1e3)} t/s per metre through a slot of {_short(hopper['slot'])} m."
 
 
-OF_DEVICES = {"waves": _waves, "drum": _drum, "hopper": _hopper}
-"""Sentences on flows that a device makes, by the key of their quantity."""
+def _heap(heap: Mapping) -> str:
+    if heap.get("height") is None:
+        return ""
+    rests = "still moves" if heap.get("at_rest") is False else "is at rest" if heap.get("at_rest") else "stands"
+    slope = "" if heap.get("angle") is None else f", its flanks slope at {heap['angle']:.0f} degrees"
+    if heap.get("run_out_over_base") is None:
+        return f"A {'heap' if slope else 'bed'} of {_short(heap['height'])} m {rests}{slope}."
+    return f"The column has run out {_short(heap['run_out_over_base'])} times its base and {rests}{slope}."
+
+
+OF_DEVICES = {"waves": _waves, "drum": _drum, "hopper": _hopper, "heap": _heap}
+"""Sentences on flows that a device or the grains make, by the key of their quantity."""
 
 
 def verdict(summary: Mapping) -> str:

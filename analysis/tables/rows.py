@@ -19,6 +19,9 @@ from lammps_jump.analysis.devices.waves import Waves
 from lammps_jump.analysis.energy import Energy
 from lammps_jump.analysis.forces.history import Force
 from lammps_jump.analysis.front import Front, MartinMoyce
+from lammps_jump.analysis.grains.heap import Heap
+from lammps_jump.analysis.grains.layers import Layers
+from lammps_jump.analysis.grains.rest import Rest
 from lammps_jump.analysis.jump.summary import Jump
 from lammps_jump.analysis.report.headline import A_JUMP, COMPARED, against_water, belongs
 from lammps_jump.analysis.report.page import Box, heading
@@ -101,6 +104,16 @@ FOUND = (
     Wanted("hopper.beverloo", Hopper),
     Wanted("hopper.slot", Hopper),
     Wanted("hopper.change", Hopper, label="discharge, second half of the window over the first", **PERCENT),
+    Wanted("heap.run_out_over_base", Heap, "rods", "heap.rods"),
+    Wanted("heap.run_out_over_base", Heap, "sand", "heap.sand"),
+    Wanted("heap.height_over_base", Heap, "rods", "heap.height_rods"),
+    Wanted("heap.angle", Heap),
+    Wanted("rest.time", Rest),
+    Wanted("heap.height", Heap),
+    Wanted("layers.inertial_number", Layers),
+    Wanted("layers.friction", Layers),
+    Wanted("layers.packing", Layers),
+    Wanted("layers.velocity", Layers),
     Wanted("front.position", Front, label="front after {time}"),
     Wanted("front.speed", Front, "Ritter", WATER),
     Wanted("front.speed", Front),
@@ -180,6 +193,8 @@ def _goes(wanted: Wanted, summary: Mapping) -> bool:
     quantity, _, key = wanted.path.partition(".")
     if quantity == "energy":
         return bool(_at(summary, "energy.conservative"))
+    if quantity == "heap" and wanted.other:
+        return _at(summary, wanted.other) is not None
     if quantity == "front":
         water = wanted.other == WATER
         known = key != "speed" or water == against_water(summary.get("front") or {})

@@ -251,6 +251,17 @@ class Probes(Strict):
     gauges: tuple[Coordinate, ...] = Field(default=(), max_length=100, description="x where the depth is followed")
 
 
+class Layers(Strict):
+    """Where profiles over y are made."""
+
+    x: Extent | None = Field(default=None, description="stretch of x; default the middle half of the channel")
+    height: units.Metre | None = Field(default=None, **LENGTH, description="height of a layer; default 2 d")
+
+
+def _layers(value: Any) -> str:
+    return "<layers>" if isinstance(value, dict | Layers) else "<all>"
+
+
 class Analysis(Strict):
     """Analyses of the dump."""
 
@@ -261,6 +272,11 @@ class Analysis(Strict):
     front: Literal[False, True, "water"] = Field(default=False, description="water: also against columns of water")
     drum: bool = Field(default=False, description="angle of the surface in a drum that turns")
     hopper: bool = Field(default=False, description="discharge of a hopper")
+    layers: Annotated[Annotated[bool, Tag("<all>")] | Annotated[Layers, Tag("<layers>")], Discriminator(_layers)] = (
+        Field(default=False, description="profiles over y; {x: [10, 20], height: 0.4}: where")
+    )
+    heap: bool = Field(default=False, description="shape of the discs at the end, slopes, run-out of a column")
+    rest: bool = Field(default=False, description="when the discs come to rest")
     fields: bool = False
     animation: bool = False
     figures: Literal["default", "all", "player", "none"] = Field(default="default", description="none: no report")

@@ -29,6 +29,7 @@ from .derived import doubts, skipped
 from .fields import CaseFields, Column
 from .packing import arrange, disc_sizes
 from .parts import places
+from .parts.grains import heap_doubts
 from .parts.inflow import PourInflow, RowsInflow
 from .parts.rows import Inlet, inlet_of
 from .text import CaseSource
@@ -112,7 +113,7 @@ def build_scene(case: CaseFields, source: CaseSource) -> Scene:
     laws = _own_laws(case, begun, given)
     notes = walls.check_own_laws(case, source, begun, laws, given, _integrator(case))
     moving = [walls.moving(item, source, begun, laws) for item in given]
-    notes += walls.wall_doubts(moving, begun, laws, inlets)
+    notes += walls.wall_doubts(moving, begun, laws, inlets) + heap_doubts(case, begun, moving)
     ways = [way(one, *walls.span(begun)) for one in moving]
     speed = max(
         _largest_speed(case, begun, inlets),
@@ -164,7 +165,7 @@ def build_scene(case: CaseFields, source: CaseSource) -> Scene:
         touch_width=0.0 if sharp else law.touch_width or TOUCH_STEPS * impact_speed * begun.time_step,
         size_steps=raster if inlets else POUR_RASTER,
         skipped=skipped(case, tuple(wall for wall, _ in moving), [wall for wall, _ in kept], begun, laws.values()),
-        warnings=(*warnings, *checks.check_stop(case, source), *doubts(case, impact_speed, inlets), *notes),
+        warnings=(*warnings, *checks.check_stop(case), *doubts(case, impact_speed, inlets), *notes),
         adapted=checks.adapted(case, begun, inlets),
     )
 

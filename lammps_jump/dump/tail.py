@@ -5,11 +5,15 @@ from __future__ import annotations
 
 import hashlib
 import io
+import struct
 import sys
 import threading
+import zlib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
+
+from lammps_jump.errors import DumpError
 
 from .formats import walk
 from .frame import DumpFile, Frame
@@ -17,6 +21,10 @@ from .read import Dump
 
 MARKER = b"ITEM: TIME\n"
 """First line of each frame that our engines write."""
+BINARY_MARKER = struct.pack("<q10s", -10, b"DUMPCUSTOM")
+"""First bytes of each binary frame."""
+GZIP = 31
+"""Of `zlib`: a stream with the header of gzip."""
 WAIT = 0.02
 """Seconds between looks at a file that grows."""
 
@@ -77,33 +85,59 @@ class _Growing(io.RawIOBase):
         super().close()
 
 
+class _Arrived(DumpFile):
+    """What has arrived of a dump that grows, unpacked; its size on the disk bounds nothing."""
+
+    most_bytes = sys.maxsize
+
+
 class Tail:
     """The end of a dump that grows.
 
     Parameters
     ----------
     path : Path
-        Text dump with times; it need not be there yet.
+        Dump with times; it need not be there yet.
+    format : {'text', 'gz', 'binary'}
     """
 
-    def __init__(self, path: Path):
-        self.path = path
-        self._read = 0
+    def __init__(self, path: Path, format: str = "text"):
+        self.path, self.format = path, format
+        self._marker = BINARY_MARKER if format == "binary" else MARKER
+        self._read, self._left, self._stream = 0, b"", zlib.decompressobj(GZIP)
 
     def new_frames(self) -> Iterator[Frame]:
-        """Frames that have become whole since the last call; the newest is whole once another begins."""
+        """Frames that have become whole since the last call; the newest is whole once another begins.
+
+        DumpError where they are malformed.
+        """
         if not self.path.exists():
             return
         with self.path.open("rb") as file:
             file.seek(self._read)
-            text = file.read()
-        last = max(text.rfind(MARKER), 0)
-        self._read += last
+            arrived = file.read()
+        self._read += len(arrived)
+        data = self._left + (self._unpacked(arrived) if self.format == "gz" else arrived)
+        last = max(data.rfind(self._marker), 0)
+        self._left = data[last:]
         if last:
-            yield from self._frames(text[text.find(MARKER) : last])
+            yield from self._frames(data[data.find(self._marker) : last])
+
+    def _unpacked(self, packed: bytes) -> bytes:
+        """What more bytes of a gzip file hold; a run that went on has several streams in it."""
+        found = []
+        try:
+            while packed:
+                found.append(self._stream.decompress(packed))
+                packed = self._stream.unused_data
+                if packed:
+                    self._stream = zlib.decompressobj(GZIP)
+        except zlib.error as error:
+            raise DumpError(f"{self.path}: the gzip stream is damaged ({error})") from None
+        return b"".join(found)
 
     def newest(self, guess: int = 2_000_000, *, ended: bool = False) -> Frame | None:
-        """The last whole frame, None where there is none yet; where the run has `ended` the last one is whole.
+        """The last whole frame of a text, None where there is none yet; where the run has `ended` the last is whole.
 
         Reads `guess` bytes from the end, more where a frame is larger.
         """
@@ -124,7 +158,7 @@ class Tail:
         except OSError:
             return None
 
-    def _frames(self, text: bytes) -> Iterator[Frame]:
-        """Frames of whole text; DumpError where it is malformed."""
-        walked = walk(DumpFile(self.path, "text", False), io.BytesIO(text), lambda index: True)
-        return (frame for _, frame in walked)
+    def _frames(self, data: bytes) -> Iterator[Frame]:
+        """Frames of whole data; DumpError where it is malformed."""
+        of = _Arrived(self.path, "binary" if self.format == "binary" else "text", False)
+        return (frame for _, frame in walk(of, io.BytesIO(data), lambda index: True) if frame is not None)

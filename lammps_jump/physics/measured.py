@@ -51,3 +51,30 @@ MARTIN_MOYCE_HEIGHT = Curve(
 
 MARTIN_MOYCE_FRONT_SLOPE = {1: 1.40, 2: 1.319}
 """dZ/dT of the front over T in [1.43, 3.33] for n^2 = 1 and 2 (straight-line fit of their tables)."""
+
+
+class DiscHeap(NamedTuple):
+    """A column of discs that fell to both sides, at rest; lengths over half its base L0.
+
+    Attributes
+    ----------
+    aspect : float
+        H0/L0.
+    run_out : float
+        Of the outermost disc, (L - L0)/L0.
+    shape : Curve
+        Height over the distance from the middle.
+    """
+
+    aspect: float
+    run_out: float
+    shape: Curve
+
+
+DISC_HEAPS = (
+    DiscHeap(0.49, 0.94, Curve((0.0, 0.5, 1.0, 1.5, 2.0), (0.49, 0.37, 0.22, 0.11, 0.0))),
+    DiscHeap(1.39, 3.48, Curve((0.0, 0.5, 1.0, 1.5, 2.0, 3.0), (0.73, 0.63, 0.51, 0.42, 0.31, 0.16))),
+    DiscHeap(6.00, 12.1, Curve((0.0, 0.5, 1.0, 1.5, 2.0, 3.0), (1.21, 1.07, 0.97, 0.91, 0.85, 0.72))),
+)
+"""Columns of discs by contact dynamics (friction, restitution and sizes are not stated): data of the public repository
+comphy-lab/basilisk-C, sandbox M1EMN, files ShapeTime.A-01, -03 and -04."""

@@ -52,7 +52,7 @@ class Conclusion:
     Attributes
     ----------
     steady : str
-        Why the run was stopped before its end, as steady or drowned; empty where it was not.
+        Why the run was stopped before its end, as steady, drowned or at rest; empty where it was not.
     before : mapping
         Seconds that were spent before.
     progress : callable, optional

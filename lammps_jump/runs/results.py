@@ -6,7 +6,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,6 +25,7 @@ from lammps_jump.analysis.report import run as report
 from lammps_jump.analysis.report.frames import FramePacker
 from lammps_jump.analysis.report.player import make_player, member_packer
 from lammps_jump.case.case import ReadCase
+from lammps_jump.case.fields import Layers
 from lammps_jump.dump.check import IdCheck
 from lammps_jump.dump.exports import export as write_exports
 from lammps_jump.dump.find import find_dump, read_dump, read_forces
@@ -80,7 +81,7 @@ def flow_of(case: ReadCase, folder: Path | None = None) -> Flow:
     asked, inflow = case.fields.analysis, case.fields.inflow
     steady = inflow if inflow is not None and inflow.kind == "rows" and inflow.table is None else None
     depth, speed = steady.over(0.0, 0.0) if steady else (None, None)  # one against time is in the scene
-    return from_scene(
+    flow = from_scene(
         case.scene(),
         bin_width=asked.bin_width,
         window=asked.window,
@@ -89,6 +90,7 @@ def flow_of(case: ReadCase, folder: Path | None = None) -> Flow:
         water=asked.front == "water",
         folder=folder,
     )
+    return replace(flow, layers=(asked.layers.x, asked.layers.height)) if isinstance(asked.layers, Layers) else flow
 
 
 def load(case: ReadCase) -> None:

@@ -183,10 +183,11 @@ def _reanalyse(case: ReadCase, folder: Path, setting: Setting, notes: tuple[str,
 def _run_engine(
     case: ReadCase, folder: Path, setting: Setting, checkpoint: Checkpoint | None, watch: Watchers
 ) -> tuple[RunResult, str]:
-    """Run; the text says why it was stopped as steady or drowned, and is empty where it was not."""
+    """Run; the text says why it was stopped as steady, drowned or at rest, and is empty where it was not."""
     scene, steady, (progress, should_stop) = case.scene(), None, watch
     if case.fields.run.stop_when_steady:
-        steady = runs.steady.SteadyWatch(scene, folder, runs.steady.studied_reach(runs.results.flow_of(case)))
+        reach = runs.steady.studied_reach(runs.results.flow_of(case))
+        steady = runs.steady.SteadyWatch(scene, folder, reach, setting.dump_format)
     asked = [ask for ask in (steady, should_stop) if ask is not None]
     result = engines.run(
         scene,

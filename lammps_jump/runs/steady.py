@@ -7,7 +7,8 @@ confidence interval, and the series counts as steady only where the *whole* inte
 that merely fails to find a trend would call any noisy or short record steady.) Batches that are still correlated widen
 the interval: residuals with lag-1 correlation r > 0 inflate the standard error by sqrt((1 + r)/(1 - r)). Depth,
 discharge and toe must all be steady at two looks in a row, half a window apart; in a flow without a toe, depth and
-discharge. A flow that lets no disc in for a whole window has drowned its inlet, and ends too.
+discharge. A flow that lets no disc in for a whole window has drowned its inlet, and ends too. Without rows of inflow
+a run ends once its discs rest (`lammps_jump.analysis.grains.rest`).
 
 False-stop rate, measured (tests/runs/test_steady.py; 1,500 records of three windows whose depth drifts by the tolerance
 a window, 100 samples a window): below 0.1 % with independent noise, 0.3 % with AR(1) noise of 0.8 from sample to
@@ -25,9 +26,11 @@ import numpy as np
 from scipy.special import stdtrit
 
 from lammps_jump.analysis.flow import Flow, from_scene
+from lammps_jump.analysis.grains.rest import RestDetector, begin_of, state_of
 from lammps_jump.analysis.jump.result import STILL
 from lammps_jump.analysis.jump.track import LEAST_RATIO, LEAST_SHARE, fit_ramp
 from lammps_jump.dump import Frame, Tail
+from lammps_jump.files import DUMP_NAMES
 from lammps_jump.scene.scene import Scene
 
 PASSAGES = 1.5
@@ -207,7 +210,7 @@ def flow_state(
 
 
 def steady_window(scene: Scene, reach: tuple[float, float]) -> float | None:
-    """Length of record for the test, s; None for a scene without inflow, whose flow does not become steady.
+    """Length of record for the test, s; None for a scene without inflow, whose discs come to rest instead.
 
     Of an inflow against time its last values count, those that stay.
     """
@@ -229,15 +232,16 @@ def studied_reach(flow: Flow) -> tuple[float, float]:
 
 
 class SteadyWatch:
-    """A ``should_stop`` callback for the engines: the flow is steady, or its inlet is drowned.
+    """A ``should_stop`` callback for the engines: the flow is steady, its inlet is drowned, or its discs rest.
 
     Parameters
     ----------
     scene : Scene
     folder : Path
-        Run folder; the dump must be text (columns id x y vx vy …).
+        Run folder.
     reach : (float, float)
         Studied part of the channel, m.
+    dump_format : {'text', 'gz', 'binary'}
 
     Attributes
     ----------
@@ -247,24 +251,39 @@ class SteadyWatch:
         Time until which the inflow changes, s: frames before it do not count.
     """
 
-    def __init__(self, scene: Scene, folder: Path, reach: tuple[float, float]):
+    def __init__(self, scene: Scene, folder: Path, reach: tuple[float, float], dump_format: str = "text"):
         self.scene, self.flow, self.reach = scene, from_scene(scene), reach
-        self.tail = Tail(folder.absolute() / "dump.lammpstrj")  # whoever changes the working directory meanwhile
+        # absolute: whoever changes the working directory meanwhile
+        self.tail = Tail(folder.absolute() / DUMP_NAMES[dump_format], dump_format)
         window = steady_window(scene, reach)
         graph = scene.hydrograph
         self.changing = graph.times[-1] if graph is not None and graph.changes else 0.0
         carried = graph.depths[-1] * graph.speeds[-1] if graph is not None else sum(scene.discharges)
         self.detector = SteadyDetector(window, carried) if window else None
+        self.rest = None if scene.inlets else RestDetector(self.flow.g, scene.diameter, begin_of(scene))
         self.reason, self._highest, self._entered = "", 0, 0.0
 
     def __call__(self) -> bool:
-        """Take in the frames that are new; True once the flow is steady, or dead."""
-        if self.detector is None:
+        """Take in the frames that are new; True once the flow is steady, or dead, or at rest."""
+        if self.detector is None and self.rest is None:
             return False
         for frame in self.tail.new_frames():
-            if frame.n and not self.reason and self.flow.time(frame) >= self.changing:
-                self.reason = self._look(frame, self.flow.time(frame), self.detector)
+            if not self.reason:
+                time = self.flow.time(frame)
+                if self.rest is not None:
+                    self.reason = self._at_rest(frame, time, self.rest)
+                elif frame.n and self.detector is not None and time >= self.changing:
+                    self.reason = self._look(frame, time, self.detector)
         return bool(self.reason)
+
+    def _at_rest(self, frame: Frame, time: float, rest: RestDetector) -> str:
+        """Why the run may stop at a frame without rows of inflow; empty where it may not."""
+        if not rest.feed(time, *state_of(frame, self.flow)):
+            return ""
+        return (
+            f"ended at t = {time:.4g} s: the discs rest since t = {rest.since:.4g} s, their median speed is below "
+            f"{rest.slow:.2g} m/s and their top constant"
+        )
 
     def _look(self, frame: Frame, time: float, detector: SteadyDetector) -> str:
         """Why the run may stop at a frame; empty where it may not."""

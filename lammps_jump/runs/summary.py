@@ -41,7 +41,7 @@ NO_SUMMARY = (
 )
 
 
-ANALYSED = ("inflow", "jump", "front", "energy", "force", "waves", "drum", "hopper")
+ANALYSED = ("inflow", "jump", "front", "energy", "force", "waves", "drum", "hopper", "layers", "heap", "rest")
 """What the analyses have found, each checked as it is described there."""
 
 

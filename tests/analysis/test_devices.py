@@ -134,6 +134,11 @@ def test_discharge_of_a_hopper():
     assert found.discharge == pytest.approx(400.0) and found.change == pytest.approx(0.0, abs=1e-9)
     assert found.beverloo == pytest.approx(400.0 / (1000.0 * sqrt(9.81) * (1.0 - 1.4 * 0.2) ** 1.5))
     assert verdict({"hopper": numbers(found)}) == "The hopper lets out 0.40 t/s per metre through a slot of 1.0 m."
+    rate = hopper.tables(found)["hopper.csv"]["discharge"]
+    assert rate[5:-5] == pytest.approx(400.0) and np.isnan(rate[[0, 4, -5, -1]]).all()
+    panels = hopper.figures(found, None)["hopper"].panels
+    assert panels[1].levels == {"mean of the window": pytest.approx(0.4)}
+    assert np.isnan(hopper.discharge_over_time(time[:2], mass[:2])).all()
     collector = hopper.MassAbove(flow)
     history = collected(collector, [disc_frame([0, 0, 0], [-1.0, 0.6, 2.0], box=ROOM["domain"])])
     assert history[:, 1].tolist() == [80.0]

@@ -231,7 +231,7 @@ def test_a_graded_column_says_that_it_does_not_carry_its_weight():
 def test_slip_is_judged_by_the_smallest_pair(fraction, count, sizes):
     # 18 f a step in a dense packing: dashpots grow as sqrt(m), and the step as sqrt(m) of the smallest
     changes = ("contact.friction=0.1", f"run.time_step_fraction={fraction}", f"discs.sizes={sizes}")
-    assert len(case(*changes).scene().warnings) == count
+    assert len([text for text in case(*changes).scene().warnings if "damps by" in text]) == count
 
 
 def test_check_says_what_sizes_mean():

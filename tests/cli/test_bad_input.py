@@ -393,12 +393,3 @@ def test_dump_with_a_nan_is_refused_with_step_and_row(monkeypatch, capsys, tmp_p
         status, message = attempt(monkeypatch, capsys, tmp_path, "analyze", "bad.lammpstrj", *extra)
         assert status == 2 and "step 7" in message and "nan" in message and "Traceback" not in message
     assert [path.name for path in tmp_path.iterdir()] == ["bad.lammpstrj"]
-
-
-def test_steady_stop_wants_a_text_dump(monkeypatch, capsys, tmp_path):
-    (tmp_path / "case.yaml").write_text(
-        GOOD.replace("duration: 0.01", "duration: 0.01, stop_when_steady: true, dump_format: gz")
-    )
-    status, message = attempt(monkeypatch, capsys, tmp_path, "build-and-run", "case.yaml", "--kernel", "stock")
-    assert status == 2 and "run.stop_when_steady" in message
-    assert [path.name for path in tmp_path.iterdir()] == ["case.yaml"]

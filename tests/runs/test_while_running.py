@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import gzip
 import io
 from dataclasses import replace
 from pathlib import Path
@@ -12,14 +13,19 @@ import pytest
 from made_up import INPUTS
 from PIL import Image
 
+from lammps_jump.analysis.grains.rest import SPAN
 from lammps_jump.case import load_case
 from lammps_jump.cli.live import SECONDS, LiveView
 from lammps_jump.cli.progress import ProgressLine
+from lammps_jump.dump.frame import make_frame
 from lammps_jump.dump.tail import Tail
+from lammps_jump.dump.write import DumpWriter
 from lammps_jump.engines.choice import choose_ranks
 from lammps_jump.engines.lammps.log import read_log
 from lammps_jump.engines.native import run_native
 from lammps_jump.engines.result import Progress
+from lammps_jump.errors import DumpError
+from lammps_jump.files import DUMP_NAMES
 from lammps_jump.physics.hydrograph import Hydrograph
 from lammps_jump.runs.steady import SteadyWatch, steady_window
 
@@ -114,11 +120,44 @@ def test_an_inflow_against_time_is_watched_once_its_table_has_ended(tmp_path, sc
     assert steady_window(replace(scene, hydrograph=dry), (0.0, 20.0)) is None
 
 
-def test_scene_without_inflow_has_no_window(tmp_path):
+@pytest.mark.parametrize("dump_format", ["text", "gz", "binary"])
+def test_without_inflow_a_run_ends_at_rest(tmp_path, dump_format):
+    """A dam's discs move until 3 s; from then on they rest, and 20 sqrt(d/g) later the run may stop."""
     scene = load_case(INPUTS / "dam_break.yaml", ["run.stop_when_steady=true"]).scene()
-    assert steady_window(scene, (0, 10)) is None
-    assert any("stop_when_steady has no effect" in text for text in scene.warnings)
+    assert steady_window(scene, (0, 10)) is None and not any("stop_when_steady" in text for text in scene.warnings)
+    watch, span = SteadyWatch(scene, tmp_path, (0, 10), dump_format), SPAN * (scene.diameter / 9.81) ** 0.5
+    answers, (x, y) = [watch()], scene.positions.T
+    with DumpWriter(tmp_path / DUMP_NAMES[dump_format], scene.dump_columns, dump_format) as file:
+        for k, time in enumerate(np.arange(0.0, 4.0 + span, 0.1)):
+            columns = {"id": np.arange(len(x)) + 1, "x": x, "y": y, "vx": 0 * x + (time < 2.95), "vy": 0 * y}
+            columns |= {name: 0 * x + 0.1 for name in scene.dump_columns if name not in columns}
+            file.write_frame(make_frame(k, time, ((-1, 90), (-1, 90)), columns))
+            answers.append(watch())
+    assert answers[-1] and not any(answers[: int(10 * (3.0 + span))])
+    assert "the discs rest since t = 3 s" in watch.reason
+    ended = float(watch.reason.split("t = ")[1].split()[0])
+    assert 3 + span - 0.01 <= ended <= 3.21 + span  # frames every 0.1 s, the newest is whole with the next
+
+
+def test_without_gravity_nothing_comes_to_rest(tmp_path):
+    scene = load_case(INPUTS / "energy_box_16.yaml", ["run.stop_when_steady=true"]).scene()
+    assert not any(scene.gravity) and any("stop_when_steady has no effect" in text for text in scene.warnings)
     assert SteadyWatch(scene, tmp_path, (0, 10))() is False
+
+
+def test_a_gzip_dump_of_several_parts_is_read_on_and_damage_is_told(tmp_path):
+    """A run that went on has written another gzip stream behind the first."""
+    path, rows = tmp_path / "dump.lammpstrj.gz", step_flow(10)
+    tail, seen = Tail(path, "gz"), []
+    for k in range(3):
+        with path.open("ab") as file:
+            file.write(gzip.compress(frame_text(k, k, rows).encode()))
+        seen.append([frame.step for frame in tail.new_frames()])
+    assert seen == [[], [0], [1]]
+    with path.open("ab") as file:
+        file.write(b"no gzip")
+    with pytest.raises(DumpError, match="the gzip stream is damaged"):
+        list(tail.new_frames())
 
 
 def test_newest_frame_is_the_last_whole_one(tmp_path):

@@ -1,0 +1,371 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A heap: shape of the discs at the last frame, its slopes, and how far a column has run out.
+
+The surface is that of the profiles, in bins one diameter wide. On each side of the top a straight line is fitted to
+the bins between 20 % and 80 % of the height. *Run-out* goes by two fronts: the *bulk* ends before the first gap of
+two diameters between neighbours in x, seen from the column; the *99 % front* is what 1 % of the discs pass.
+"""
+
+# ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from math import atan, atan2, degrees, isfinite, nan, sqrt
+from typing import NamedTuple
+
+import numpy as np
+from scipy.special import stdtrit
+
+from lammps_jump.analysis.contacts import ContactCollector
+from lammps_jump.analysis.draw.chart import PLACE, Chart, Drawings, Line, Panel
+from lammps_jump.analysis.flow import Flow
+from lammps_jump.analysis.front import bulk_front, quantile_front
+from lammps_jump.analysis.passes import Gathered, Tables
+from lammps_jump.analysis.profiles import bin_frames
+from lammps_jump.analysis.report.page import Section, Table, Text, described
+from lammps_jump.dump.frame import Frame
+from lammps_jump.physics import devices, measured
+from lammps_jump.units import number
+
+LOW, HIGH = 0.2, 0.8
+"""Shares of the height between which a flank is fitted."""
+FEWEST = 4
+"""Bins of a flank."""
+SAME_ASPECT = 0.1
+"""Share by which the aspect of a column may be off that of a published heap whose shape is compared."""
+
+
+@dataclass(frozen=True)
+class Heap:
+    """Heap at the last frame; intervals are half of 95 % intervals, from the scatter about the fitted line."""
+
+    height: float = number("m", "height of the heap over the bed", default=nan, label="height")
+    top: float = number("m", "place x of its top", default=nan)
+    angle: float = number("degree", "angle of the flanks to the horizontal", default=nan, label="angle of the flanks")
+    angle_interval: float = number("degree", "± of the angle of the flanks, from the fit", default=nan)
+    angle_left: float = number("degree", "angle of the left flank", default=nan)
+    angle_left_interval: float = number("degree", "± of the angle of the left flank, from the fit", default=nan)
+    angle_right: float = number("degree", "angle of the right flank", default=nan)
+    angle_right_interval: float = number("degree", "± of the angle of the right flank, from the fit", default=nan)
+    left: float = number("m", "left end of the bulk", default=nan)
+    right: float = number("m", "right end of the bulk", default=nan)
+    base: float = number("m", "base L₀ of the column at the start (half of one that falls to both sides)", default=nan)
+    aspect: float = number("", "aspect a = H₀/L₀ of the column at the start", default=nan)
+    run_out: float = number("m", "run-out L − L₀ of the bulk", default=nan)
+    run_out_99: float = number("m", "run-out L − L₀ of the 99 % front", default=nan)
+    run_out_over_base: float = number(
+        "", "run-out of the bulk over the base, (L − L₀)/L₀", default=nan, label="run-out over base"
+    )
+    run_out_99_over_base: float = number("", "run-out of the 99 % front over the base", default=nan)
+    height_over_base: float = number("", "height of the heap over the base of the column, h/L₀", default=nan)
+    discs: float = number("", "run-out over base, discs 2.5 a (Staron & Hinch 2005)", default=nan)
+    rods: float = number("", "run-out over base, aluminium rods (arXiv 1512.05180)", default=nan)
+    sand: float = number("", "run-out over base, sand (Lube et al. 2005)", default=nan)
+    height_rods: float = number("", "height over base, aluminium rods (arXiv 1512.05180)", default=nan)
+    shape_off: float = number("", "h/L₀ less that of published discs of this aspect, root mean square", default=nan)
+    friction: float = number("", "friction coefficient of the discs", default=nan)
+    at_rest: bool | None = None
+    reason: str | None = None
+    shape: Shape | None = field(default=None, metadata={"summary": False})
+
+
+class Shape(NamedTuple):
+    """The surface of a heap.
+
+    Attributes
+    ----------
+    x : ndarray, shape (bins,), m
+    bed, depth : ndarray, shape (bins,), m
+        Height of the bed, and depth of the discs over it.
+    flanks : tuple of Flank
+        Left and right.
+    """
+
+    x: np.ndarray
+    bed: np.ndarray
+    depth: np.ndarray
+    flanks: tuple[Flank, Flank]
+
+
+class Flank(NamedTuple):
+    """Straight line through the surface of a flank; NaN where there is none.
+
+    Attributes
+    ----------
+    fall : float
+        Fall over distance from the top.
+    interval : float
+        Half of the 95 % interval of the fall.
+    x, y : (float, float)
+        Ends of the line, m.
+    """
+
+    fall: float = nan
+    interval: float = nan
+    x: tuple[float, float] = (nan, nan)
+    y: tuple[float, float] = (nan, nan)
+
+
+class Column(NamedTuple):
+    """A column at the start, m: its ends and height, and whether it is free to fall to the left and to the right."""
+
+    left: float
+    right: float
+    height: float
+    free: tuple[bool, bool]
+
+    @property
+    def base(self) -> float:
+        """L0, m: half of the width where both sides are free."""
+        return (self.right - self.left) * (0.5 if all(self.free) else 1.0)
+
+    @property
+    def back(self) -> float:
+        """Where L0 is measured from, m: the wall, or the middle."""
+        if all(self.free):
+            return 0.5 * (self.left + self.right)
+        return self.left if self.free[1] else self.right
+
+    @property
+    def sides(self) -> tuple[int, ...]:
+        """Sides to which it falls: -1, 1."""
+        return tuple(side for side, free in zip((-1, 1), self.free, strict=True) if free)
+
+
+class Remains(NamedTuple):
+    """What the frames leave: the last one with discs, its time (s), and the column at the start, if there was one."""
+
+    frame: Frame | None
+    time: float
+    column: Column | None
+
+
+def flank_of(x: np.ndarray, surface: np.ndarray, depth: np.ndarray, side: int) -> Flank:
+    """The flank of a heap to its left (`side` -1) or right (1).
+
+    Its bins lie between the last one, seen from the top, that is higher than `HIGH` and the first one that is lower
+    than `LOW` of the height. A flank that ends before it is as low leans on something: it is none.
+
+    Parameters
+    ----------
+    x, surface, depth : ndarray, shape (bins,), m
+        Surface is the height of the free surface, depth that over the bed.
+    side : int
+    """
+    height = depth.max(initial=0.0)
+    highest = np.flatnonzero(depth == height)
+    order = np.arange(highest[-1], len(x)) if side > 0 else np.arange(highest[0], -1, -1)
+    low = np.flatnonzero(depth[order] < LOW * height)
+    if not height > 0 or not low.size:
+        return Flank()
+    begin = np.flatnonzero(depth[order[: low[0]]] > HIGH * height)[-1] + 1
+    part = order[begin : low[0]]
+    if len(part) < FEWEST:
+        return Flank()
+    away, y = np.abs(x[part] - x[part[0]]), surface[part]
+    place = away - away.mean()
+    fall = -float(place @ y) / float(place @ place)
+    off = y - y.mean() + fall * place
+    total = float(off @ off)
+    # neighbours share discs: their residuals go together
+    together = min(max(float(off[1:] @ off[:-1]) / total + 2.0 / len(part), 0.0), 0.9) if total > 0 else 0.0
+    error = sqrt(total / (len(part) - 2) / float(place @ place) * (1.0 + together) / (1.0 - together))
+    ends = tuple(float(y.mean() - fall * place[k]) for k in (0, -1))
+    return Flank(
+        fall,
+        float(stdtrit(len(part) - 2, 0.975)) * error,
+        (float(x[part[0]]), float(x[part[-1]])),
+        (ends[0], ends[1]),
+    )
+
+
+class HeapWatch:
+    """Keeps the column at the start, and the last frame."""
+
+    def __init__(self, flow: Flow, _: ContactCollector | None = None):
+        self.flow = flow
+        self._last: tuple[Frame | None, float] = (None, nan)
+        self._column: Column | None = None
+        self._ids = np.zeros(0, np.int64)
+        self._fed = False
+
+    def add(self, frame: Frame, time: float) -> None:
+        """Take in a frame at a time, s."""
+        if not frame.n:
+            return
+        if self._last[0] is None or time <= 0:
+            self._column, self._ids = self._column_of(frame), frame.ids
+        self._fed = self._fed or not np.isin(frame.ids, self._ids).all()
+        self._last = frame, time
+
+    def _column_of(self, frame: Frame) -> Column | None:
+        """The discs of a frame as a column; None where walls hold them on both sides."""
+        radii, d = self.flow.radii(frame), self.flow.scene.diameter
+        left, right = float((frame.x - radii).min()), float((frame.x + radii).max())
+        top, bed = float((frame.y + radii).max()), self.flow.bed_height(np.array([0.5 * (left + right)]))[0]
+        rooms = [wall.room("x") for wall in self.flow.scene.permanent]
+        free = all(abs(left - low) > d for low, _ in rooms), all(abs(right - high) > d for _, high in rooms)
+        height = top - float(bed if np.isfinite(bed) else (frame.y - radii).min())
+        return Column(left, right, height, free) if any(free) and height > 0 else None
+
+    def result(self) -> Remains:
+        """What is left of all frames."""
+        return Remains(*self._last, None if self._fed else self._column)
+
+
+def shape_of(frame: Frame, flow: Flow) -> Shape:
+    """Surface of a frame in bins one diameter wide, and its flanks."""
+    found = bin_frames([frame], replace(flow, bin_width=flow.scene.diameter))
+    x, bed, depth = found["x"].values, found["bed"].values, np.nan_to_num(found["surface_depth"].values[0])
+    bed = np.where(np.isfinite(bed), bed, np.nanmin(bed) if np.isfinite(bed).any() else 0.0)
+    flanks = flank_of(x, bed + depth, depth, -1), flank_of(x, bed + depth, depth, 1)
+    return Shape(x, bed, depth, flanks)
+
+
+def analyse(gathered: Gathered) -> Heap:
+    """The heap of a run at its last frame; with a reason where the scene makes none."""
+    flow, remains = gathered.flow, gathered.histories["heap"]
+    assert isinstance(remains, Remains)
+    if flow.gravity <= 0 or flow.scene.inlets:
+        return Heap(reason="a heap needs gravity, and no rows of inflow")
+    if remains.frame is None:
+        return Heap(reason="no frame holds a disc")
+    shape = shape_of(remains.frame, flow)
+    height = float(shape.depth.max())
+    if not height > 0:
+        return Heap(reason="no disc lies on the bed")
+    found = [_angle(flank, side, flow) for flank, side in zip(shape.flanks, (-1, 1), strict=True)]
+    angles, intervals = zip(*found, strict=True)
+    known = np.isfinite(angles)
+    frame, scene = remains.frame, flow.scene
+    middle = float(shape.x[shape.depth == height].mean())
+    left, right = (_end(frame, flow, middle, side, bulk=True) for side in (-1, 1))
+    rest = gathered.histories.get("rest")
+    return Heap(
+        height=height,
+        top=middle,
+        angle=float(np.mean(np.array(angles)[known])) if known.any() else nan,
+        angle_interval=float(np.sqrt(np.sum(np.array(intervals)[known] ** 2)) / known.sum()) if known.any() else nan,
+        angle_left=angles[0],
+        angle_left_interval=intervals[0],
+        angle_right=angles[1],
+        angle_right_interval=intervals[1],
+        left=left,
+        right=right,
+        **_run_out(remains, flow, shape),
+        friction=scene.coefficients.friction,
+        at_rest=None if rest is None else isfinite(getattr(rest, "begin", nan)),
+        shape=shape,
+    )
+
+
+def _angle(flank: Flank, side: int, flow: Flow) -> tuple[float, float]:
+    """Angle of a flank to the horizontal and half of its interval, degrees; gravity may be tilted."""
+    tilt = degrees(atan2(flow.scene.gravity[0], flow.gravity))
+    interval = degrees(flank.interval / (1.0 + flank.fall**2))
+    return degrees(atan(flank.fall)) + side * tilt, interval
+
+
+def _end(frame: Frame, flow: Flow, start: float, side: int, *, bulk: bool) -> float:
+    """Where the discs on one side of a place (m) end: the bulk from there on, or 99 % of them, m."""
+    d, radii = flow.scene.diameter, flow.radii(frame)
+    # where nominal discs with the same outer edges would stand
+    outer = side * (frame.x - start) + radii - flow.scene.radius
+    outer = outer[outer > -d]
+    found = bulk_front(outer, d, 2 * flow.largest_radius(frame)) if bulk else quantile_front(outer, d)
+    return start + side * found
+
+
+def _run_out(remains: Remains, flow: Flow, shape: Shape) -> dict[str, float]:
+    """Numbers of a column that has run out, by key; none where there was no column."""
+    column, frame = remains.column, remains.frame
+    if column is None or frame is None:
+        return {}
+    base, start = column.base, column.back
+    runs = [
+        float(np.mean([abs(_end(frame, flow, start, side, bulk=bulk) - start) for side in column.sides])) - base
+        for bulk in (True, False)
+    ]
+    aspect, height = column.height / base, float(shape.depth.max())
+    return {
+        "base": base,
+        "aspect": aspect,
+        "run_out": runs[0],
+        "run_out_99": runs[1],
+        "run_out_over_base": runs[0] / base,
+        "run_out_99_over_base": runs[1] / base,
+        "height_over_base": height / base,
+        "discs": devices.run_out_of_discs(aspect),
+        "rods": devices.run_out_of_rods(aspect),
+        "sand": devices.run_out_of_sand(aspect),
+        "height_rods": devices.height_of_rods(aspect),
+        "shape_off": _shape_off(shape, column),
+    }
+
+
+def published_shape(column: Column | None) -> measured.DiscHeap | None:
+    """The published heap of a column of this aspect; None where there is none."""
+    if column is None:
+        return None
+    aspect = column.height / column.base
+    return next((one for one in measured.DISC_HEAPS if abs(aspect / one.aspect - 1.0) < SAME_ASPECT), None)
+
+
+def _shape_off(shape: Shape, column: Column) -> float:
+    """Root mean square of h/L0 less that of published discs; NaN where there are none of this aspect."""
+    theirs = published_shape(column)
+    if theirs is None:
+        return nan
+    places = [column.back + side * column.base * np.array(theirs.shape.x) for side in column.sides]
+    ours = np.mean([np.interp(x, shape.x, shape.depth) for x in places], axis=0) / column.base
+    return float(np.sqrt(np.mean((ours - np.array(theirs.shape.y)) ** 2)))
+
+
+def tables(heap: Heap) -> Tables:
+    """Surface of the heap: bed and depth over x, m."""
+    if heap.shape is None:
+        return {}
+    return {"heap.csv": {"x": heap.shape.x, "bed": heap.shape.bed, "depth": heap.shape.depth}}
+
+
+def figures(heap: Heap, gathered: Gathered) -> Drawings:
+    """Surface of the heap with its flanks, and published discs where there are some of its aspect."""
+    shape, remains = heap.shape, gathered.histories.get("heap")
+    if shape is None:
+        return {}
+    lines = [Line("discs, last frame", shape.x, shape.bed + shape.depth), Line("bed", shape.x, shape.bed, "faint")]
+    for flank, angle in zip(shape.flanks, (heap.angle_left, heap.angle_right), strict=True):
+        if isfinite(angle):
+            lines.append(Line(f"flank, {angle:.1f} degrees", np.array(flank.x), np.array(flank.y), "fit"))
+    column = remains.column if isinstance(remains, Remains) else None
+    theirs = published_shape(column)
+    if theirs is not None and column is not None:
+        x = column.back + column.sides[-1] * column.base * np.array(theirs.shape.x)
+        y = np.interp(x, shape.x, shape.bed) + column.base * np.array(theirs.shape.y)
+        lines.append(Line("discs by contact dynamics", x, y, "measured"))
+    panel = Panel("Height [m]", lines, xlim=(heap.left - 2 * heap.height, heap.right + 2 * heap.height))
+    return {"heap": Chart("shape of the heap", PLACE, [panel])}
+
+
+def _with_interval(heap: Mapping, key: str) -> str:
+    return f"{heap[key]:.1f} ± {heap[f'{key}_interval']:.1f}"
+
+
+def section(heap: Mapping) -> Section:
+    """Height and slopes; run-out of a column beside published ones."""
+    if heap.get("height") is None:
+        return Section("Heap", [Text(heap.get("reason") or "", "warn")])
+    rows = [*described(Heap, heap, "height", "top", "left", "right")]
+    for key, words in (("angle", "flanks"), ("angle_left", "left flank"), ("angle_right", "right flank")):
+        if heap.get(key) is not None:
+            rows.append((f"Angle of the {words} to the horizontal [degrees], 95 %", _with_interval(heap, key)))
+    blocks: list[Text | Table] = []
+    if heap.get("at_rest") is False:
+        blocks.append(Text("The discs still move: shape and run-out are those of the last frame, not at rest.", "warn"))
+    if heap.get("aspect") is not None:
+        keys = ("base", "aspect", "run_out", "run_out_99", "run_out_over_base", "run_out_99_over_base")
+        rows += described(Heap, heap, *keys, "height_over_base", "friction")
+        known = [key for key in ("discs", "rods", "sand", "height_rods", "shape_off") if heap.get(key) is not None]
+        rows += described(Heap, heap, *known)
+    return Section("Heap", [*blocks, Table(rows)])

@@ -1,0 +1,356 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Profiles over y in a stretch of x: velocity, packing, temperature, stress, inertial number, layer by layer.
+
+A disc counts in a layer with the share of its area there. The branch of a contact counts with the share of its length
+there (to a wall it ends at the wall), which keeps the stress exact in the mean of the layer: sigma = sum of F l / A.
+Definitions: da Cruz, Emam, Prochnow, Roux & Chevoir 2005, Phys. Rev. E 72, 021309; I and mu with P = sigma_yy.
+"""
+
+# ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import asin, ceil, floor, isfinite, nan, pi, sqrt
+
+import numpy as np
+from numba import njit
+
+from lammps_jump.analysis.contacts import ContactCollector, touching, whole_forces
+from lammps_jump.analysis.draw.chart import Chart, Drawings, Line, Panel
+from lammps_jump.analysis.flow import Flow
+from lammps_jump.analysis.passes import Gathered, Tables
+from lammps_jump.analysis.profiles import window_of, within
+from lammps_jump.analysis.report.page import Section, Table, described
+from lammps_jump.dump.frame import Frame
+from lammps_jump.errors import DumpError
+from lammps_jump.scene.walls import Interval
+from lammps_jump.units import number
+
+MOST_LAYERS = 5000
+HEIGHT = 2.0
+"""Height of a layer in diameters, where none is asked for."""
+THIN = 0.1
+"""Solid fraction below which single discs fly: I and mu mean nothing there, and are left out."""
+AREA, MASS, U, V, Y, UU, VV, UV, UY, VY, YY, FXX, FXY, FYX, FYY = range(15)
+"""Rows of the sums of a layer: area of discs (m^2); mass (kg/m), alone and times velocities and places; F l (N)."""
+
+
+@dataclass(frozen=True)
+class Layers:
+    """Profiles over y in a stretch of x, means of the window; `shear_rate` … are by mass over all layers with discs."""
+
+    layers: int = number("", "layers with discs", default=0)
+    height: float = number("m", "height of a layer", default=nan)
+    begin: float = number("m", "begin of the stretch of x", default=nan)
+    end: float = number("m", "end of the stretch of x", default=nan)
+    frames: int = number("", "frames of the window", default=0)
+    packing: float = number("", "solid fraction, mean by mass", default=nan, label="solid fraction")
+    velocity: float = number("m/s", "velocity along x, mean by mass", default=nan, label="mean velocity")
+    fastest: float = number("m/s", "largest velocity along x of a layer", default=nan)
+    inertial_number: float = number("", "inertial number I, mean by mass", default=nan, label="inertial number")
+    friction: float = number("", "effective friction μ = τ/P, mean by mass", default=nan, label="effective friction")
+    pressure: float = number("Pa", "normal stress of the lowest layer", default=nan)
+    reason: str | None = None
+    profile: Profile | None = field(default=None, metadata={"summary": False})
+
+
+@dataclass(frozen=True)
+class Profile:
+    """Layer by layer, shape (layers,) each; NaN where a layer holds no disc.
+
+    Attributes
+    ----------
+    y : ndarray, m
+        Middle of the layer.
+    velocity, velocity_y : ndarray, m/s
+    packing : ndarray
+        Area of discs, pi d^2/4 each, over that of the layer.
+    temperature : ndarray, m^2/s^2
+        Half of the mean square of the velocities about the mean of the layer, its shear taken off.
+    shear_rate : ndarray, 1/s
+        Between the middles of mass of the layers.
+    stress_xx, stress_yy, stress_xy : ndarray, Pa
+        Contacts and fluctuations; pressure is positive, xy positive where the upper layer drags the lower along x.
+    contact_share : ndarray
+        Share of the contacts in stress_yy.
+    inertial_number, friction : ndarray
+        I = shear rate times root of (m/P), and mu = stress_xy/P, with P = stress_yy.
+    """
+
+    y: np.ndarray
+    velocity: np.ndarray
+    velocity_y: np.ndarray
+    packing: np.ndarray
+    temperature: np.ndarray
+    shear_rate: np.ndarray
+    stress_xx: np.ndarray
+    stress_yy: np.ndarray
+    stress_xy: np.ndarray
+    contact_share: np.ndarray
+    inertial_number: np.ndarray
+    friction: np.ndarray
+
+
+@dataclass(frozen=True)
+class Sums:
+    """Sums of each frame: times (s), shape (frames,), and sums, shape (frames, 15, layers); `edges` of layers, m."""
+
+    time: np.ndarray
+    sums: np.ndarray
+    edges: np.ndarray
+    stretch: Interval
+    stressed: bool
+
+
+def stretch_of(flow: Flow) -> Interval:
+    """The stretch of x that the flow asks for, else the middle half of the studied range, m."""
+    low, high = flow.x_range
+    asked = flow.layers[0] if flow.layers else None
+    return asked or (low + 0.25 * (high - low), high - 0.25 * (high - low))
+
+
+def edges_of_layers(flow: Flow, stretch: Interval) -> np.ndarray:
+    """Edges of the layers, from the lowest bed in the stretch to the top of the domain, m.
+
+    Raises
+    ------
+    DumpError
+        Too many layers.
+    """
+    height = (flow.layers[1] if flow.layers else None) or HEIGHT * flow.scene.diameter
+    bed = flow.bed_height(np.linspace(*stretch, 201)[1:-1])
+    low, high = flow.scene.domain[1]
+    low = float(np.nanmin(bed)) if np.isfinite(bed).any() else low
+    count = max(1, ceil((high - low) / height - 1e-9))
+    if count > MOST_LAYERS:
+        raise DumpError(
+            f"analysis.layers.height = {height:g} m makes {count} layers of {high - low:g} m; at most {MOST_LAYERS}: "
+            "raise it."
+        )
+    return low + height * np.arange(count + 1)
+
+
+class LayerSums:
+    """Collects the sums of the layers frame by frame."""
+
+    def __init__(self, flow: Flow, _: ContactCollector | None = None):
+        self.flow, self.stretch = flow, stretch_of(flow)
+        self.edges = edges_of_layers(flow, self.stretch)
+        self._times: list[float] = []
+        self._sums: list[np.ndarray] = []
+
+    def add(self, frame: Frame, time: float) -> None:
+        """Take in a frame at a time, s."""
+        flow, sums = self.flow, np.zeros((15, len(self.edges) - 1))
+        where = np.array([*self.stretch, self.edges[0], self.edges[1] - self.edges[0]])
+        if frame.n:
+            x, y, u, v = (np.array(values, float) for values in (frame.x, frame.y, frame.vx, frame.vy))
+            radii = np.array(flow.radii(frame))
+            _add_discs((x, y, u, v), radii, flow.scene.mass * flow.relative_masses(frame), where, sums)
+            if flow.knows_contacts:
+                found = touching(frame, flow)
+                fx, fy = whole_forces(frame, flow, found)
+                reach = radii[found.second] - found.overlap
+                _add_contacts((x, y), found.first, found.second, (found.nx, found.ny, reach, fx, fy), where, sums)
+        self._times.append(time)
+        self._sums.append(sums)
+
+    def result(self) -> Sums:
+        """The sums of all frames."""
+        sums = np.array(self._sums).reshape(-1, 15, len(self.edges) - 1)
+        self._sums.clear()
+        return Sums(np.array(self._times), sums, self.edges, self.stretch, self.flow.knows_contacts)
+
+
+def _part_below_py(y, radius, edge):
+    """Share of a disc's area below a height, exact."""
+    a = (edge - y) / radius
+    if a <= -1.0:
+        return 0.0
+    if a >= 1.0:
+        return 1.0
+    return 0.5 + (a * sqrt(1.0 - a * a) + asin(a)) / pi
+
+
+def _add_discs_py(state, radius, mass, where, sums):
+    """Add discs to the sums of the layers; `where` holds begin and end in x, lowest edge and height of a layer, m.
+
+    At the ends of the stretch the share in x times that in y stands for the share of the area in both.
+    """
+    x, y, u, v = state
+    begin, end, low, height = where
+    for i in range(len(x)):
+        r = radius[i]
+        across = _part_below(x[i], r, end) - _part_below(x[i], r, begin)
+        if across <= 0.0:
+            continue
+        first = max(floor((y[i] - r - low) / height), 0)
+        last = min(floor((y[i] + r - low) / height), sums.shape[1] - 1)
+        for k in range(first, last + 1):
+            edge = low + k * height
+            part = across * (_part_below(y[i], r, edge + height) - _part_below(y[i], r, edge))
+            sums[AREA, k] += part * pi * r * r
+            m = part * mass[i]
+            sums[MASS, k] += m
+            sums[U, k] += m * u[i]
+            sums[V, k] += m * v[i]
+            sums[Y, k] += m * y[i]
+            sums[UU, k] += m * u[i] * u[i]
+            sums[VV, k] += m * v[i] * v[i]
+            sums[UV, k] += m * u[i] * v[i]
+            sums[UY, k] += m * u[i] * y[i]
+            sums[VY, k] += m * v[i] * y[i]
+            sums[YY, k] += m * y[i] * y[i]
+
+
+def _add_contacts_py(place, first, second, contact, where, sums):
+    """Add force times branch of each contact to the sums of the layers, with the part of the branch in each.
+
+    `contact`: normal towards the second disc, distance of the wall's surface from its centre (m), force on it (N/m).
+    """
+    x, y = place
+    nx, ny, reach, fx, fy = contact
+    begin, end, low, height = where
+    for c in range(len(first)):
+        j = second[c]
+        if first[c] < len(x):
+            x0, y0 = x[first[c]], y[first[c]]
+        else:
+            x0, y0 = x[j] - reach[c] * nx[c], y[j] - reach[c] * ny[c]
+        dx, dy = x[j] - x0, y[j] - y0
+        bottom, top = min(y0, y[j]), max(y0, y[j])
+        for k in range(max(floor((bottom - low) / height), 0), min(floor((top - low) / height), sums.shape[1] - 1) + 1):
+            part = _inside(x0, dx, begin, end, y0, dy, low + k * height, height)
+            sums[FXX, k] += part * fx[c] * dx
+            sums[FXY, k] += part * fx[c] * dy
+            sums[FYX, k] += part * fy[c] * dx
+            sums[FYY, k] += part * fy[c] * dy
+
+
+def _inside_py(x0, dx, begin, end, y0, dy, low, height):
+    """Share of a segment from (x0, y0) that lies between begin and end in x and low and low + height in y."""
+    since, until = 0.0, 1.0
+    for start, way, least, most in ((x0, dx, begin, end), (y0, dy, low, low + height)):
+        if way == 0.0:
+            if start < least or start >= most:
+                return 0.0
+            continue
+        one, other = (least - start) / way, (most - start) / way
+        since, until = max(since, min(one, other)), min(until, max(one, other))
+    return max(until - since, 0.0)
+
+
+_part_below = njit(cache=True)(_part_below_py)
+_inside = njit(cache=True)(_inside_py)
+_add_discs = njit(cache=True)(_add_discs_py)
+_add_contacts = njit(cache=True)(_add_contacts_py)
+
+
+def profile_of(found: Sums, inside: np.ndarray, flow: Flow) -> Profile:
+    """Profile of the mean of some frames, up to the highest layer with discs.
+
+    Parameters
+    ----------
+    found : Sums
+    inside : ndarray of bool, shape (frames,)
+    flow : Flow
+    """
+    sums = found.sums[inside].mean(axis=0)
+    count = 1 + int(np.flatnonzero(sums[MASS] > 0).max(initial=0))
+    sums, edges = sums[:, :count], found.edges[: count + 1]
+    area = (found.stretch[1] - found.stretch[0]) * (edges[1] - edges[0])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        u, v, y, uu, vv, uv, uy, vy, yy = np.where(sums[MASS] > 0, sums[U : YY + 1] / sums[MASS], nan)
+        shear, spread = _slopes(y, u), yy - y * y
+        # velocities about the mean of the layer at the height of each disc
+        along = uu - u * u - 2 * shear * (uy - u * y) + shear * shear * spread
+        mixed = uv - u * v - shear * (vy - v * y)
+        across = vv - v * v
+        kinetic = sums[MASS] / area * np.array([along, across, mixed])
+        contact = np.array([sums[FXX], sums[FYY], 0.5 * (sums[FXY] + sums[FYX])]) / area
+        contact = contact if found.stressed else np.full_like(contact, nan)
+        xx, yy_, xy = contact + kinetic
+        packing = sums[AREA] / area
+        pressure = np.where((yy_ > 0) & (packing >= THIN), yy_, nan)
+        inertial = np.abs(shear) * np.sqrt(flow.scene.mass / pressure)
+        return Profile(
+            0.5 * (edges[1:] + edges[:-1]), u, v, packing, np.maximum(0.5 * (along + across), 0.0), shear,
+            xx, yy_, -xy, contact[1] / pressure, inertial, np.abs(xy) / pressure,
+        )  # fmt: skip
+
+
+def _slopes(y: np.ndarray, u: np.ndarray) -> np.ndarray:
+    """Slope of u over y, both of shape (n,), without the gaps; 0 for a single layer."""
+    there = np.isfinite(u)
+    found = np.full(len(u), nan)
+    found[there] = np.gradient(u[there], y[there]) if there.sum() > 1 else 0.0
+    return found
+
+
+def analyse(gathered: Gathered) -> Layers:
+    """Profiles over the layers of a run, of the frames in its window."""
+    flow, found = gathered.flow, gathered.histories["layers"]
+    assert isinstance(found, Sums)
+    inside = within(found.time, window_of(gathered.profiles))
+    about = {"height": float(found.edges[1] - found.edges[0]), "begin": found.stretch[0], "end": found.stretch[1]}
+    if not found.sums[inside, MASS].any():
+        return Layers(**about, reason="no disc is in the stretch within the window")
+    profile = profile_of(found, inside, flow)
+    mass = found.sums[inside, MASS].mean(axis=0)[: len(profile.y)]
+    return Layers(
+        layers=int((mass > 0).sum()),
+        **about,
+        frames=int(inside.sum()),
+        packing=_by_mass(profile.packing, mass),
+        velocity=_by_mass(profile.velocity, mass),
+        fastest=float(profile.velocity[np.nanargmax(np.abs(profile.velocity))]),
+        inertial_number=_by_mass(profile.inertial_number, mass),
+        friction=_by_mass(profile.friction, mass),
+        pressure=float(profile.stress_yy[np.flatnonzero(mass > 0)[0]]),
+        reason=None if found.stressed else "no stress: the stiffness of the discs is not known",
+        profile=profile,
+    )
+
+
+def _by_mass(values: np.ndarray, mass: np.ndarray) -> float:
+    there = np.isfinite(values) & (mass > 0)
+    return float(np.average(values[there], weights=mass[there])) if there.any() else nan
+
+
+def tables(layers: Layers) -> Tables:
+    """The profile, a row a layer."""
+    return {} if layers.profile is None else {"layers.csv": vars(layers.profile)}
+
+
+def figures(layers: Layers, gathered: Gathered) -> Drawings:
+    """Velocity, packing, stress and inertial number over the height."""
+    profile = layers.profile
+    if profile is None:
+        return {}
+    y, scale = profile.y, 1e3
+    panels = [
+        Panel("Velocity u\nalong x [m/s]", [Line("", y, profile.velocity)]),
+        Panel("Solid\nfraction", [Line("", y, profile.packing)], ylim=(0.0, None)),
+        Panel("Granular\ntemperature\n[m²/s²]", [Line("", y, profile.temperature)], ylim=(0.0, None)),
+    ]
+    if np.isfinite(profile.stress_yy).any():
+        stresses = (
+            Line("σ_yy", y, profile.stress_yy / scale),
+            Line("σ_xx", y, profile.stress_xx / scale, "second"),
+            Line("τ", y, profile.stress_xy / scale, "third"),
+        )
+        panels.append(Panel("Stress [kPa]", stresses))
+        panels.append(Panel("Inertial\nnumber I", [Line("", y, profile.inertial_number)], ylim=(0.0, None)))
+        panels.append(Panel("Friction\nμ = |τ|/σ_yy", [Line("", y, profile.friction)], ylim=(0.0, None)))
+    stretch = f"x = {layers.begin:.3g} … {layers.end:.3g} m"
+    return {"layers": Chart(f"layers, {stretch}", "Height y [m]", panels)}
+
+
+def section(layers: Mapping) -> Section:
+    """Where the layers are, and their means."""
+    if not layers.get("layers"):
+        return Section("Layers", [])
+    keys = ("begin", "end", "height", "layers", "packing", "velocity", "fastest")
+    known = [key for key in ("pressure", "inertial_number", "friction") if isfinite(layers.get(key) or nan)]
+    return Section("Layers", [Table(described(Layers, layers, *keys, *known))])

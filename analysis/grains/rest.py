@@ -1,0 +1,221 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Rest: the discs are slow, their top stays where it is, and none comes or goes.
+
+Discs rest from the first frame after which, up to the last one, the median of their speeds stays below 0.01 sqrt(g d),
+the highest edge within 0.05 d, and their number as it is. The stretch must be 20 sqrt(d/g) long: at the allowed speed
+the top would move by 0.2 d in it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import inf, isfinite, nan, sqrt
+
+import numpy as np
+
+from lammps_jump.analysis.contacts import ContactCollector
+from lammps_jump.analysis.draw.chart import Chart, Drawings, Line, Panel
+from lammps_jump.analysis.flow import Flow
+from lammps_jump.analysis.passes import Gathered, Tables
+from lammps_jump.analysis.report.page import Section, Table, Text, described
+from lammps_jump.dump.frame import Frame
+from lammps_jump.scene.scene import Scene
+from lammps_jump.units import number
+
+SLOW = 0.01
+"""Median speed over sqrt(g d) below which discs rest."""
+CONSTANT = 0.05
+"""Diameters within which the top stays."""
+SPAN = 20.0
+"""Length of the stretch over sqrt(d/g)."""
+LOWEST = 1e-6
+"""Least speed over sqrt(g d) that the figure tells apart."""
+FEWEST = 4
+"""Frames of the stretch."""
+
+
+@dataclass(frozen=True)
+class Rest:
+    """When the discs came to rest."""
+
+    time: float = number("s", "time from which on the discs rest", default=nan, label="at rest from")
+    speed: float = number("", "median speed at the end over √(g d)", default=nan, label="median speed over √(g d)")
+    top: float = number("m", "highest edge of the discs at the end", default=nan)
+    sinking: float = number("", "fall of the top over the last 20 √(d/g), in diameters", default=nan)
+    reason: str | None = None
+    history: RestHistory | None = field(default=None, metadata={"summary": False})
+
+
+@dataclass(frozen=True)
+class RestHistory:
+    """Frames against time.
+
+    Attributes
+    ----------
+    time : ndarray, shape (frames,), s
+    speed : ndarray, shape (frames,), m/s
+        Median speed of the discs; NaN in a frame without discs.
+    top : ndarray, shape (frames,), m
+        Highest edge of the discs.
+    begin : float
+        Time from which the discs rest, s; NaN where they do not.
+    """
+
+    time: np.ndarray
+    speed: np.ndarray
+    top: np.ndarray
+    begin: float
+
+
+class RestDetector:
+    """Fed with one frame after the other, says whether the discs rest.
+
+    Parameters
+    ----------
+    gravity : float
+        m/s^2.
+    diameter : float
+        m.
+    begin : float
+        Frames before this time (s) do not count: a gate is shut, or a wall has not moved yet.
+
+    Attributes
+    ----------
+    since : float
+        Time since which all holds, s; infinite where it does not.
+    """
+
+    def __init__(self, gravity: float, diameter: float, begin: float = -inf):
+        self.slow, self.constant = SLOW * sqrt(gravity * diameter), CONSTANT * diameter
+        self.span = SPAN * sqrt(diameter / gravity) if gravity > 0 else inf
+        self.begin, self.since, self.frames = begin, inf, 0
+        self._low = self._high = nan
+        self._discs = (-1, -1)
+
+    def feed(self, time: float, speed: float, top: float, discs: tuple[int, int]) -> bool:
+        """Add a frame; True where the discs rest in it and have rested for the whole span.
+
+        Parameters
+        ----------
+        time : float
+            s.
+        speed : float
+            Median speed, m/s; NaN without discs.
+        top : float
+            Highest edge, m.
+        discs : (int, int)
+            Number and highest id.
+        """
+        if not speed < self.slow or time < self.begin:
+            self.since, self.frames = inf, 0
+            return False
+        low, high = min(self._low, top), max(self._high, top)
+        if self.frames and discs == self._discs and high - low <= self.constant:
+            self.frames, self._low, self._high = self.frames + 1, low, high
+        else:
+            self.since, self.frames, self._discs = time, 1, discs
+            self._low = self._high = top
+        return self.frames >= FEWEST and time - self.since >= self.span * (1.0 - 1e-9)
+
+
+def state_of(frame: Frame, flow: Flow) -> tuple[float, float, tuple[int, int]]:
+    """Median speed (m/s), highest edge (m), number and highest id of the discs of a frame, for `RestDetector.feed`."""
+    if not frame.n:
+        return nan, nan, (0, 0)
+    speed = float(np.median(np.hypot(frame.vx, frame.vy)))
+    return speed, float((frame.y + flow.radii(frame)).max()), (frame.n, int(frame.ids.max()))
+
+
+def begin_of(scene: Scene) -> float:
+    """Time from which on discs can come to rest, s: every gate is open, and walls have begun and ended their motion."""
+    times = [0.0, *(scene.time(int(motion.gone)) for _, motion in scene.gates)]
+    for _, motion in scene.walls:
+        kind = motion.kind
+        if kind is not None and motion.load is None:
+            ends = [corner.time for corner in kind.corners(0.0)]
+            times += [kind.begin, *ends, *([kind.end] if isfinite(kind.end) else [])]
+    return max(times)
+
+
+class RestWatch:
+    """Collects speed and top frame by frame."""
+
+    def __init__(self, flow: Flow, _: ContactCollector | None = None):
+        self.flow = flow
+        self.detector = RestDetector(flow.g, flow.scene.diameter, begin_of(flow.scene))
+        self._rows: list[tuple[float, float, float]] = []
+        self._rests = False
+
+    def add(self, frame: Frame, time: float) -> None:
+        """Take in a frame at a time, s."""
+        speed, top, discs = state_of(frame, self.flow)
+        self._rests = self.detector.feed(time, speed, top, discs)
+        self._rows.append((time, speed, top))
+
+    def result(self) -> RestHistory:
+        """The history of all frames."""
+        rows = np.array(self._rows, float).reshape(-1, 3)
+        return RestHistory(*rows.T, self.detector.since if self._rests else nan)
+
+
+def analyse(gathered: Gathered) -> Rest:
+    """When the discs of a run came to rest; with a reason where they did not."""
+    flow, history = gathered.flow, gathered.histories["rest"]
+    assert isinstance(history, RestHistory)
+    if flow.g <= 0 or not flow.timed or not flow.velocities:
+        return Rest(reason="without gravity, times and velocities nothing says what rest is")
+    there = np.isfinite(history.speed)
+    if not there.any():
+        return Rest(reason="no frame holds a disc", history=history)
+    d = flow.scene.diameter
+    time, speed, top = (values[there] for values in (history.time, history.speed, history.top))
+    before = float(np.interp(time[-1] - SPAN * sqrt(d / flow.g), time, top))
+    slow = float(speed[-1] / sqrt(flow.g * d))
+    return Rest(
+        history.begin,
+        slow,
+        float(top[-1]),
+        float(before - top[-1]) / d,
+        None if isfinite(history.begin) else _restless(slow),
+        history,
+    )
+
+
+def _restless(speed: float) -> str:
+    if speed >= SLOW:
+        return f"the discs still move: their median speed is {speed:.2g} √(g d), at rest it is below {SLOW:g}"
+    return f"the discs are slow, yet their top or number changed within the last {SPAN:g} √(d/g)"
+
+
+def tables(rest: Rest) -> Tables:
+    """Median speed (m/s) and highest edge (m) against time."""
+    history = rest.history
+    if history is None:
+        return {}
+    return {"rest.csv": {"time": history.time, "median_speed": history.speed, "top": history.top}}
+
+
+def figures(rest: Rest, gathered: Gathered) -> Drawings:
+    """Median speed and top against time."""
+    history, flow = rest.history, gathered.flow
+    if history is None or not np.isfinite(history.speed).any():
+        return {}
+    scale = sqrt(flow.g * flow.scene.diameter)
+    marks = {"at rest": rest.time} if isfinite(rest.time) else {}
+    with np.errstate(divide="ignore", invalid="ignore"):
+        digits = np.log10(np.maximum(history.speed / scale, LOWEST))
+    panels = (
+        Panel("Median speed,\nlog₁₀ of v/√(g d)", [Line("", history.time, digits)],
+              levels={f"rest: {SLOW:g}": float(np.log10(SLOW))}, marks=marks),
+        Panel("Highest edge\nof the discs [m]", [Line("", history.time, history.top)], marks=marks),
+    )  # fmt: skip
+    return {"rest": Chart("the discs come to rest", flow.time_axis, panels)}
+
+
+def section(rest: Mapping) -> Section:
+    """When the discs came to rest, or why they do not."""
+    if rest.get("speed") is None:
+        return Section("Rest", [])
+    rows = described(Rest, rest, *(["time"] if rest.get("time") is not None else []), "speed", "top", "sinking")
+    return Section("Rest", [Text(rest.get("reason") or "", "warn"), Table(rows)])

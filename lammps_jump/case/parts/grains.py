@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What a contact law cannot do for grains that are to rest."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import inf, sqrt
+
+from lammps_jump.case.fields import CaseFields, Column
+from lammps_jump.physics.devices import creep_speed
+from lammps_jump.physics.slip import FRICTION_LAWS
+from lammps_jump.scene import Beginning, MovingWall
+
+from .inflow import PourInflow
+
+STATED_SLOPE = 20.0
+"""Slope of a heap whose creep is told, degrees."""
+LEAST_FRICTION = 0.05
+"""Friction below which no heap is meant: discs that flow as water."""
+
+
+def makes_heap(case: CaseFields, diameter: float, walls: Iterable[MovingWall]) -> bool:
+    """Whether the discs of a case end as a heap: a column falls, or discs are poured, and nothing takes them away.
+
+    Parameters
+    ----------
+    case : CaseFields
+    diameter : float
+        Of a nominal disc, m.
+    walls : iterable of MovingWall
+        Gates that are taken away are not among them.
+    """
+    walls = list(walls)
+    if not case.gravity or case.outflow or any(motion.kind is not None for _, motion in walls):
+        return False
+    lows, highs = zip(*(wall.room("x") for wall, _ in walls), strict=True) if walls else ((), ())
+    columns = (item.x for item in case.initial if isinstance(item, Column))
+    falls = any(left - max(lows, default=-inf) > diameter or min(highs, default=inf) - right > diameter
+                for left, right in columns)  # fmt: skip
+    return (falls and case.inflow is None) or isinstance(case.inflow, PourInflow)
+
+
+def heap_doubts(case: CaseFields, begun: Beginning, walls: Iterable[MovingWall]) -> list[str]:
+    """A sentence on a heap whose friction law has no tangential spring: it creeps."""
+    law, c = FRICTION_LAWS[case.contact.friction_law], begun.coefficients
+    if law.remembers or c.friction < LEAST_FRICTION or not makes_heap(case, begun.diameter, walls):
+        return []
+    speed = creep_speed(case.gravity, STATED_SLOPE, c.gamma_tangential)
+    told = f"at {speed:.2g} m/s on {STATED_SLOPE:g} degrees ({speed / sqrt(case.gravity * begun.diameter):.2g} √(g d))"
+    holds = [name for name, one in FRICTION_LAWS.items() if one.remembers]
+    return [
+        f"friction_law {case.contact.friction_law} has no tangential spring: a heap never rests, it creeps"
+        + (f" {told}" if law.ramp is None and speed > 0 else "")
+        + (f"; friction_law: {holds[0]} holds it" if holds else "")
+    ]
