@@ -397,7 +397,7 @@ def test_a_restart_goes_on_as_if_never_stopped(lammps, plugin, tmp_path):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (("law hooke", "law stone"), "law is hooke or sign, not 'stone'"),
+        (("law hooke", "law stone"), "law is hooke, sign or history, not 'stone'"),
         ((" k 2", " k -2"), "must be above 0"),
         ((" mu 0.2", " mu -0.2"), "must not be negative"),
         (("spin no", "spin maybe"), "maybe"),
