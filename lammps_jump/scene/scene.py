@@ -7,6 +7,7 @@ from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import isinf
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -89,6 +90,18 @@ class Stations:
     speed: float
     first_step: int
     last_step: int
+
+
+class Fixed(NamedTuple):
+    """Discs of rough beds, which stay: their first and last id."""
+
+    first: int
+    last: int
+
+    def holds(self, ids: ArrayLike) -> np.ndarray:
+        """Whether each id is that of a fixed disc; shape of `ids`."""
+        ids = np.asarray(ids)
+        return (ids >= self.first) & (ids <= self.last)
 
 
 class Measures:
@@ -185,6 +198,10 @@ class Scene(Measures):
         Between them the native engine keeps an energy budget.
     sizes : Sizes, optional
         Diameters where discs are not equal.
+    fixed : Fixed, optional
+        Ids of the discs of rough beds. Their diameter is in `sizes`, which such a scene always has.
+    periodic : bool
+        What leaves the domain along x enters at its other end.
     size_steps : int
         A disc that an inlet or a pour inserts has the largest diameter. At the end of the next step that is a multiple
         of this number it gets its own.
@@ -232,6 +249,8 @@ class Scene(Measures):
     touch_width: float = 0.0
     sizes: Sizes | None = None
     size_steps: int = 1
+    fixed: Fixed | None = None
+    periodic: bool = False
     own_laws: Mapping[str, WallLaw] = field(default_factory=dict)
     springs: Springs | None = None
     slots: int = 0
@@ -254,6 +273,11 @@ class Scene(Measures):
             by_name = {one.wall.name: one for one in walls}
             for name, group in self.groups:
                 arms(name, [by_name[member] for member in group])
+
+    @property
+    def period(self) -> float | None:
+        """Length of a periodic channel, m; None of another."""
+        return self.domain[0][1] - self.domain[0][0] if self.periodic else None
 
     @property
     def radius(self) -> float:

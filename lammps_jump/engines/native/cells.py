@@ -48,7 +48,7 @@ class CellSimulation(NativeSimulation):
         motion = self._constants.motion._replace(reach2=float("inf"))
         self._constants = self._constants._replace(motion=motion)
 
-    def _pairs(self) -> loops.Pairs:
+    def listed_pairs(self) -> loops.Pairs:
         return loops.Pairs(int(self._grid.used[0]), self._owner, self._first, self._neighbours)
 
     def _rebuild(self) -> None:

@@ -45,6 +45,7 @@ def columns_of(scene: Scene, *, ledger: bool) -> dict[str, Column | None]:
         ("radius", moved, sized),
         ("partner", Column(np.int64, width=slots), slots > 0),
         ("sigma spring roll", Column(width=slots), slots > 0),
+        ("fixed", Column(np.int64), scene.fixed is not None),
     )
     return {name: column if there else None for names, column, there in groups for name in names.split()}
 
@@ -76,6 +77,10 @@ class Discs:
         What each slot of a disc remembers: the id of a disc, or -1 - c for chain c of its walls; 0 in an empty slot.
     sigma, spring, roll : ndarray, shape (room, slots), or None
         Arc length of the foot on a wall, elongation of the tangential spring and of the rolling spring, m.
+    fixed : ndarray of int64 or None
+        1 for discs that stay where they are.
+    owner, shift : ndarray or None
+        Of the rows of the list in a periodic channel (`loops.Pairs`).
     touched : ndarray of int8, shape (room, slots)
         Whether a contact of this step has the slot; 0 between steps.
     """
@@ -98,10 +103,20 @@ class Discs:
         self.vx[:n], self.vy[:n] = scene.velocities.T
         if self.ux is not None:
             self.ux[:n], self.uy[:n] = scene.velocities.T
-        self.start = np.zeros(self.room + 1, np.int64)
+        if scene.fixed is not None:
+            self.fixed[:n] = scene.fixed.holds(self.ids[:n])
+        self.period = scene.period
+        self.owner: np.ndarray | None = None
+        self.shift: np.ndarray | None = None
+        self.start = np.zeros(self._rows + 1, np.int64)
         self.neighbours = np.empty(6 * self.room + 256, np.int32)
         self.cell_start = np.zeros(16, np.int64)
         self._make_work_arrays()
+
+    @property
+    def _rows(self) -> int:
+        """Room for rows of the list: each disc may have an image."""
+        return self.room if self.period is None else 2 * self.room
 
     def _make_work_arrays(self) -> None:
         kept = (getattr(self, name) for name, column in self.columns.items() if column.sorted)
@@ -114,10 +129,24 @@ class Discs:
         """Half as much room again."""
         more = self.room // 2
         self.room += more
-        for name in (*self.columns, "start"):
+        for name in self.columns:
             array = getattr(self, name)
             setattr(self, name, np.concatenate([array, np.zeros((more, *array.shape[1:]), array.dtype)]))
+        self.start = np.concatenate([self.start, np.zeros(self._rows + 1 - len(self.start), np.int64)])
         self._make_work_arrays()
+
+    def wrap(self, low: float) -> np.ndarray:
+        """Put discs that have left a periodic channel, which begins at `low` (m), in at its other end.
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            Way of each along x, m; 0 for most.
+        """
+        x, period = self.x[: self.n], self.period
+        way = -period * np.floor((x - low) / period)
+        x += way
+        return way
 
     def sort_and_list(self, skin: float, diameter: float, domain) -> int:
         """Sort by cell and list all pairs closer than a skin (m); index of a disc outside the domain, or -1.
@@ -157,9 +186,20 @@ class Discs:
                 n, self.x, self.y, self.radius, reach if self.radius is None else skin, rows, cell_start, self.cell,
                 self.start, self.neighbours,
             )  # fmt: skip
-            if count >= 0:
+            if count >= 0 and (self.period is None or self._list_images(skin, diameter, x_low)):
                 return -1
             self.neighbours = np.empty(2 * self.neighbours.size, np.int32)
+
+    def _list_images(self, skin: float, diameter: float, low: float) -> bool:
+        """Rows of the list for pairs across the seam; False where there is no room for them."""
+        owner, shift = np.empty(self._rows, np.int32), np.empty(self._rows)
+        reach = diameter + skin
+        rows = lists.image_rows(
+            self.n, self.x, self.y, self.radius, reach if self.radius is None else skin, reach, low, self.period,
+            self.start, self.neighbours, owner, shift,
+        )  # fmt: skip
+        self.owner, self.shift = owner[:rows], shift[:rows]
+        return rows >= 0
 
     def append(self, new, weight: tuple[float, float], skin: float, diameter: float) -> None:
         """Add a `Newcomer` behind the others, with its row of the list up to a skin (m); `weight` (N) begins its force.

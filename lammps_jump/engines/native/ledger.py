@@ -121,7 +121,8 @@ class Books:
     dissipated - initial - brought in is therefore the error of the time integration of springs and weight alone. It
     is of second order: at first touch the spring overworks by k (v dt)^2 / 12 in the mean over entry phases, at parting
     it gives the same back at the lower speed, h^2 (1 - e^2) / 6 of a collision's energy with h = omega dt.
-    Moving walls add `work_of_walls`, with the velocity centred on the step, to what is brought in.
+    In a periodic channel `work_of_slope` is what weight along it has done since the start, and the gravitational energy
+    is that of the height alone. Moving walls add `work_of_walls`, with the velocity centred on the step, to what is brought in.
     `throughput` is what to measure it against: kinetic and elastic energy at the start, the change of the gravitational
     energy, and what came in.
 
@@ -135,28 +136,43 @@ class Books:
         Energy that came, went, and was released by gates.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, *, periodic: bool = False) -> None:
         self.start, self.start_work, self.work = Energy(0.0, 0.0, 0.0), np.zeros(3), np.zeros(6)
+        self.start_fallen = 0.0
         self.exchanged = {"brought_in": 0.0, "carried_out": 0.0, "released_by_gates": 0.0}
+        if periodic:
+            self.exchanged["work_of_slope"] = 0.0
 
-    def balance(self, now: Energy, half: np.ndarray, *, walls_move: bool = False) -> dict[str, float]:
-        """The balance at a step with this energy and `half_work`."""
+    def balance(
+        self, now: Energy, half: np.ndarray, fallen: float = 0.0, *, walls_move: bool = False
+    ) -> dict[str, float]:
+        """The balance at a step with this energy and `half_work`.
+
+        `fallen` is the work of weight along a periodic channel, from its begin to where the discs are; `exchanged` holds
+        that of discs which went round.
+        """
         start, (dashpots, friction, walls) = self.start, map(float, self.work[:3] + half - self.start_work)
+        fallen -= self.start_fallen
+        height = now.gravitational + fallen
         found = {
             "initial": start.total,
             "kinetic": now.kinetic,
-            "gravitational": now.gravitational,
+            "gravitational": height,
             "elastic": now.elastic,
             **self.exchanged,
             "dissipated_dashpots": dashpots,
             "dissipated_friction": friction,
         }
+        slope = 0.0
+        if "work_of_slope" in found:
+            slope = found["work_of_slope"] = found["work_of_slope"] + fallen
         gone = found["carried_out"] + found["released_by_gates"] + dashpots + friction
         if walls_move:
             found["work_of_walls"] = walls
-        found["residual"] = now.total + gone - start.total - found["brought_in"] - walls
-        moved = abs(start.gravitational - now.gravitational)
-        found["throughput"] = start.kinetic + start.elastic + moved + abs(found["brought_in"]) + abs(walls)
+        brought = found["brought_in"] + walls + slope
+        found["residual"] = now.total + fallen + gone - start.total - brought
+        moved = abs(start.gravitational - height)
+        found["throughput"] = start.kinetic + start.elastic + moved + abs(found["brought_in"]) + abs(walls) + abs(slope)
         return found
 
 
@@ -196,7 +212,7 @@ class StationLedger:
         ux, uy, turned = (d.vx, d.vy, d.omega) if d.ux is None else (d.ux, d.uy, d.uomega)
         _between(
             d.n, *pairs[:2], d.x, d.y, d.radius, d.vx, d.vy, ux, uy, d.omega, turned, d.fx, d.fy, d.torque,
-            *pairs[2:], law, motion, friction, slope(d.n, ux, uy, sign), touch, d.dash_x, d.dash_y, d.slide_x,
+            *pairs[2:4], law, motion, friction, slope(d.n, ux, uy, sign), touch, d.dash_x, d.dash_y, d.slide_x,
             d.slide_y, found.x[0] + moved, found.x[1] - found.x[0], found.speed, step > found.first_step,
             step < found.last_step, self.sums,
         )  # fmt: skip

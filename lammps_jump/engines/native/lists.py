@@ -94,6 +94,38 @@ def _pair_list_py(n, x, y, radius, reach, rows, cell_start, cell, start, neighbo
     return count
 
 
+def _image_rows_py(n, x, y, radius, reach, widest, low, period, start, neighbours, owner, shift):
+    """List pairs across the seam of a periodic channel, a row for each disc near its left end, behind the n others.
+
+    The row's disc stands `period` further on (`Pairs`). Returns the number of rows, or -1 where `neighbours` is short.
+    `widest` is the largest reach of centres, `reach` as in `pair_list`.
+    """
+    near = np.empty(n, np.int64)
+    strip = 0
+    for i in range(n):
+        owner[i], shift[i] = i, 0.0
+        if x[i] > low + period - widest:
+            near[strip] = i
+            strip += 1
+    rows, count = n, start[n]
+    for i in range(n):
+        if not x[i] < low + widest:
+            continue
+        if count + strip > neighbours.size:
+            return -1
+        far = reach if radius is None else reach + radius[i]
+        for p in range(strip):
+            j = near[p]
+            dx, dy = x[i] + period - x[j], y[i] - y[j]
+            apart = far if radius is None else far + radius[j]
+            neighbours[count] = j
+            count += dx * dx + dy * dy < apart * apart
+        owner[rows], shift[rows] = i, period
+        rows += 1
+        start[rows] = count
+    return rows
+
+
 def _closest_py(n, x, y, px, py):
     """Square of the distance from (px, py) to the closest disc; inf where there is none."""
     least = np.inf
@@ -124,5 +156,6 @@ extent = njit(cache=True)(_extent_py)
 sort = njit(cache=True)(_sort_py)
 permute = njit(cache=True)(_permute_py)
 pair_list = njit(cache=True)(_pair_list_py)
+image_rows = njit(cache=True)(_image_rows_py)
 closest = njit(cache=True)(_closest_py)
 append_row = njit(cache=True)(_append_row_py)

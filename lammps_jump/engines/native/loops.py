@@ -8,7 +8,8 @@ because the compiler's cache watches a function's own file only; for the contact
 What a scene lacks is passed as None, and the compiler drops the branch: ``omega`` (no spin), ``friction`` (ks = 0),
 ``sign`` (LAMMPS' viscous ramp rather than the thesis' sign law), ``touch`` (sharp contact), ``dash_x`` (no energy
 ledger), ``ux`` (damping with the half-step velocity rather than the extrapolated one), ``grid`` and ``owner``
-(neighbour list rather than the thesis' cells), ``radius`` (equal discs).
+(neighbour list rather than the thesis' cells), ``radius`` (equal discs), ``shift`` (no periodic x), ``fixed`` (all
+discs move).
 
 Where discs have radii of their own, the constants of `Law` and `Motion` are those of a radius of 1 m: mass and weight
 grow as R^2, the moment of inertia as R^4, the dashpot of a wall as R and that of a pair as `_pair_size`. Factors of 1
@@ -33,6 +34,10 @@ from lammps_jump.physics.slots import FULL, Slots, end_step, held, slot_of
 from lammps_jump.scene.chains import TX0, TY0, X0, Y0
 from lammps_jump.scene.faces import foot_at, touching, touching_inline
 from lammps_jump.scene.tracks import pose_py
+
+
+HUGE = 1e150
+"""Radius that stands for the mass of a fixed disc, m: its square is still a number."""
 
 
 class Law(NamedTuple):
@@ -60,12 +65,16 @@ class Motion(NamedTuple):
 
 
 class Pairs(NamedTuple):
-    """Half list of pairs: rows in use; disc of each row, None if it is the row's number; neighbours by row."""
+    """Half list of pairs: rows in use; disc of each row, None if it is the row's number; neighbours by row.
+
+    In a periodic channel `shift` (m) is what a row adds to x of its disc: rows of images stand behind the others.
+    """
 
     rows: int
     owner: np.ndarray | None
     start: np.ndarray
     neighbours: np.ndarray
+    shift: np.ndarray | None = None
 
 
 class Grid(NamedTuple):
@@ -420,13 +429,32 @@ def _pair_size_py(a, b):
     return a * b / sqrt(a * a + b * b)
 
 
+def _bulk_py(radius, fixed, i):
+    """Radius that stands for the mass of a disc, m: a huge one for a fixed disc, so that its partner's mass counts."""
+    return radius[i] if fixed is None or fixed[i] == 0 else HUGE
+
+
+def _hold_py(n, fixed, fx, fy, torque, dash_x, dash_y, slide_x, slide_y):
+    """Take the forces off fixed discs: they stay, and nothing is dissipated on their side."""
+    for i in range(n):
+        if fixed[i] == 0:
+            continue
+        fx[i] = fy[i] = 0.0
+        if torque is not None:
+            torque[i] = 0.0
+        if dash_x is not None:
+            dash_x[i] = dash_y[i] = 0.0
+        if slide_x is not None:
+            slide_x[i] = slide_y[i] = 0.0
+
+
 def _pair_forces_py(
-    rows, owner, x, y, radius, ux, uy, omega, fx, fy, torque, start, neighbours, law, friction, sign, touch, memory,
-    dash_x, dash_y, slide_x, slide_y,
+    rows, owner, x, y, radius, ux, uy, omega, fx, fy, torque, start, neighbours, shift, fixed, law, friction, sign,
+    touch, memory, dash_x, dash_y, slide_x, slide_y,
 ):  # fmt: skip
     """Add the forces of all touching pairs of the half list to fx, fy, torque.
 
-    Row r of the list belongs to disc r, or to disc ``owner[r]`` where the cells made it.
+    Row r of the list belongs to disc r, or to disc ``owner[r]`` (see `Pairs`); `fixed` is 1 for discs that stay.
 
     The forces are those of `lammps_jump.physics.law`; `sign` is 1 / eps of the thesis' friction. The arm of friction is
     R of equal discs, and R less half the overlap of others and of contacts with memory, as in LAMMPS' styles for each.
@@ -436,6 +464,8 @@ def _pair_forces_py(
     for row in range(rows):
         i = row if owner is None else owner[row]
         xi, yi, uxi, uyi = x[i], y[i], ux[i], uy[i]
+        if shift is not None:
+            xi += shift[row]
         a = 0.5 * law.diameter if radius is None else radius[i]
         sum_x = sum_y = lost_x = lost_y = slid_x = slid_y = turn = 0.0
         first = start[row]
@@ -453,7 +483,9 @@ def _pair_forces_py(
                 nx = dx * inverse
                 ny = dy * inverse
                 overlap = reach - r
-                size = 1.0 if radius is None else _pair_size(a, b)
+                size = 1.0
+                if radius is not None:
+                    size = _pair_size(_bulk(radius, fixed, i), _bulk(radius, fixed, j))
                 rim = 0.0
                 if omega is not None:
                     rim = a * (omega[i] + omega[j]) if radius is None else a * omega[i] + b * omega[j]
@@ -626,7 +658,7 @@ def _wall_forces_py(
 
 def _advance_py(
     steps, owed, n, x, y, radius, vx, vy, fx, fy, x0, y0, ux, uy, omega, torque, uomega,
-    owner, start, neighbours, grid, faces, near, law, motion, friction, sign, touch, memory,
+    owner, start, neighbours, shift, fixed, grid, faces, near, law, motion, friction, sign, touch, memory,
     dash_x, dash_y, slide_x, slide_y, moves, work, wall_sum,
 ):  # fmt: skip
     """Up to `steps` drifts with forces between them, and before them where these are `owed`; without steps these alone.
@@ -639,7 +671,7 @@ def _advance_py(
     done = 0
     while True:
         if owed:
-            rows = n
+            rows = n if shift is None else shift.size
             if grid is not None:
                 rows = _cell_pairs(n, x, y, radius, law.diameter, grid, owner, start, neighbours)
                 if rows < 0:
@@ -650,13 +682,15 @@ def _advance_py(
                 seen_x, seen_y, turned = ux, uy, uomega
             inverse_eps = slope(n, seen_x, seen_y, sign)
             _pair_forces(
-                rows, owner, x, y, radius, seen_x, seen_y, turned, fx, fy, torque, start, neighbours, law, friction,
-                inverse_eps, touch, memory, dash_x, dash_y, slide_x, slide_y,
+                rows, owner, x, y, radius, seen_x, seen_y, turned, fx, fy, torque, start, neighbours, shift, fixed, law,
+                friction, inverse_eps, touch, memory, dash_x, dash_y, slide_x, slide_y,
             )  # fmt: skip
             _wall_forces(
                 x, y, radius, seen_x, seen_y, turned, fx, fy, torque, faces, near, law,
                 friction, inverse_eps, touch, memory, dash_x, dash_y, slide_x, slide_y, moves, work, wall_sum,
             )  # fmt: skip
+            if fixed is not None:
+                _hold(n, fixed, fx, fy, torque, dash_x, dash_y, slide_x, slide_y)
             if memory is not None and memory.time_step > 0.0:
                 end_step(memory.slots, n)
         if steps == 0:
@@ -745,7 +779,9 @@ def _cell_pairs_py(n, x, y, radius, diameter, grid, owner, start, neighbours):
     return first[cells]
 
 
-def _elastic_py(begin, rows, owner, start, neighbours, x, y, radius, faces, near, law, touch, ids, known, moves):
+def _elastic_py(
+    begin, rows, owner, start, neighbours, shift, x, y, radius, faces, near, law, touch, ids, known, moves
+):  # fmt: skip
     """Elastic energy (J per m of width), largest overlap (m), its disc and wall; with `ids`, of ids above `known`.
 
     Rows of the list before `begin` are left out. Each contact stores stiffness times
@@ -762,7 +798,8 @@ def _elastic_py(begin, rows, owner, start, neighbours, x, y, radius, faces, near
             if ids is not None and ids[i] <= known and ids[j] <= known:
                 continue
             reach = law.diameter if radius is None else radius[i] + radius[j]
-            overlap = reach - sqrt((x[i] - x[j]) ** 2 + (y[i] - y[j]) ** 2)
+            dx = x[i] - x[j] + (0.0 if shift is None else shift[row])
+            overlap = reach - sqrt(dx**2 + (y[i] - y[j]) ** 2)
             if overlap > 0.0:
                 pairs += law.stiffness * stored_energy(overlap, touch)
                 if overlap > worst:
@@ -787,8 +824,8 @@ def _elastic_py(begin, rows, owner, start, neighbours, x, y, radius, faces, near
 
 
 def _contacts_py(
-    ids, rows, owner, start, neighbours, x, y, radius, ux, uy, turned, vx, vy, omega, faces, near, law, friction,
-    inverse_eps, touch, memory, moves, who, found,
+    ids, rows, owner, start, neighbours, shift, fixed, x, y, radius, ux, uy, turned, vx, vy, omega, faces, near, law,
+    friction, inverse_eps, touch, memory, moves, who, found,
 ):  # fmt: skip
     """List the contacts with their forces: the number of contacts, or -1 where `who` and `found` are too short.
 
@@ -805,7 +842,8 @@ def _contacts_py(
         for p in range(start[row], start[row + 1]):
             j = neighbours[p]
             b = a if radius is None else radius[j]
-            dx, dy = x[i] - x[j], y[i] - y[j]
+            xi = x[i] if shift is None else x[i] + shift[row]
+            dx, dy = xi - x[j], y[i] - y[j]
             r2 = dx * dx + dy * dy
             if r2 >= (a + b) * (a + b):
                 continue
@@ -813,7 +851,9 @@ def _contacts_py(
                 return -1
             r = sqrt(r2)
             nx, ny, overlap = dx / r, dy / r, a + b - r
-            size = 1.0 if radius is None else _pair_size(a, b)
+            size = 1.0
+            if radius is not None:
+                size = _pair_size(_bulk(radius, fixed, i), _bulk(radius, fixed, j))
             numbers = (law.stiffness, law.damping * size, law.tangential * size)
             rim = turn = 0.0
             if omega is not None:
@@ -834,7 +874,7 @@ def _contacts_py(
             sx, sy = vx[i] - vx[j], vy[i] - vy[j]
             who[count, 0], who[count, 1] = ids[i], ids[j]
             way = a - 0.5 * overlap
-            _put(found[count], x[i] - way * nx, y[i] - way * ny, px, py, nx, ny, sx, sy, dash, rub, turn)
+            _put(found[count], xi - way * nx, y[i] - way * ny, px, py, nx, ny, sx, sy, dash, rub, turn)
             count += 1
     for wall in range(faces.deep.size):
         for row in range(near.rows[wall], near.rows[wall + 1]):
@@ -925,6 +965,8 @@ def _give_sizes_py(
 
 # a division by zero, which cannot be, gives inf rather than an exception: else loops do not run on vector units
 _pair_size = njit(cache=True, error_model="numpy")(_pair_size_py)
+_bulk = njit(cache=True)(_bulk_py)
+_hold = njit(cache=True)(_hold_py)
 slope = njit(cache=True)(_slope_py)
 # a sum in any order runs on vector units: the ledger changes in its last digits, the trajectory does not
 _power = njit(cache=True, error_model="numpy", fastmath={"reassoc", "nsz"})(_power_py)

@@ -105,7 +105,7 @@ class NativeSimulation:
         self._ledger_on = ledger
         self.boundaries = OpenBoundaries(scene)
         self.windows = Windows(scene)
-        self.books = Books()
+        self.books = Books(periodic=scene.period is not None)
         self.stations = StationLedger(scene, ledger)
         self._between = Schedule(  # drift and forces
             Event(self.boundaries.next_leaving, self._let_leave),
@@ -145,6 +145,7 @@ class NativeSimulation:
         self._start_half_step_back()
         self.walls.sums[:] = 0.0
         self.books.start, self.books.start_work = self.energy(), self.books.work[:3] + self._half_work()
+        self.books.start_fallen = self._fallen()
         self._after.happen(self.step)
 
     def _start_half_step_back(self) -> None:
@@ -193,7 +194,7 @@ class NativeSimulation:
         self.walls.place(self.step)
         found = loops.advance(
             steps, owed, d.n, d.x, d.y, d.radius, d.vx, d.vy, d.fx, d.fy, d.x0, d.y0, d.ux, d.uy, d.omega, d.torque,
-            d.uomega, *self._pairs()[1:], self._grid, self.walls.faces, self.walls.near, *self._constants,
+            d.uomega, *self.listed_pairs()[1:], d.fixed, self._grid, self.walls.faces, self.walls.near, *self._constants,
             self._memory(self.scene.time_step if self._started else 0.0), d.dash_x, d.dash_y, d.slide_x, d.slide_y,
             self.walls.moves, self.books.work, self.walls.sums,
         )  # fmt: skip
@@ -212,15 +213,17 @@ class NativeSimulation:
         slots = Slots(d.partner, d.sigma, d.spring, d.roll, d.touched)
         return loops.Memory(slots, d.ids, self.walls.chain, self.walls.around, self._full, time_step, *of)
 
-    def _pairs(self) -> loops.Pairs:
+    def listed_pairs(self) -> loops.Pairs:
         """The list that stands."""
-        return loops.Pairs(self.discs.n, None, self.discs.start, self.discs.neighbours)
+        d = self.discs
+        rows = d.n if d.shift is None else d.shift.size
+        return loops.Pairs(rows, d.owner, d.start, d.neighbours, d.shift)
 
     # --- events -------------------------------------------------------------------------------------------------
 
     def _see_stations(self) -> None:
         """Sums between the stations at this step; `StationLedger.next_after` lets no step of theirs pass."""
-        self.stations.add(self.step, self.discs, self._pairs(), self._constants)
+        self.stations.add(self.step, self.discs, self.listed_pairs(), self._constants)
 
     def _next_change(self, step: int) -> float:
         return min((motion.next_change(step) for _, motion in self.scene.walls), default=inf)
@@ -283,12 +286,21 @@ class NativeSimulation:
 
     def _rebuild(self) -> None:
         started = perf_counter()
+        if self.scene.period is not None:
+            self._wrap()
         self._require_inside(self.discs.sort_and_list(self.skin, self.scene.largest, self.scene.domain))
         self._list_walls()
         self.rebuilds += 1
         self.rebuild_seconds += perf_counter() - started
         if self.rebuilds % 16 == 0:
             self._check_overlap()
+
+    def _wrap(self) -> None:
+        """Let discs that have left a periodic channel in at its other end; the slope has done work on them."""
+        way = self.discs.wrap(self.scene.domain[0][0])
+        if self._ledger_on:
+            fall = float(shares_of(self.scene, self.discs) @ way)
+            self.books.exchanged["work_of_slope"] -= self.scene.mass * self.scene.gravity[0] * fall
 
     def _list_walls(self) -> None:
         self.walls.place(self.step)
@@ -304,7 +316,7 @@ class NativeSimulation:
         d = self.discs
         ids = (None, 0) if known is None else (d.ids, known)
         return loops.elastic(
-            begin, *self._pairs(), d.x, d.y, d.radius, self.walls.faces, self.walls.near, self._constants.law,
+            begin, *self.listed_pairs(), d.x, d.y, d.radius, self.walls.faces, self.walls.near, self._constants.law,
             self._constants.touch, *ids, self.walls.moves,
         )  # fmt: skip
 
@@ -333,6 +345,8 @@ class NativeSimulation:
         """RunError where a disc is outside the domain: that of index `lost` (-1: none), or any where none is given."""
         d = self.discs
         (a, b), (c, e) = self.scene.domain
+        if self.scene.period is not None:  # until the next list
+            a, b = a - self.skin, b + self.skin
         i = lists.extent(d.n, d.x, d.y, a, b, c, e)[4] if lost is None else lost
         if i < 0:
             return
@@ -407,7 +421,7 @@ class NativeSimulation:
         while count < 0:
             who, found = np.empty((room, 2), np.int64), np.empty((room, 5))
             count = loops.contacts(
-                d.ids, *self._pairs(), d.x, d.y, d.radius, *seen, *at_step, self.walls.faces, self.walls.near, *law,
+                d.ids, *self.listed_pairs(), d.fixed, d.x, d.y, d.radius, *seen, *at_step, self.walls.faces, self.walls.near, *law,
                 self.walls.moves, who, found,
             )  # fmt: skip
             room *= 2
@@ -433,4 +447,12 @@ class NativeSimulation:
         if not self._ledger_on:
             return None
         moves = self.walls.moves is not None
-        return self.books.balance(self.energy(), self._half_work(), walls_move=moves) | self.stations.heads(self.step)
+        found = self.books.balance(self.energy(), self._half_work(), self._fallen(), walls_move=moves)
+        return found | self.stations.heads(self.step)
+
+    def _fallen(self) -> float:
+        """Work that weight along a periodic channel does from its begin to where the discs are, J per m of width."""
+        if self.scene.period is None:
+            return 0.0
+        d = self.discs
+        return self.scene.mass * self.scene.gravity[0] * float(shares_of(self.scene, d) @ d.x[: d.n])

@@ -33,12 +33,14 @@ def save_state(simulation: NativeSimulation, path: Path) -> None:
         With neighbour lists (`CellSimulation` makes its lists every step and is not saved).
     path : Path
     """
-    d, boundaries, windows, books = simulation.discs, simulation.boundaries, simulation.windows, simulation.books
+    d, pairs = simulation.discs, simulation.listed_pairs()
+    boundaries, windows, books = simulation.boundaries, simulation.windows, simulation.books
     plain = {
         "n": d.n,
         **{name: getattr(simulation, name) for name in COUNTS},
         "exchanged": books.exchanged,
         "start_energy": astuple(books.start),
+        "start_fallen": books.start_fallen,
         "window_begin": windows.begin,
         "forces": windows.forces,
         "window_sums": {name: list(row) for name, row in windows.sums.items()},
@@ -54,8 +56,9 @@ def save_state(simulation: NativeSimulation, path: Path) -> None:
         np.savez(
             file,
             plain=np.array(json.dumps(plain)),
-            list_start=d.start[: d.n + 1],
-            list_discs=d.neighbours[: d.start[d.n]],
+            list_start=d.start[: pairs.rows + 1],
+            list_discs=d.neighbours[: d.start[pairs.rows]],
+            **({} if d.owner is None else {"list_owner": d.owner, "list_shift": d.shift}),
             wall_sum=simulation.walls.sums,
             **near,
             **_moves(simulation),
@@ -107,6 +110,7 @@ def _loaded(scene: Scene, path: Path, ledger: bool) -> NativeSimulation:
         simulation.walls.put(**{name: stored[f"near_{name}"] for name in simulation.walls.listed})
         simulation.stations.sums[:] = stored["stations"]
     books.exchanged, books.start = plain["exchanged"], Energy(*plain["start_energy"])
+    books.start_fallen = plain["start_fallen"]
     windows.begin = plain["window_begin"]
     windows.sums = {name: np.array(row) for name, row in plain["window_sums"].items()}
     windows.forces = [(step, name, *values) for step, name, *values in plain["forces"]]
@@ -128,7 +132,11 @@ def _load_discs(discs, n: int, stored) -> None:
         if stored[name].shape != held.shape:
             raise ValueError(f"{name}: {stored[name].shape} in place of {held.shape} numbers")
         held[:] = stored[name]
-    discs.start[: n + 1] = stored["list_start"]
+    rows = n
+    if discs.period is not None:
+        discs.owner, discs.shift = stored["list_owner"], stored["list_shift"]
+        rows = len(discs.shift)
+    discs.start[: rows + 1] = stored["list_start"]
     listed = stored["list_discs"]
     if discs.neighbours.size < listed.size:
         discs.neighbours = np.empty(2 * listed.size, np.int32)
