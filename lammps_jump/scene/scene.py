@@ -279,6 +279,11 @@ class Scene(Measures):
         """Length of a periodic channel, m; None of another."""
         return self.domain[0][1] - self.domain[0][0] if self.periodic else None
 
+    def crosses(self, wall: Wall) -> bool:
+        """Whether a wall goes across the seam of a periodic channel."""
+        (low, high), (left, right) = wall.extent[0], self.domain[0]
+        return self.periodic and low <= left and right <= high
+
     @property
     def radius(self) -> float:
         """Nominal radius, m."""

@@ -51,7 +51,7 @@ def settings(scene: Scene, ranks: int) -> list[str]:
         "units           si",
         "dimension       2",
         "atom_style      sphere",
-        "boundary        f f p",
+        f"boundary        {'p' if scene.periodic else 'f'} f p",
         "newton          off",
         "comm_modify     vel yes",
         *(["processors      * 1 1"] if ranks > 1 else []),

@@ -251,11 +251,11 @@ def _plain_gate(moving: MovingWall, law: str, tail: str) -> list[str]:
 
 def plugin_walls(scene: Scene) -> list[str]:
     """Words of the plugin's fix for every wall and gate."""
-    return [plugin_wall(one, scene.own_laws.get(one.wall.name)) for one in scene.walls]
+    return [plugin_wall(one, scene.own_laws.get(one.wall.name), seam=scene.crosses(one.wall)) for one in scene.walls]
 
 
-def plugin_wall(moving: MovingWall, own: WallLaw | None = None) -> str:
-    """Words of one wall: its name, moment point and faces, own law and motion (``fix_jump_step.h``)."""
+def plugin_wall(moving: MovingWall, own: WallLaw | None = None, *, seam: bool = False) -> str:
+    """Words of one wall: its name, moment point and faces, own law, seam and motion (``fix_jump_step.h``)."""
     wall, motion = moving
     codes, shape, _, (deep,) = wall.faces
     kept = [column for column in range(codes.shape[1]) if column != WALL]
@@ -266,6 +266,7 @@ def plugin_wall(moving: MovingWall, own: WallLaw | None = None) -> str:
     if own:
         lines.append(f"law {numbers(own.stiffness, own.gamma_normal, own.gamma_tangential, own.friction)}")
         lines += [f"roll {number(own.rolling)}"] if own.rolling is not None else []
+    lines += ["seam"] if seam else []
     lines += [] if motion.gone == inf else [f"until {int(motion.gone)}"]
     if load := motion.load:
         free = f"{int(load.axis != 'y')} {int(load.axis != 'x')}"

@@ -405,7 +405,7 @@ def test_a_restart_goes_on_as_if_never_stopped(lammps, plugin, tmp_path):
         (("skin 0.06", ""), "needs k, mass, diameter and skin"),
         (("spin no", "smooth 0"), "smooth touch must be above 0"),
         (("newton off", "newton on"), "needs newton off, processors"),
-        (("boundary f f p", "boundary p f p"), "needs .* no periodic x or y"),
+        (("boundary f f p", "boundary f p p"), "needs .* no periodic y"),
         (("fix step all jump/step", "#"), "needs fix jump/step"),
         (("diameter 0.2", "diameter 0.21"), "has diameter 0.2"),
         (("mass 40", "mass 41"), "and mass 40.*, the pair style says .* mass 41"),

@@ -299,7 +299,7 @@ class NativeSimulation:
         """Let discs that have left a periodic channel in at its other end; the slope has done work on them."""
         way = self.discs.wrap(self.scene.domain[0][0])
         if self._ledger_on:
-            fall = float(shares_of(self.scene, self.discs) @ way)
+            fall = float((shares_of(self.scene, self.discs) * way).sum())
             self.books.exchanged["work_of_slope"] -= self.scene.mass * self.scene.gravity[0] * fall
 
     def _list_walls(self) -> None:
@@ -455,4 +455,4 @@ class NativeSimulation:
         if self.scene.period is None:
             return 0.0
         d = self.discs
-        return self.scene.mass * self.scene.gravity[0] * float(shares_of(self.scene, d) @ d.x[: d.n])
+        return self.scene.mass * self.scene.gravity[0] * float((shares_of(self.scene, d) * d.x[: d.n]).sum())

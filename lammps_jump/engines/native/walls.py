@@ -50,22 +50,25 @@ def _far(faces: Faces, wall: int, x: float, y: float) -> float:
 def _chains(scene: Scene, names: list[str], faces: Faces) -> tuple[np.ndarray, np.ndarray]:
     """What stands for the chain of each face in the slots of discs, and its length where it is closed, else 0, m.
 
-    Chains count over all walls of the scene, so that a wall that goes changes no other's.
+    Along a wall across the seam of a periodic channel the foot of a disc repeats with the period. Chains count over all walls of the scene, so that a wall that goes changes no other's.
     """
     begins, count = {}, 0
-    for wall, _ in scene.walls:
+    walls = {wall.name: wall for wall, _ in scene.walls}
+    for wall in walls.values():
         begins[wall.name] = count
         count += len(wall.chains())
     chain, around = np.empty(len(faces.codes), np.int64), np.zeros(len(faces.codes))
-    for wall, name in enumerate(names):
+    for index, name in enumerate(names):
         number = begins[name]
-        first, last = faces.first[wall], faces.first[wall + 1]
+        first, last = faces.first[index], faces.first[index + 1]
         while first < last:
             end = first + 1
             while end < last and faces.codes[end, BEFORE] == end - 1:
                 end += 1
             chain[first:end] = -1 - number
-            if faces.codes[first, BEFORE] >= 0:
+            if scene.period is not None and scene.crosses(walls[name]):
+                around[first:end] = scene.period
+            elif faces.codes[first, BEFORE] >= 0:
                 around[first:end] = faces.shape[first:end, LENGTH].sum()
             first, number = end, number + 1
     return chain, around

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /* fix ID all jump/step [gravity GX GY] [k_wall K gamma_wall GN gammat_wall GT mu_wall KS]
-                        [wall NAME X0 Y0 DEEP N FACE... [law K GN GT KS] [roll MUR] [until STEP]
+                        [wall NAME X0 Y0 DEEP N FACE... [law K GN GT KS] [roll MUR] [seam] [until STEP]
                               [move CX CY START N ROW...] [lid CX CY START MASS FX FY X Y BEGIN]]...
                         [sizes EVERY DENSITY SHIFT TURN N [BEGIN END LOW SLOPE]...]
                         [slots S]
@@ -16,7 +16,7 @@
      count from 0 within the wall), then its shape. DEEP 1: a centre behind a face is pushed back from any depth,
      0: from less than its radius. The push goes on growing behind a face. GN, GT in 1/s: force = M GN v.
      With sizes M, GN and GT are of the nominal disc; GN and GT of others are theirs times sqrt(M/m).
-     A wall with a `law` has its own in place of that of the other walls, one with `roll` its own friction of rolling. One with `until STEP` is felt by the forces of
+     A wall with a `law` has its own in place of that of the other walls, one with `roll` its own friction of rolling, one with `seam` crosses that of a periodic x. One with `until STEP` is felt by the forces of
      the steps before STEP. One with `move` follows N rows of 21 numbers (motion.h), turning about (CX, CY); one with
      `lid` is pushed by the discs and by a force, and free along x and y (1) or not (0). t = 0 is at the step START.
    - sizes: discs are inserted with the largest diameter. At the end of a step that is a multiple of EVERY new ones get
@@ -78,6 +78,7 @@ class FixJumpStep : public Fix {
     bool own;               // has a law of its own: k, gamma, gamma_t, mu
     double numbers[4];
     double rolling;         // friction coefficient of rolling, below 0: that of the pairs
+    bool seam;              // crosses the seam of a periodic channel: a foot on it repeats with the period
     std::vector<double> chain, around;    // of each face: what stands for its chain in slots, length of a closed one, m
     jump::Friction friction;
     jump::Law law;

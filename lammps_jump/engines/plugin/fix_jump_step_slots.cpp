@@ -5,6 +5,7 @@
 #include "fix_jump_step.h"
 
 #include "atom.h"
+#include "domain.h"
 #include "error.h"
 #include "memory.h"
 #include "slots.h"
@@ -44,7 +45,7 @@ void FixJumpStep::number_chains(Wall &wall)
     double length = faces[first].length;
     for (end = first + 1; end < n && faces[end].before == end - 1; end++) length += faces[end].length;
     wall.chain.insert(wall.chain.end(), end - first, -1.0 - chains++);
-    wall.around.insert(wall.around.end(), end - first, faces[first].before >= 0 ? length : 0.0);
+    wall.around.insert(wall.around.end(), end - first, wall.seam ? domain->prd[0] : faces[first].before >= 0 ? length : 0.0);
   }
 }
 

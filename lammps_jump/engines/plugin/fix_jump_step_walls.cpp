@@ -27,7 +27,7 @@ constexpr double ON_FACE = 1e-100;    // m; the square of a smaller distance may
 int FixJumpStep::add_wall(int a, int narg, char **arg)
 {
   if (a + 5 > narg) error->all(FLERR, "fix jump/step: a wall needs NAME X0 Y0 DEEP N and N faces");
-  Wall wall{arg[a], 0.0, 0.0, MAXBIGINT, -1, false, {}, -1.0, {}, {}, jump::Friction::NONE, {}, {}, 0.0, {}, {}};
+  Wall wall{arg[a], 0.0, 0.0, MAXBIGINT, -1, false, {}, -1.0, false, {}, {}, jump::Friction::NONE, {}, {}, 0.0, {}, {}};
   for (const auto &other : walls)
     if (other.name == wall.name) error->all(FLERR, "fix jump/step: two walls are called '{}'", wall.name);
   wall.x0 = utils::numeric(FLERR, arg[a + 1], false, lmp);
@@ -57,6 +57,9 @@ int FixJumpStep::add_wall(int a, int narg, char **arg)
       wall.rolling = utils::numeric(FLERR, arg[a + 1], false, lmp);
       if (wall.rolling < 0.0) error->all(FLERR, "fix jump/step: the rolling friction of wall '{}' is negative", wall.name);
       a += 2;
+    } else if (key == "seam") {
+      wall.seam = true;
+      a++;
     } else if (key == "move") {
       a = add_motion(wall, a + 1, narg, arg);
     } else if (key == "lid") {

@@ -22,11 +22,19 @@ int words_of(const PairJumpDisc &pair)
 }
 }
 
-/** Where the cut with this number lies; what is beyond the ends belongs to the ranks at the ends. */
+/** Whether there are any discs but the local ones. */
+bool JumpHalo::is_needed() const
+{
+  return comm->nprocs > 1 || domain->xperiodic;
+}
+
+/** Where the cut with this number lies; what is beyond open ends belongs to the ranks at the ends. */
 double JumpHalo::cut_at(int index) const
 {
-  if (index <= 0) return -1e300;
-  if (index >= comm->procgrid[0]) return 1e300;
+  if (!domain->xperiodic) {
+    if (index <= 0) return -1e300;
+    if (index >= comm->procgrid[0]) return 1e300;
+  }
   return domain->boxlo[0] + comm->xsplit[index] * domain->prd[0];
 }
 
@@ -37,14 +45,18 @@ void JumpHalo::rebuild(PairJumpDisc &pair, double cut)
   std::vector<int> outgoing(ranks, 0), incoming(ranks);
   partners.clear();
   for (int there = 0; there < ranks; there++) {
-    // both ranks reckon the gap from the same two numbers, so that both or neither know the other
-    const double gap = cut_at(std::max(here, there)) - cut_at(std::min(here, there) + 1);
-    if (there == here || gap >= cut) continue;
     const double lo = cut_at(there) - cut, hi = cut_at(there + 1) + cut;
     Partner partner;
     partner.rank = comm->grid2proc[there][0][0];
-    for (int i = 0; i < atom->nlocal; i++)
-      if (pair.disc[i].x > lo && pair.disc[i].x < hi) partner.mine.push_back(i);
+    for (int turn = domain->xperiodic ? -1 : 0; turn <= domain->xperiodic; turn++) {
+      if (there == here && turn == 0) continue;
+      const double shift = turn * domain->prd[0];
+      for (int i = 0; i < atom->nlocal; i++)
+        if (pair.disc[i].x + shift > lo && pair.disc[i].x + shift < hi) {
+          partner.mine.push_back(i);
+          partner.shift.push_back(shift);
+        }
+    }
     outgoing[partner.rank] = (int) partner.mine.size();
     partners.push_back(std::move(partner));
   }
@@ -70,9 +82,10 @@ void JumpHalo::start(const PairJumpDisc &pair)
     if (partner.mine.empty()) continue;
     partner.out.resize((size_t) words * partner.mine.size());
     double *to = partner.out.data();
-    for (const int i : partner.mine) {
+    for (size_t m = 0; m < partner.mine.size(); m++) {
+      const int i = partner.mine[m];
       const auto &disc = pair.disc[i];
-      to[0] = disc.x;
+      to[0] = disc.x + partner.shift[m];
       to[1] = disc.y;
       to[2] = disc.vx;
       to[3] = disc.vy;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-/* The discs of other ranks near this one's part of the channel, for pair_style jump/disc on several ranks.
+/* The discs of other ranks near this one's part of the channel, for pair_style jump/disc on several ranks, and images
+   across the seam of a periodic channel: a rank sends them to itself, too.
 
    Takes the place of LAMMPS' ghosts where space is cut along x alone. A disc is four numbers (one more each with spin
    and with sizes) instead of nine, all messages of a step leave together, and they travel while the contacts among the
@@ -26,6 +27,7 @@ class JumpHalo : protected Pointers {
   void start(const PairJumpDisc &pair);
   void finish(PairJumpDisc &pair);
 
+  bool is_needed() const;
   int count() const { return number; }
 
  private:
@@ -34,6 +36,7 @@ class JumpHalo : protected Pointers {
     int rank;
     int incoming = 0;             // discs it sends
     std::vector<int> mine;        // local discs that it gets
+    std::vector<double> shift;    // what each of them gets added to x, m
     std::vector<double> out, in;
   };
 

@@ -107,9 +107,9 @@ void PairJumpDisc::coeff(int narg, char **arg)
 
 void PairJumpDisc::init_style()
 {
-  if (comm->layout == Comm::LAYOUT_TILED || comm->procgrid[0] != comm->nprocs || domain->xperiodic ||
-      domain->yperiodic || force->newton_pair)
-    error->all(FLERR, "pair_style jump/disc needs newton off, processors * 1 1 and no periodic x or y");
+  if (comm->layout == Comm::LAYOUT_TILED || comm->procgrid[0] != comm->nprocs || domain->yperiodic ||
+      force->newton_pair)
+    error->all(FLERR, "pair_style jump/disc needs newton off, processors * 1 1 and no periodic y");
   if (!atom->radius_flag || !atom->rmass_flag) error->all(FLERR, "pair_style jump/disc needs atom_style sphere");
   if (modify->get_fix_by_style("^jump/step").empty()) error->all(FLERR, "pair_style jump/disc needs fix jump/step");
   if (neighbor->nex_type || neighbor->nex_group || neighbor->nex_mol)

@@ -9,7 +9,7 @@
    M (diameter/D)^2; M, D, GN and GT are then of nominal discs, and GN and GT of a pair are theirs times
    sqrt((M/2)/m_eff). The law history has a tangential spring of RATIO K, and GT is that of its dashpot; rolling has one
    of RATIO K with a dashpot of DAMPING (M/2) GN and the friction coefficient MUR. Fix jump/step keeps them in slots: of
-   two discs the one with the larger id remembers; on several ranks both do. `fix jump/step` moves the discs and shares the arrays. The style gives no energy and no
+   two discs the one with the larger id remembers; on several ranks or with periodic x both do. `fix jump/step` moves the discs and shares the arrays. The style gives no energy and no
    virial: their sums are NaN, and computes of them for each disc are refused.
 
    The style keeps a neighbour list of its own (cells of the plane, one flat list of pairs whose rims are closer than
@@ -17,9 +17,10 @@
    the sum over the steps of dt times the range of the velocities (all the discs of a jet move together: only the range
    counts). On one rank it also outlives a reneighbouring that only brought new discs.
 
-   On several ranks the style exchanges the discs near the cuts itself (halo.h) and asks LAMMPS for no ghosts. It needs
-   `processors * 1 1`, newton off and no periodic x or y; it sees to `comm_modify cutoff`. The list is then in two parts:
-   contacts of local discs, which are computed while the messages travel, and contacts across the cuts. */
+   On several ranks the style exchanges the discs near the cuts itself (halo.h) and asks LAMMPS for no ghosts. Where x
+   is periodic it does the same with the discs near the seam. It needs `processors * 1 1`, newton off and no periodic y;
+   it sees to `comm_modify cutoff`. The list is then in two parts: contacts of local discs, which are computed while the
+   messages travel, and contacts across the cuts. */
 
 #ifndef LMP_PAIR_JUMP_DISC_H
 #define LMP_PAIR_JUMP_DISC_H

@@ -72,7 +72,7 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void PairJumpDisc::evaluat
   alignas(64) double radius_one[SIZES ? BATCH : 1], radius_two[SIZES ? BATCH : 1], twist_two[DENT ? BATCH : 1];
   alignas(64) double stretch[SPRINGS ? BATCH : 1], bent[SPRINGS ? BATCH : 1], turns[SPRINGS ? BATCH : 1];
   double *of_one[SPRINGS ? BATCH : 1], *of_two[SPRINGS ? BATCH : 1];    // springs of the two discs, or null
-  const bool both = comm->nprocs > 1;
+  const bool both = ring.is_needed();
   int i_of[BATCH + 4], j_of[BATCH + 4];    // discs of the pairs that touch
   for (size_t begin = from; begin < to; begin += BATCH) {
     const size_t end = begin + BATCH < to ? begin + BATCH : to;
@@ -205,7 +205,7 @@ void PairJumpDisc::compute(int eflag, int vflag)
     error->all(FLERR, "pair_style jump/disc gives no energy and no virial: leave out computes of them for each disc");
   eng_vdwl = NAN;    // LAMMPS asks for the sums at steps where nothing may read them: no error then
   std::fill_n(virial, 6, NAN);
-  const bool ranks = comm->nprocs > 1;
+  const bool ranks = ring.is_needed();
   // fix jump/step has packed the local discs; a reneighbouring may have moved them to other indices since
   const bool fresh = neighbor->ago == 0 || moved_by_others();
   if (fresh) pack();

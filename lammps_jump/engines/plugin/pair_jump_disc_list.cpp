@@ -187,7 +187,7 @@ bool PairJumpDisc::worn(const double *way) const
 /** Keep the list usable for the positions that are packed now. */
 void PairJumpDisc::update_list()
 {
-  const bool other_indices = neighbor->ago == 0 && !(comm->nprocs == 1 && keeps_order());
+  const bool other_indices = neighbor->ago == 0 && !(!ring.is_needed() && keeps_order());
   if (moved_by_others() || other_indices || worn(moved))
     build_list();
   else if (atom->nlocal > (int) listed.size())
