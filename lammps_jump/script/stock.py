@@ -34,14 +34,25 @@ def lacking_everywhere(scene: Scene) -> str:
     return "'inflow.table'" if scene.hydrograph else ""
 
 
+def _rolls(scene: Scene) -> bool:
+    return scene.springs is not None and scene.springs.rolling is not None
+
+
 def lacking(scene: Scene) -> str:
-    """What the styles of LAMMPS lack of a scene, with the field that asks for it; empty where they write all of it."""
+    """What the styles of LAMMPS lack of a scene, with the field that asks for it; empty where they write all of it.
+
+    The rolling spring of two discs changes its sign there when the two change their order in memory (measured: an error
+    of 4e-8 d in that step, 2e-3 d after 1,600 more): discs are not sorted then, but those that go round or leave
+    disorder the others.
+    """
     if missing := lacking_everywhere(scene):
         return missing
     if scene.touch == "smooth":
         return "'touch: smooth'"
     if scene.rubs and not FRICTION_LAWS[scene.friction_law].in_stock:
         return f"'friction_law: {scene.friction_law}'"
+    if _rolls(scene) and (scene.periodic or scene.outlets):
+        return f"'contact.rolling' {'in a periodic channel' if scene.periodic else 'with an outflow'}"
     return unwritten(scene)
 
 
@@ -135,8 +146,12 @@ def contact_law(scene: Scene) -> list[str]:
 
 
 def neighbours(scene: Scene) -> list[str]:
-    """Neighbour lists, rebuilt when a disc has moved half the skin."""
-    return [f"neighbor        {number(scene.skin)} bin", "neigh_modify    delay 0 every 1 check yes"]
+    """Neighbour lists, rebuilt when a disc has moved half the skin; discs keep their order in memory where they roll."""
+    return [
+        f"neighbor        {number(scene.skin)} bin",
+        *(["atom_modify     sort 0 0"] if _rolls(scene) else []),
+        "neigh_modify    delay 0 every 1 check yes",
+    ]
 
 
 def motion(scene: Scene) -> list[str]:
