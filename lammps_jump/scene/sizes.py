@@ -28,22 +28,25 @@ class Sizes:
     low, high : tuple of float
         Least and largest diameter of each piece, m; equal where all its discs are.
     seed : int
+    own : tuple of (int, int, float)
+        First and last id of discs that have a diameter of their own, m: of rough beds.
     """
 
     shares: tuple[float, ...]
     low: tuple[float, ...]
     high: tuple[float, ...]
     seed: int = 1
+    own: tuple[tuple[int, int, float], ...] = ()
 
     @property
     def smallest(self) -> float:
         """Smallest diameter, m."""
-        return min(self.low)
+        return min((*self.low, *(diameter for *_, diameter in self.own)))
 
     @property
     def largest(self) -> float:
         """Largest diameter, m."""
-        return max(self.high)
+        return max((*self.high, *(diameter for *_, diameter in self.own)))
 
     @property
     def mean_square(self) -> float:
@@ -75,4 +78,7 @@ class Sizes:
         u = self.quantiles(ids)
         begins, ends, low, slope = self.pieces.T
         piece = np.minimum(np.searchsorted(ends, u, side="right"), len(ends) - 1)
-        return low[piece] + slope[piece] * (u - begins[piece])
+        found = low[piece] + slope[piece] * (u - begins[piece])
+        for first, last, diameter in self.own:
+            found = np.where((np.asarray(ids) >= first) & (np.asarray(ids) <= last), diameter, found)
+        return found

@@ -58,6 +58,8 @@ def contact_law(scene: Scene) -> list[str]:
             words.append(f"rolling {numbers(roll.stiffness_ratio, roll.damping, roll.friction)}")
     if scene.sizes:
         words.append(f"sizes {numbers(scene.smallest, scene.largest)}")
+    if scene.fixed:
+        words.append(f"fixed {scene.fixed.first} {scene.fixed.last}")
     return [" ".join(words), "pair_coeff      * *"]
 
 

@@ -78,6 +78,8 @@ def box_and_discs(scene: Scene) -> list[str]:
         half = half_depth(scene)
         extent = numbers(*scene.domain[0], *scene.domain[1], -half, half)
         lines = [f"region          domain block {extent}", "create_box      1 domain", *size_variables(scene)]
+    if scene.fixed:
+        lines += [f"group           bed id {scene.fixed.first}:{scene.fixed.last}", "group           free subtract all bed"]
     return lines + molecule(scene)
 
 
@@ -103,6 +105,10 @@ def size_variables(scene: Scene) -> list[str]:
     if len(pieces) > 1:
         within = [f"(v_quantile>={number(begin)})*(v_quantile<{number(end)})" for begin, end, _, _ in pieces]
         terms = [f"{where}*({term})" for where, term in zip(within, terms, strict=True)]
+    if own := scene.sizes.own:
+        held = [f"(id>={first})*(id<={last})" for first, last, _ in own]
+        terms = [f"({'+'.join(terms)})*({'*'.join(f'(1-{one})' for one in held)})"]
+        terms += [f"{where}*{number(diameter)}" for where, (_, _, diameter) in zip(held, own, strict=True)]
     return [
         f"variable        turned atom (id+{number(scene.sizes.shift)})*{number(ID_STEP)}",
         "variable        quantile atom v_turned-floor(v_turned)",
@@ -123,6 +129,7 @@ def law(scene: Scene) -> list[tuple[str, list[str]]]:
         ("neighbours", neighbours(scene)),
         ("motion", motion(scene)),
         ("walls", stock_walls(scene)),
+        ("rough beds: after all that pushes discs", ["fix             fixed bed freeze"] if scene.fixed else []),
     ]
 
 
@@ -156,9 +163,11 @@ def neighbours(scene: Scene) -> list[str]:
 
 def motion(scene: Scene) -> list[str]:
     """Time step, integration and gravity."""
+    # inserted discs join no group: where there are some, `fix freeze` alone holds the fixed ones
+    moving = "free" if scene.fixed and not (scene.inlets or scene.pours) else "all"
     lines = [
         f"timestep        {number(scene.time_step)}",
-        f"fix             motion all {'nve/sphere disc' if scene.rotation else 'nve'}",
+        f"fix             motion {moving} {'nve/sphere disc' if scene.rotation else 'nve'}",
     ]
     return lines + gravity(scene)
 
@@ -337,4 +346,6 @@ def half_step(scene: Scene, kernel: str, sign: str = "+") -> list[str]:
             "set             group all omega 0 0 v_half_w",
             "unfix           turning",
         ]
+    if scene.fixed and kernel == "compiled":
+        lines.append(f"set             group bed vx 0 vy 0{' omega 0 0 0' if scene.rotation else ''}")
     return lines

@@ -16,7 +16,8 @@
 
    Discs of several sizes: the dashpots of a contact go by the root of its effective mass, m_eff gamma = c sqrt(m_eff),
    so that every contact has the same restitution. Masses grow as R^2: c of a pair is that of two nominal discs times
-   sqrt(2) R_i R_j / (R sqrt(R_i^2 + R_j^2)), c at a wall that of the nominal disc times R_i / R.
+   sqrt(2) R_i R_j / (R sqrt(R_i^2 + R_j^2)), c at a wall that of the nominal disc times R_i / R. With a fixed disc
+   m_eff is the mass of the other.
 
    lammps_jump/physics/law.py holds the same law for the native engine; tests compare the two.
 
@@ -90,11 +91,14 @@ template <class Number> struct OwnLaw {
   Number reach, damping, tangential;
 };
 
-/** Of pairs of discs with these radii. */
-template <class Number> inline OwnLaw<Number> own_law(const Law &law, const Number &one, const Number &two)
+/** Radius that stands for the mass of a fixed disc, m: its square is still a number. */
+constexpr double HUGE_RADIUS = 1e150;
+
+/** Of pairs of discs with a distance at touch and radii that stand for their masses. */
+template <class Number> inline OwnLaw<Number> own_law(const Law &law, const Number &reach, const Number &one, const Number &two)
 {
-  const Number share = one * two * (2.0 * M_SQRT2 / law.reach) / root(one * one + two * two);
-  return {one + two, law.damping * share, law.tangential * share};
+  const Number share = one * two / root(one * one + two * two) * (2.0 * M_SQRT2 / law.reach);
+  return {reach, law.damping * share, law.tangential * share};
 }
 
 /** Of a wall and a disc of this radius. */

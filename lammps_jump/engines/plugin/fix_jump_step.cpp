@@ -132,7 +132,7 @@ void FixJumpStep::setup(int vflag)
   post_force(vflag);
 }
 
-template <bool SIZES> void FixJumpStep::drift()
+template <bool SIZES, bool STAYS> void FixJumpStep::drift()
 {
   double *const __restrict x = atom->x[0];
   double *const __restrict v = atom->v[0];
@@ -146,7 +146,7 @@ template <bool SIZES> void FixJumpStep::drift()
   Vec2 lo = {1e300, 1e300}, hi = {-1e300, -1e300};
   for (int i = 0; i < n; i++) {
     if (SIZES) dtfm = dtf * inverse_mass[i];
-    const Vec2 speed = at(v, i) + (dtfm * at(f, i) + kick);
+    const Vec2 speed = at(v, i) + (dtfm * at(f, i) + (STAYS && dtfm == 0.0 ? Vec2{} : kick));
     const Vec2 place = at(x, i) + dtv * speed;
     at(v, i) = speed;
     at(x, i) = place;
@@ -165,6 +165,7 @@ template <bool SIZES> void FixJumpStep::drift()
 double FixJumpStep::spin_rate(int i) const
 {
   const double radius = pair->radius_of(i);
+  if (pair->is_fixed(i)) return 0.0;
   return update->dt * force->ftm2v / (radius * radius * (pair->sizes ? atom->rmass[i] : pair->mass));
 }
 
@@ -188,7 +189,7 @@ void FixJumpStep::initial_integrate(int)
     pair->range_hi[0] = pair->range_hi[1] = -1e300;
     return;
   }
-  pair->sizes ? drift<true>() : drift<false>();
+  pair->any_fixed() ? drift<true, true>() : pair->sizes ? drift<true, false>() : drift<false, false>();
   if (pair->spin) turn_discs();
 }
 
@@ -201,7 +202,9 @@ void FixJumpStep::final_integrate()
   const double dtv = update->dt, dtf = 0.5 * dtv * force->ftm2v, dtfm = dtf / pair->mass;
   const double *const __restrict inverse_mass = pair->inverse_masses.data();
   const Vec2 kick = {0.5 * dtv * gx, 0.5 * dtv * gy};
-  if (pair->sizes)
+  if (pair->any_fixed())
+    for (int i = 0; i < n; i++) at(v, i) += dtf * inverse_mass[i] * at(f, i) + (inverse_mass[i] > 0.0 ? kick : Vec2{});
+  else if (pair->sizes)
     for (int i = 0; i < n; i++) at(v, i) += dtf * inverse_mass[i] * at(f, i) + kick;
   else
     for (int i = 0; i < n; i++) at(v, i) += dtfm * at(f, i) + kick;
@@ -225,7 +228,7 @@ void FixJumpStep::end_of_step()
 {
   tagint highest = sized;
   for (int i = 0; i < atom->nlocal; i++) {
-    if (atom->tag[i] <= sized) continue;
+    if (atom->tag[i] <= sized || pair->is_fixed(i)) continue;
     highest = std::max(highest, atom->tag[i]);
     const double d = diameter_of(atom->tag[i]), mass = density * d * d;
     const double excess = 0.5 * update->dt * (atom->rmass[i] / mass - 1.0);

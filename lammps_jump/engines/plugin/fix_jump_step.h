@@ -132,7 +132,7 @@ class FixJumpStep : public Fix {
   bool is_worn() const;
   void find_near();
   void push_lids();
-  template <bool SIZES> void drift();
+  template <bool SIZES, bool STAYS> void drift();
   void turn_discs();
   void push(Wall &);
   template <jump::Friction, jump::Touch, bool SIZES> void push(Wall &);

@@ -18,7 +18,7 @@ constexpr int DISCS = 7402;    // tag that LAMMPS does not use
 /** Numbers that stand for a disc in a message. */
 int words_of(const PairJumpDisc &pair)
 {
-  return 4 + pair.spin + pair.sizes + pair.springs.there;
+  return 4 + pair.spin + pair.sizes * (1 + pair.any_fixed()) + pair.springs.there;
 }
 }
 
@@ -91,6 +91,7 @@ void JumpHalo::start(const PairJumpDisc &pair)
       to[3] = disc.vy;
       if (pair.spin) to[4] = pair.rim[i];
       if (pair.sizes) to[words - 1] = pair.radii[i];
+      if (pair.any_fixed()) to[words - 2] = pair.bulk[i];
       if (pair.springs.there) to[4 + pair.spin] = pair.tags[i];
       to += words;
     }
@@ -114,6 +115,7 @@ void JumpHalo::finish(PairJumpDisc &pair)
       pair.disc[i] = {from[0], from[1], from[2], from[3]};
       if (pair.spin) pair.rim[i] = from[4];
       if (pair.springs.there) pair.tags[i] = from[4 + pair.spin];
+      if (pair.any_fixed()) pair.bulk[i] = from[words - 2];
       if (pair.sizes) pair.radii[i] = from[words - 1];    // each step: inserted discs change theirs
     }
   }

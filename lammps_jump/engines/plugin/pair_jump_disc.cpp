@@ -59,6 +59,9 @@ void PairJumpDisc::settings(int narg, char **arg)
       springs.rolling_damping = value(a + 2);
       springs.rolling_friction = value(a + 3);
       a += 2;
+    } else if (key == "fixed") {
+      fixed[0] = (tagint) value(a + 1);
+      fixed[1] = (tagint) value(a++ + 2);
     } else if (key == "spin") {
       spin = utils::logical(FLERR, name, false, lmp);
     } else if (key == "sizes") {
@@ -72,7 +75,7 @@ void PairJumpDisc::settings(int narg, char **arg)
     } else {
       error->all(FLERR,
                  "pair_style jump/disc: unknown keyword '{}'; there are law, k, gamma, gammat, mu, mass, diameter, skin, "
-                 "smooth, spin, sizes, springs and rolling", key);
+                 "smooth, spin, sizes, springs, rolling and fixed", key);
     }
   }
   if (!(k > 0.0) || !(mass > 0.0) || !(diameter > 0.0) || !(skin > 0.0))
@@ -81,6 +84,7 @@ void PairJumpDisc::settings(int narg, char **arg)
     error->all(FLERR, "pair_style jump/disc: gamma, gammat and mu must not be negative");
   if (sizes && !(0.0 < smallest && smallest <= largest))
     error->all(FLERR, "pair_style jump/disc: sizes are the smallest and the largest diameter, both above 0");
+  if (any_fixed() && !sizes) error->all(FLERR, "pair_style jump/disc: fixed needs sizes");
   if (!sizes) smallest = largest = diameter;
   if (springs.ratio < 0.0 || springs.rolling < 0.0 || springs.rolling_damping < 0.0 || springs.rolling_friction < 0.0)
     error->all(FLERR, "pair_style jump/disc: numbers of springs and rolling must not be negative");
@@ -149,6 +153,7 @@ void PairJumpDisc::reserve(int n)
       inverse_masses.resize(disc.size());
     }
     if (springs.there) tags.resize(disc.size());
+    if (any_fixed()) bulk.resize(disc.size());
   }
 }
 
@@ -168,7 +173,13 @@ void PairJumpDisc::pack()
 void PairJumpDisc::pack_size(int i)
 {
   radii[i] = atom->radius[i];
-  inverse_masses[i] = 1.0 / atom->rmass[i];
+  inverse_masses[i] = is_fixed(i) ? 0.0 : 1.0 / atom->rmass[i];
+  if (any_fixed()) bulk[i] = is_fixed(i) ? jump::HUGE_RADIUS : radii[i];
+}
+
+bool PairJumpDisc::is_fixed(int i) const
+{
+  return atom->tag[i] >= fixed[0] && atom->tag[i] <= fixed[1];
 }
 
 /** Refuse discs that the settings do not describe when some may have come in. */

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /* pair_style jump/disc law hooke|sign|history k K gamma GN gammat GT mu KS mass M diameter D skin L
                         [smooth S] [spin yes|no] [sizes SMALLEST LARGEST]
-                        [springs RATIO] [rolling RATIO DAMPING MUR]
+                        [springs RATIO] [rolling RATIO DAMPING MUR] [fixed FIRST LAST]
    pair_coeff * *
 
    Contact forces between discs (laws: contact_law.h). gamma in 1/s: the force is (M/2) GN v. Discs are equal: one of
    another mass or diameter is an error. With sizes their diameters lie from SMALLEST to LARGEST and their masses are
    M (diameter/D)^2; M, D, GN and GT are then of nominal discs, and GN and GT of a pair are theirs times
-   sqrt((M/2)/m_eff). The law history has a tangential spring of RATIO K, and GT is that of its dashpot; rolling has one
+   sqrt((M/2)/m_eff). Discs with ids from FIRST to LAST stay where they are (sizes are needed). The law history has a tangential spring of RATIO K, and GT is that of its dashpot; rolling has one
    of RATIO K with a dashpot of DAMPING (M/2) GN and the friction coefficient MUR. Fix jump/step keeps them in slots: of
    two discs the one with the larger id remembers; on several ranks or with periodic x both do. `fix jump/step` moves the discs and shares the arrays. The style gives no energy and no
    virial: their sums are NaN, and computes of them for each disc are refused.
@@ -63,9 +63,13 @@ class PairJumpDisc : public Pair {
   std::vector<double> rim;                           // R omega, with spin
   std::vector<double> radii, inverse_masses;         // with sizes; in the order of the discs
   std::vector<double> tags;                          // ids, with springs
+  std::vector<double> bulk;                          // radii that stand for masses, with fixed discs
+  tagint fixed[2] = {0, -1};                         // first and last id of discs that stay
   bigint order = 0;                                  // counts the changes of what the indices of discs mean
   double range_lo[2] = {0.0, 0.0}, range_hi[2] = {0.0, 0.0};    // least and largest velocity of the discs, this step
 
+  bool any_fixed() const { return fixed[1] >= fixed[0]; }
+  bool is_fixed(int) const;
   void reserve(int);
   void pack_size(int);
   double largest_overlap() const;

@@ -70,9 +70,11 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void PairJumpDisc::evaluat
   constexpr bool SPRINGS = jump::has_springs(FRICTION), SPIN = jump::has_spin(FRICTION);
   constexpr bool DENT = SIZES || SPRINGS;    // the lever of friction ends in the middle of the overlap, as in LAMMPS' granular
   alignas(64) double radius_one[SIZES ? BATCH : 1], radius_two[SIZES ? BATCH : 1], twist_two[DENT ? BATCH : 1];
+  alignas(64) double bulk_one[SIZES ? BATCH : 1], bulk_two[SIZES ? BATCH : 1];
   alignas(64) double stretch[SPRINGS ? BATCH : 1], bent[SPRINGS ? BATCH : 1], turns[SPRINGS ? BATCH : 1];
   double *of_one[SPRINGS ? BATCH : 1], *of_two[SPRINGS ? BATCH : 1];    // springs of the two discs, or null
-  const bool both = ring.is_needed();
+  const bool both = ring.is_needed(), stays = any_fixed();
+  const double *const __restrict own_bulk = bulk.data();
   int i_of[BATCH + 4], j_of[BATCH + 4];    // discs of the pairs that touch
   for (size_t begin = from; begin < to; begin += BATCH) {
     const size_t end = begin + BATCH < to ? begin + BATCH : to;
@@ -108,6 +110,10 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void PairJumpDisc::evaluat
       if (SIZES) {
         radius_one[c] = own_radius[i];
         radius_two[c] = own_radius[j];
+        if (stays) {
+          bulk_one[c] = own_bulk[i];
+          bulk_two[c] = own_bulk[j];
+        }
       }
       if constexpr (SPRINGS) {
         const bool larger = tags[i] > tags[j];
@@ -132,7 +138,7 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void PairJumpDisc::evaluat
       between[c][0] = between[c][1] = 0.5 * rule.reach;
       between[c][2] = between[c][3] = 0.0;
       rims[c] = 0.0;
-      if (SIZES) radius_one[c] = radius_two[c] = radius;
+      if (SIZES) radius_one[c] = radius_two[c] = bulk_one[c] = bulk_two[c] = radius;
       if constexpr (SPRINGS) stretch[c] = bent[c] = turns[c] = 0.0;
     }
     for (int c = 0; c < whole; c += LANES) {
@@ -141,6 +147,8 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void PairJumpDisc::evaluat
       const Lanes rim_speed = jump::has_spin(FRICTION) ? *reinterpret_cast<const Lanes *>(rims + c) : Lanes{};
       const Lanes *const ri = reinterpret_cast<const Lanes *>(radius_one + c);
       const Lanes *const rj = reinterpret_cast<const Lanes *>(radius_two + c);
+      const Lanes *const bi = stays ? reinterpret_cast<const Lanes *>(bulk_one + c) : ri;
+      const Lanes *const bj = stays ? reinterpret_cast<const Lanes *>(bulk_two + c) : rj;
       jump::ContactForce<Lanes> out;
       jump::Stretch<Lanes> held{};
       if constexpr (SPRINGS) {
@@ -151,7 +159,7 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void PairJumpDisc::evaluat
         }
       }
       if constexpr (SIZES)
-        out = jump::contact_force<FRICTION, TOUCH>(rule, jump::own_law(rule, *ri, *rj), part[0], part[1], part[2],
+        out = jump::contact_force<FRICTION, TOUCH>(rule, jump::own_law(rule, *ri + *rj, *bi, *bj), part[0], part[1], part[2],
                                                    part[3], rim_speed, &held);
       else
         out = jump::contact_force<FRICTION, TOUCH>(rule, rule, part[0], part[1], part[2], part[3], rim_speed, &held);
