@@ -18,6 +18,7 @@ from lammps_jump.scene.shapes import open_ends
 from lammps_jump.units import numbers_of
 
 from .fields import CaseFields
+from .parts.beds import RoughBed
 from .parts.inflow import RowsInflow
 from .walls import told
 
@@ -327,7 +328,7 @@ def _jump_doubts(case: CaseFields, inflow: RowsInflow) -> list[str]:
     y2 = y1 * jump.belanger(number)
     steps = [
         (x[0], y[1] - inflow.y)
-        for x, y in (wall.extent for wall in case.walls if _stands(wall))
+        for x, y in (wall.extent for wall in case.walls if not isinstance(wall, RoughBed) and _stands(wall))
         if x[0] > inflow.x and y[1] > inflow.y
     ]
     outlets = [(item.x_beyond, 0.0) for item in case.outflow if item.x_beyond is not None]

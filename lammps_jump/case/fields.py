@@ -29,6 +29,7 @@ from .parts.base import (
     Whole,
     no_truth,
 )
+from .parts.beds import RoughBed
 from .parts.contact import Contact
 from .parts.inflow import InflowField
 
@@ -103,9 +104,10 @@ class Domain(Strict):
 
     x: Extent
     y: Extent
+    periodic: Literal["x"] | None = Field(default=None, description="x: what leaves at one end enters at the other")
 
 
-WallField = Annotated[KINDS, Field(discriminator="kind")]
+WallField = Annotated[KINDS | RoughBed, Field(discriminator="kind")]
 
 
 class Lift(Strict):
@@ -318,6 +320,16 @@ class CaseFields(Strict):
     probes: Probes = Probes()
     analysis: Analysis = Analysis()
     engine: Engine = Engine()
+
+    @property
+    def seam(self) -> tuple[float, float] | None:
+        """Where a periodic channel begins and ends, m; None of another."""
+        return self.domain.x if self.domain is not None and self.domain.periodic else None
+
+    @property
+    def rough(self) -> tuple[RoughBed, ...]:
+        """Walls that are rows of fixed discs."""
+        return tuple(wall for wall in self.walls if isinstance(wall, RoughBed))
 
     @property
     def output_interval(self) -> float:

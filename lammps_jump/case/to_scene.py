@@ -28,7 +28,8 @@ from . import checks, walls
 from .derived import doubts, skipped
 from .fields import CaseFields, Column
 from .packing import arrange, disc_sizes
-from .parts import places
+from .parts import channel, places
+from .parts.beds import beds_of
 from .parts.grains import heap_doubts
 from .parts.inflow import PourInflow, RowsInflow
 from .parts.rows import Inlet, inlet_of
@@ -126,7 +127,9 @@ def build_scene(case: CaseFields, source: CaseSource) -> Scene:
     own_names = checks.check_names(case, source, [wall for wall, _ in (*moving[len(theirs) :], *gates)])
     places.check_in_domain(case, source, begun.positions, inlets, domain)
     fields = {item.wall.name: item.field for item in theirs}
-    places.check_places(source, begun, inlets, (*moving, *gates), fields)
+    places.check_places(source, begun, inlets, (*moving, *gates), fields, case.seam)
+    if case.seam:
+        channel.check_walls(source, begun, moving, fields, domain)
     checks.check_pour(case, source, domain, begun.largest)
     names = [wall.name for wall, _ in moving]
     probes, groups = _probes(case, source, names), walls.groups(case, source, moving, own_names)
@@ -163,6 +166,7 @@ def build_scene(case: CaseFields, source: CaseSource) -> Scene:
         skin=case.engine.skin or 0.3 * begun.diameter,
         touch=law.touch,
         touch_width=0.0 if sharp else law.touch_width or TOUCH_STEPS * impact_speed * begun.time_step,
+        periodic=case.seam is not None,
         size_steps=raster if inlets else POUR_RASTER,
         skipped=skipped(case, tuple(wall for wall, _ in moving), [wall for wall, _ in kept], begun, laws.values()),
         warnings=(*warnings, *checks.check_stop(case), *doubts(case, impact_speed, inlets), *notes),
@@ -172,7 +176,7 @@ def build_scene(case: CaseFields, source: CaseSource) -> Scene:
 
 def _own_laws(case: CaseFields, begun: Beginning, given: tuple[walls.CaseWall, ...]) -> dict[str, contact.WallLaw]:
     """Contacts of walls that have numbers of their own, by name."""
-    stated = contact_of(case, _integrator(case), begun.sizes)
+    stated = contact_of(case, _integrator(case), disc_sizes(case))
     return {
         item.wall.name: contact.own_wall_law(begun.coefficients, item.wall.own_law, stated)
         for item in given
@@ -189,15 +193,21 @@ def _integrator(case: CaseFields) -> str:
 def _beginning(case: CaseFields, source: CaseSource) -> tuple[Beginning, list[str]]:
     """The discs at the start, their contact and the steps of the run; and what to beware of."""
     checks.check_engine(case, source)
+    channel.check_fields(case, source)
     integrator, sizes = _integrator(case), disc_sizes(case)
     coefficients = _coefficients(case, integrator, sizes)
     warnings = checks.check_stability(case, source, coefficients, integrator, sizes)
     warnings += checks.check_sizes(case, source, sizes)
     steps, settle = _steps(case, source, coefficients.time_step, sizes)
     positions, velocities = _discs(case, source, coefficients, sizes)
+    beds = beds_of(case.rough, case.seam, len(positions) + 1, sizes, case.discs.diameter)
+    positions = np.concatenate([positions, beds.positions])
+    velocities = np.concatenate([velocities, 0.0 * beds.positions])
     return Beginning(
         diameter=case.discs.diameter,
-        sizes=sizes,
+        sizes=beds.sizes,
+        fixed=beds.fixed,
+        beds=beds.surfaces,
         coefficients=coefficients,
         overlap_limit=2 * case.discs.diameter / _stiffness(case)[0],
         positions=_frozen(positions),

@@ -21,6 +21,7 @@ from lammps_jump.scene.tracks import Translate
 from lammps_jump.scene.walls import Line
 
 from .fields import CaseFields, Column
+from .parts.beds import RoughBed
 from .text import CaseSource, nearest
 
 EASE = 10.0
@@ -51,6 +52,8 @@ def joined(case: CaseFields, source: CaseSource) -> tuple[CaseWall, ...]:
     found: list[CaseWall] = []
     done: set[str] = set()
     for index, wall in enumerate(case.walls):
+        if isinstance(wall, RoughBed):
+            continue
         join = getattr(wall, "join", None)
         if join is None:
             found.append(CaseWall(wall, f"walls.{index}"))

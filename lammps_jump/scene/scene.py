@@ -165,6 +165,8 @@ class Beginning(Measures):
     settle_steps: int
     output_steps: int
     probe_steps: int
+    fixed: Fixed | None = None
+    beds: tuple[Wall, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -200,6 +202,8 @@ class Scene(Measures):
         Diameters where discs are not equal.
     fixed : Fixed, optional
         Ids of the discs of rough beds. Their diameter is in `sizes`, which such a scene always has.
+    beds : tuple of Wall
+        Lines over the tops of rough beds, which push no disc: for what asks for the bed.
     periodic : bool
         What leaves the domain along x enters at its other end.
     size_steps : int
@@ -250,6 +254,7 @@ class Scene(Measures):
     sizes: Sizes | None = None
     size_steps: int = 1
     fixed: Fixed | None = None
+    beds: tuple[Wall, ...] = ()
     periodic: bool = False
     own_laws: Mapping[str, WallLaw] = field(default_factory=dict)
     springs: Springs | None = None
@@ -327,8 +332,8 @@ class Scene(Measures):
 
     @property
     def permanent(self) -> tuple[Wall, ...]:
-        """The same where the case has them, without their motion."""
-        return tuple(one.wall for one in self.standing)
+        """The same where the case has them, without their motion, and the lines of rough beds."""
+        return (*(one.wall for one in self.standing), *self.beds)
 
     @property
     def gates(self) -> tuple[MovingWall, ...]:

@@ -24,21 +24,32 @@ def check_places(
     inlets: tuple[InletRow, ...],
     walls: Iterable[MovingWall],
     fields: Mapping[str, str],
+    seam: Interval | None,
 ) -> None:
     """Refuse discs and inlets in a wall at the start, and discs that overlap by more than d/n.
 
-    `fields`: where in the case each wall stands, by name; gates and others stand in none.
+    `fields`: where in the case each wall stands, by name; gates and others stand in none. `seam`: where a periodic
+    channel begins and ends, m.
     """
     positions, allowed = scene.positions, 0.5 * scene.overlap_limit
     diameters = scene.diameters(np.arange(1, len(positions) + 1))
-    found = deepest_overlap(positions, diameters)
+    count = len(positions)
+    images = np.flatnonzero(positions[:, 0] < seam[0] + scene.largest) if seam else np.empty(0, int)
+    shift = [seam[1] - seam[0], 0.0] if seam else [0.0, 0.0]
+    found = deepest_overlap(
+        np.concatenate([positions, positions[images] + shift]), np.concatenate([diameters, diameters[images]])
+    )
     if found is not None and found[0] > allowed * (1 + 1e-9):
-        overlap, i, j = found
+        overlap, *both = found
+        i, j = sorted(int(one if one < count else images[one - count]) for one in both)
+        field = "initial" if scene.fixed is None or not scene.fixed.holds([i + 1, j + 1]).all() else "walls"
         raise source.error(
-            f"initial: discs {i + 1} at ({positions[i, 0]:g}, {positions[i, 1]:g}) and {j + 1} at "
+            f"{field}: discs {i + 1} at ({positions[i, 0]:g}, {positions[i, 1]:g}) and {j + 1} at "
             f"({positions[j, 0]:g}, {positions[j, 1]:g}) overlap by {overlap:.3g} m at the start; allowed is d/n = "
             f"{allowed:.3g} m; move them apart"
         )
+    if scene.fixed is not None:
+        positions, diameters = positions[: scene.fixed.first - 1], diameters[: scene.fixed.first - 1]
     for one in walls:
         field = fields.get(one.wall.name, "initial")
         if wall := one.at(0):
@@ -65,7 +76,8 @@ def check_in_domain(case: CaseFields, source: CaseSource, positions, inlets, dom
     """Refuse discs and inlets outside the domain."""
     for axis, label in enumerate("xy"):
         low, high = domain[axis]
-        outside = np.flatnonzero((positions[:, axis] <= low) | (positions[:, axis] >= high))
+        on_seam = axis == 0 and case.seam is not None
+        outside = np.flatnonzero((positions[:, axis] <= low - on_seam * 1e-9) | (positions[:, axis] >= high))
         if outside.size:
             value = positions[outside[0], axis]
             raise source.error(

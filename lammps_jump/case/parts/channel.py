@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What a periodic channel cannot have, each refused with the place in the file and the remedy."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from lammps_jump.case.fields import CaseFields, Column
+from lammps_jump.case.text import CaseSource
+from lammps_jump.scene import Beginning, Interval, MovingWall
+from lammps_jump.scene.motion import way
+
+SHORTEST = 5.0
+"""Least length of a periodic channel, in largest diameters: no disc may meet another on both sides."""
+LOOKS = 9, 400
+"""Points across the seam and over the height at which walls on both sides of it are compared."""
+SAME = 1e-9
+"""Largest difference of their distances, in diameters."""
+
+
+def check_fields(case: CaseFields, source: CaseSource) -> None:
+    """Refuse what stands in the case and has no meaning where x is periodic."""
+    if case.domain is None or case.domain.periodic is None:
+        return
+    refused = {
+        "inflow": (case.inflow, "discs that leave at one end enter at the other, so that nothing flows in"),
+        "probes.stations": (case.probes.stations, "stations look at a flow from one end to the other"),
+        "analysis.jump": (case.analysis.jump, "a jump needs a stream and a tail water, with ends"),
+        "analysis.front": (case.analysis.front, "a front would meet its own tail"),
+        "analysis.energy": (case.analysis.energy, "it counts what flows in and out; the run's energy ledger has all"),
+    }
+    for field, (value, reason) in refused.items():
+        if value:
+            raise source.error(f"{field}: is not there with domain.periodic: x: {reason}; drop one of the two")
+    for index, item in enumerate(case.outflow):
+        if item.x_beyond is not None or item.x_before is not None:
+            raise source.error(
+                f"outflow.{index}: is not there along x with domain.periodic: x; allowed are y_below and y_above"
+            )
+    for index, item in enumerate(case.initial):
+        if isinstance(item, Column) and item.gate and (item.settle or item.gate is not True):
+            raise source.error(
+                f"initial.{index}.gate: a column in a periodic channel has no gate; set gate: false, and no settle"
+            )
+
+
+def check_walls(
+    source: CaseSource, begun: Beginning, walls: Sequence[MovingWall], fields: dict[str, str],
+    domain: tuple[Interval, Interval],
+) -> None:  # fmt: skip
+    """Refuse a channel that is too short, and walls that are not the same on both sides of the seam."""
+    (low, high), (bottom, top) = domain
+    period, d = high - low, begun.largest
+    if period < SHORTEST * d:
+        raise source.error(
+            f"domain.x: a periodic channel of {period:g} m is too short for discs of {d:g} m; allowed is "
+            f"{SHORTEST * d:g} m or more"
+        )
+    aside = np.linspace(-d, d, LOOKS[0])
+    x, y = (part.ravel() for part in np.meshgrid(aside, np.linspace(bottom, top, LOOKS[1])))
+    for one in walls:
+        wall, field = one.wall, fields.get(one.wall.name, "walls")
+        if one.motion.kind is not None:
+            (first, last), _ = way(one, begun.time(0), begun.time(begun.steps))
+            if first < low + d or last > high - d:
+                raise source.error(
+                    f"{field}.motion: wall '{wall.name}' comes to the seam of the periodic channel; allowed is a way "
+                    f"between x = {low + d:g} and {high - d:g} m"
+                )
+            continue
+        left, right = wall.distance(low + x, y), wall.distance(high + x, y)
+        felt = np.minimum(left, right) < d / 2
+        if (np.abs(left - right)[felt] > SAME * d).any():
+            raise source.error(
+                f"{field}: wall '{wall.name}' is not the same at both ends of the periodic channel, x = {low:g} and "
+                f"{high:g} m; let it end {d:g} m before them, or reach {d:g} m or more beyond both at one height"
+            )
