@@ -21,6 +21,7 @@ from lammps_jump.scene.motion import Placed
 from lammps_jump.scene.near import Grid, grid_of, list_near
 from lammps_jump.scene.walls import Wall
 
+from .beds.images import fixed_discs
 from .cell_grid import close_pairs
 from .flow import Flow
 
@@ -175,9 +176,35 @@ def touching_pairs(frame: Frame, flow: Flow) -> Touching:
 
 
 @once_a_frame
+def bed_contacts(frame: Frame, flow: Flow) -> Touching:
+    """Contacts of a frame's discs with the fixed ones of rough beds, as with walls: m_eff is the mass of the disc."""
+    fixed, c = fixed_discs(frame, flow.scene), flow.scene.coefficients
+    x, y, radius = (
+        np.concatenate(part)
+        for part in ((frame.x, fixed.x), (frame.y, fixed.y), (flow.radii(frame), fixed.column("radius")))
+    )
+    i, j = close_pairs(x, y, 2 * float(radius.max(initial=flow.scene.radius)))
+    across = (i < frame.n) != (j < frame.n)
+    disc, bed = np.minimum(i, j)[across], np.maximum(i, j)[across]
+    dx, dy = x[disc] - x[bed], y[disc] - y[bed]
+    distance = np.sqrt(dx * dx + dy * dy)
+    overlap = radius[disc] + radius[bed] - distance
+    touch = overlap > 0
+    disc, bed = disc[touch], bed[touch]
+    size, still = np.sqrt(2.0 * flow.relative_masses(frame)[disc]), np.zeros(len(disc))
+    return Touching(
+        np.full(len(disc), frame.n), disc, (dx / distance)[touch], (dy / distance)[touch], overlap[touch],
+        flow.dashpots[0] * size, np.full(len(disc), c.stiffness), 0.5 * c.mass * c.gamma_tangential * size,
+        np.full(len(disc), c.friction), still, still, fixed.ids[bed - frame.n],
+    )  # fmt: skip
+
+
+@once_a_frame
 def touching(frame: Frame, flow: Flow) -> Touching:
-    """Pairs of discs in contact, then discs in contact with walls."""
+    """Pairs of discs in contact, then discs in contact with walls and rough beds."""
     parts = [touching_pairs(frame, flow), *(wall_contacts(frame, wall, flow) for wall in walls_of(frame, flow))]
+    if flow.scene.fixed is not None:
+        parts.append(bed_contacts(frame, flow))
     return Touching(*map(np.concatenate, zip(*parts, strict=True)))
 
 

@@ -15,6 +15,7 @@ from lammps_jump.dump.frame import Frame, make_frame, require_finite
 from lammps_jump.dump.read import Dump
 from lammps_jump.errors import DumpError
 
+from .beds.images import moving, placed, with_images
 from .contacts import ContactSeries
 from .flow import Flow
 from .profiles import add_means, bin_frames
@@ -99,14 +100,21 @@ def gather(dump: Dump, flow: Flow, collectors: Iterable[Collector], warnings: li
 
 
 def feed(frames: Iterable[Frame], flow: Flow, collectors: Iterable[Collector]) -> Iterator[Frame]:
-    """The same frames, shown to every collector on the way; DumpError at a value that is not finite."""
+    """The same frames, shown to every collector on the way; DumpError at a value that is not finite.
+
+    Collectors see the discs that move, those with `sees` "all" the fixed ones too, and those with "images" images
+    beyond the ends of a periodic channel, as the profiles do.
+    """
     collectors = list(collectors)
+    scene = flow.scene
     for frame in frames:
-        require_finite(frame, flow.scene.name)
-        time = flow.time(frame)
+        require_finite(frame, scene.name)
+        time, whole = flow.time(frame), placed(frame, scene)
+        free = moving(whole, scene)
+        views = {"all": whole, "free": free, "images": with_images(free, scene)}
         for collector in collectors:
-            collector.add(frame, time)
-        yield frame
+            collector.add(views[getattr(collector, "sees", "free")], time)
+        yield views["images"]
 
 
 def with_velocities(dump: Dump, flow: Flow, warnings: list[str]) -> Iterator[Frame]:

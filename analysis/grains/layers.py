@@ -134,6 +134,8 @@ def edges_of_layers(flow: Flow, stretch: Interval) -> np.ndarray:
 class LayerSums:
     """Collects the sums of the layers frame by frame."""
 
+    sees = "images"
+
     def __init__(self, flow: Flow, _: ContactCollector | None = None):
         self.flow, self.stretch = flow, stretch_of(flow)
         self.edges = edges_of_layers(flow, self.stretch)

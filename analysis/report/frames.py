@@ -89,6 +89,8 @@ class FramePacker:
         Of the frames that are taken in, the first and every n-th behind it are kept.
     """
 
+    sees = "all"
+
     def __init__(self, flow: Flow, every: int = 1):
         self.flow = flow
         self.q = flow.scene.smallest / PARTS

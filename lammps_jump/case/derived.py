@@ -186,9 +186,11 @@ def _size_rows(scene: Scene) -> list[Row]:
 
 
 def _contact_rows(scene: Scene) -> list[Row]:
-    c = scene.coefficients
+    c, fixed = scene.coefficients, scene.fixed.count if scene.fixed else 0
     rows: list[Row] = [
-        ("discs_at_start", "discs at the start", len(scene.positions), ""),
+        ("discs_at_start", "discs at the start", len(scene.positions) - fixed, ""),
+        *([("fixed_discs", "fixed discs of rough beds", fixed, "")] if fixed else []),
+        *([("period", "length of the periodic channel", scene.period, "m")] if scene.period else []),
         *_size_rows(scene),
         *_described(c, "mass stiffness stiffness_wall restitution damping_ratio damping damping_wall"),
         *_described(c, "correction correction_wall gamma_normal gamma_normal_wall friction"),

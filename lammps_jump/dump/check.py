@@ -25,6 +25,8 @@ class FrameCheck:
     scene : Scene
     """
 
+    sees = "all"
+
     def __init__(self, scene: Scene):
         self.scene = scene
         self.frames = self.last = 0
@@ -78,6 +80,8 @@ class IdCheck:
     path : Path
         Of the dump, for the message.
     """
+
+    sees = "all"
 
     def __init__(self, path: Path):
         self.path = path

@@ -106,9 +106,12 @@ def result_of(
     if not stored:
         return result_of_files(case.scene(), folder, setting, write=write)
     same = ("engine", "kernel", "status", "steps", "disc_steps", "versions", "ledger")
+    counts = dict(stored["discs"])
+    fixed = counts.pop("fixed", 0)  # a result counts all discs
+    counts |= {name: counts[name] + fixed for name in ("inserted", "present")}
     return RunResult(
         **{name: stored[name] for name in same},
-        **stored["discs"],
+        **counts,
         message=stored["message"] or "",
         seconds=stored["wall_seconds"].get("run", 0.0),
         cpu_seconds=stored.get("cpu_seconds", 0.0),

@@ -25,6 +25,7 @@ from pathlib import Path
 import numpy as np
 from scipy.special import stdtrit
 
+from lammps_jump.analysis.beds.images import moving
 from lammps_jump.analysis.flow import Flow, from_scene
 from lammps_jump.analysis.grains.rest import RestDetector, begin_of, state_of
 from lammps_jump.analysis.jump.result import STILL
@@ -267,7 +268,8 @@ class SteadyWatch:
         """Take in the frames that are new; True once the flow is steady, or dead, or at rest."""
         if self.detector is None and self.rest is None:
             return False
-        for frame in self.tail.new_frames():
+        for whole in self.tail.new_frames():
+            frame = moving(whole, self.scene)
             if not self.reason:
                 time = self.flow.time(frame)
                 if self.rest is not None:

@@ -50,6 +50,7 @@ class _Discs(BaseModel, strict=True, extra="forbid"):
     present: int
     removed: int
     lost: int
+    fixed: int = 0
 
 
 class _Seconds(BaseModel, strict=True):
@@ -172,6 +173,9 @@ def compose(
     """
     scene, found = case.scene(), dict(parts)
     discs = {name: getattr(result, name) for name in ("inserted", "present", "removed", "lost")}
+    if scene.fixed:
+        fixed = scene.fixed.count
+        discs = {**discs, "inserted": result.inserted - fixed, "present": result.present - fixed, "fixed": fixed}
     return plain(
         {
             "name": scene.name,

@@ -98,6 +98,11 @@ class Fixed(NamedTuple):
     first: int
     last: int
 
+    @property
+    def count(self) -> int:
+        """How many there are."""
+        return self.last - self.first + 1
+
     def holds(self, ids: ArrayLike) -> np.ndarray:
         """Whether each id is that of a fixed disc; shape of `ids`."""
         ids = np.asarray(ids)

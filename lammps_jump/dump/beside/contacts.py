@@ -139,11 +139,12 @@ class ContactFile:
 
 
 def _keys(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """Keys of contacts, shape (n, 3): smaller and larger id, and which of those with the same ids."""
+    """Keys of contacts, shape (n, 3): smaller and larger id, and which of those with the same wall."""
     pairs = np.sort(np.column_stack([one, other]).astype(np.int64), axis=1)
     order = np.lexsort(pairs.T)
     first = np.append(True, np.any(np.diff(pairs[order], axis=0) != 0, axis=1))
     begin = np.maximum.accumulate(np.where(first, np.arange(len(pairs)), 0))
     rank = np.empty(len(pairs), np.int64)
     rank[order] = np.arange(len(pairs)) - begin
+    rank[pairs[:, 0] > 0] = 0  # two discs touch once; an image asks again
     return np.column_stack([pairs, rank])
