@@ -74,6 +74,10 @@ class Flow:
     poses: PoseFile | None = field(default=None, compare=False)
     layers: tuple[Interval | None, float | None] | None = None
 
+    def count(self, frame: Frame) -> int:
+        """Discs of a frame that move."""
+        return frame.n - (self.scene.fixed.count if self.scene.fixed else 0)
+
     def radii(self, frame: Frame) -> np.ndarray:
         """Radius of each disc, m, shape (n,); one number seen n times where discs are equal. Not to be changed."""
         radii = radii_of(frame, self.diameters) if self.sized else self.scene.radius

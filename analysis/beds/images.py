@@ -38,7 +38,9 @@ def with_images(frame: Frame, scene: Scene) -> Frame:
     shifted = [
         {**columns, "x": columns["x"] + way} for columns, way in zip(parts, (scene.period, -scene.period), strict=True)
     ]
-    joined = {name: np.concatenate([values, *(part[name] for part in shifted)]) for name, values in frame.columns.items()}
+    joined = {
+        name: np.concatenate([values, *(part[name] for part in shifted)]) for name, values in frame.columns.items()
+    }
     return make_frame(frame.step, frame.time, frame.box, joined)
 
 

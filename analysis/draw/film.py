@@ -146,7 +146,7 @@ class _Painter:
             start = float(view.column(x)), float(view.row(y))
             end = start[0] + fx, start[1] - fy
             paint_arrow(picture[self.inside], start, end, max(3.0, view.height / 90), ARROW)
-        self._write(picture[9:29, LEFT:], f"{self.flow.clock(time)}   {frame.n} discs")
+        self._write(picture[9:29, LEFT:], f"{self.flow.clock(time)}   {self.flow.count(frame)} discs")
         return picture
 
     def _write(self, strip: np.ndarray, text: str) -> None:

@@ -54,7 +54,7 @@ def snapshots(frames: Dump | Sequence[Frame], flow: Flow) -> Figure:
             axes = figure.add_subplot(place)
             axes.imshow(picture, extent=(*view.x, *view.y), interpolation="nearest", aspect="auto")
             # no title: its place is sought among all ticks, which took a fifth of the time
-            text = f"{flow.clock(time)}   {frame.n} discs"
+            text = f"{flow.clock(time)}   {flow.count(frame)} discs"
             axes.annotate(text, (0, 1), (0, 3), "axes fraction", "offset points", fontsize=8)
             lowest, leftmost = place.num1 + place.get_gridspec().ncols >= len(chosen), place.is_first_col()
             for axis, name, labelled in ((axes.xaxis, "x [m]", lowest), (axes.yaxis, "y [m]", leftmost)):

@@ -7,7 +7,6 @@ from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import isinf
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -92,7 +91,8 @@ class Stations:
     last_step: int
 
 
-class Fixed(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Fixed:
     """Discs of rough beds, which stay: their first and last id."""
 
     first: int

@@ -79,7 +79,10 @@ def box_and_discs(scene: Scene) -> list[str]:
         extent = numbers(*scene.domain[0], *scene.domain[1], -half, half)
         lines = [f"region          domain block {extent}", "create_box      1 domain", *size_variables(scene)]
     if scene.fixed:
-        lines += [f"group           bed id {scene.fixed.first}:{scene.fixed.last}", "group           free subtract all bed"]
+        lines += [
+            f"group           bed id {scene.fixed.first}:{scene.fixed.last}",
+            "group           free subtract all bed",
+        ]
     return lines + molecule(scene)
 
 
@@ -153,7 +156,7 @@ def contact_law(scene: Scene) -> list[str]:
 
 
 def neighbours(scene: Scene) -> list[str]:
-    """Neighbour lists, rebuilt when a disc has moved half the skin; discs keep their order in memory where they roll."""
+    """Neighbour lists, rebuilt when a disc has moved half the skin; discs that roll keep their order in memory."""
     return [
         f"neighbor        {number(scene.skin)} bin",
         *(["atom_modify     sort 0 0"] if _rolls(scene) else []),

@@ -49,6 +49,7 @@ class CellSimulation(NativeSimulation):
         self._constants = self._constants._replace(motion=motion)
 
     def listed_pairs(self) -> loops.Pairs:
+        """The list that stands."""
         return loops.Pairs(int(self._grid.used[0]), self._owner, self._first, self._neighbours)
 
     def _rebuild(self) -> None:

@@ -11,6 +11,7 @@ import numpy as np
 from lammps_jump.scene.scene import Scene
 
 from . import lists
+from .loops import Pairs
 
 CELLS_A_DISC = 16
 """Cells of the search grid at most, over the number of discs."""
@@ -118,6 +119,12 @@ class Discs:
         """Room for rows of the list: each disc may have an image."""
         return self.room if self.period is None else 2 * self.room
 
+    @property
+    def pairs(self) -> Pairs:
+        """The list as the loops read it."""
+        rows = self.n if self.shift is None else self.shift.size
+        return Pairs(rows, self.owner, self.start, self.neighbours, self.shift)
+
     def _make_work_arrays(self) -> None:
         kept = (getattr(self, name) for name, column in self.columns.items() if column.sorted)
         self.scratch = {(array.dtype, array.ndim): np.empty_like(array) for array in kept}
@@ -135,18 +142,34 @@ class Discs:
         self.start = np.concatenate([self.start, np.zeros(self._rows + 1 - len(self.start), np.int64)])
         self._make_work_arrays()
 
-    def wrap(self, low: float) -> np.ndarray:
-        """Put discs that have left a periodic channel, which begins at `low` (m), in at its other end.
+    def outside(self, scene: Scene, skin: float) -> int:
+        """Index of a disc outside the domain, or -1; of a periodic one discs may leave by a skin (m) between lists."""
+        (a, b), (c, e) = scene.domain
+        beyond = 0.0 if self.period is None else skin
+        return lists.extent(self.n, self.x, self.y, a - beyond, b + beyond, c, e)[4]
 
-        Returns
-        -------
-        ndarray, shape (n,)
-            Way of each along x, m; 0 for most.
-        """
+    def place(self, i: int, scene: Scene, step: int) -> str:
+        """Where a disc is, in words."""
+        return f"{self.ids[i]} at ({self.x[i]:.6g}, {self.y[i]:.6g}) m, time {scene.time(step):.6g} s (step {step}),"
+
+    def lost(self, i: int, scene: Scene, step: int) -> str:
+        """What to say of a disc outside the domain."""
+        (a, b), (c, e) = scene.domain
+        if not (np.isfinite(self.x[i]) and np.isfinite(self.y[i])):
+            return (
+                f"the position of disc {self.place(i, scene, step)} is not a number: the run has blown up. Lower "
+                "run.time_step_fraction and look for discs that overlap at the start."
+            )
+        return (
+            f"disc {self.place(i, scene, step)} has left the domain x {a:g} … {b:g} m, y {c:g} … {e:g} m. Put an "
+            "outflow where discs leave, close the gap between the walls, or enlarge the domain; where nothing should "
+            "leave, lower run.time_step_fraction."
+        )
+
+    def wrap(self, low: float) -> None:
+        """Put discs that have left a periodic channel, which begins at `low` (m), in at its other end."""
         x, period = self.x[: self.n], self.period
-        way = -period * np.floor((x - low) / period)
-        x += way
-        return way
+        x -= period * np.floor((x - low) / period)
 
     def sort_and_list(self, skin: float, diameter: float, domain) -> int:
         """Sort by cell and list all pairs closer than a skin (m); index of a disc outside the domain, or -1.

@@ -74,6 +74,13 @@ def energy_of(scene: Scene, discs, elastic: float) -> Energy:
     return Energy(kinetic, gravitational, elastic)
 
 
+def fallen(scene: Scene, discs) -> float:
+    """Work of weight along a periodic channel from x = 0 to where the discs are, J per m; 0 in another channel."""
+    if scene.period is None:
+        return 0.0
+    return scene.mass * scene.gravity[0] * float((shares_of(scene, discs) * discs.x[: discs.n]).sum())
+
+
 def free_energy(scene: Scene, x, y, vx, vy, share=1.0) -> float:
     """Kinetic and gravitational energy at the step (J per m) of free discs with half-step velocity (vx, vy).
 
@@ -122,7 +129,8 @@ class Books:
     is of second order: at first touch the spring overworks by k (v dt)^2 / 12 in the mean over entry phases, at parting
     it gives the same back at the lower speed, h^2 (1 - e^2) / 6 of a collision's energy with h = omega dt.
     In a periodic channel `work_of_slope` is what weight along it has done since the start, and the gravitational energy
-    is that of the height alone. Moving walls add `work_of_walls`, with the velocity centred on the step, to what is brought in.
+    is that of the height alone. Moving walls add `work_of_walls`, with the velocity centred on the step, to what is
+    brought in.
     `throughput` is what to measure it against: kinetic and elastic energy at the start, the change of the gravitational
     energy, and what came in.
 
@@ -148,8 +156,8 @@ class Books:
     ) -> dict[str, float]:
         """The balance at a step with this energy and `half_work`.
 
-        `fallen` is the work of weight along a periodic channel, from its begin to where the discs are; `exchanged` holds
-        that of discs which went round.
+        `fallen` is the work of weight along a periodic channel (the function of that name); `exchanged` holds that on
+        discs which went round.
         """
         start, (dashpots, friction, walls) = self.start, map(float, self.work[:3] + half - self.start_work)
         fallen -= self.start_fallen

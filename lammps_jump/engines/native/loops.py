@@ -35,7 +35,6 @@ from lammps_jump.scene.chains import TX0, TY0, X0, Y0
 from lammps_jump.scene.faces import foot_at, touching, touching_inline
 from lammps_jump.scene.tracks import pose_py
 
-
 HUGE = 1e150
 """Radius that stands for the mass of a fixed disc, m: its square is still a number."""
 

@@ -24,7 +24,7 @@ from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.physics.slots import Slots
 from lammps_jump.scene.scene import Scene
 
-from . import lists, loops
+from . import loops
 from .constants import constants_of, springs_of
 from .discs import Discs
 from .events import Event, OpenBoundaries, Schedule, Windows
@@ -34,6 +34,7 @@ from .ledger import (
     StationLedger,
     energy_of,
     energy_of_leaving,
+    fallen,
     free_energy,
     half_kicks,
     half_work,
@@ -145,7 +146,7 @@ class NativeSimulation:
         self._start_half_step_back()
         self.walls.sums[:] = 0.0
         self.books.start, self.books.start_work = self.energy(), self.books.work[:3] + self._half_work()
-        self.books.start_fallen = self._fallen()
+        self.books.start_fallen = fallen(self.scene, self.discs)
         self._after.happen(self.step)
 
     def _start_half_step_back(self) -> None:
@@ -194,9 +195,9 @@ class NativeSimulation:
         self.walls.place(self.step)
         found = loops.advance(
             steps, owed, d.n, d.x, d.y, d.radius, d.vx, d.vy, d.fx, d.fy, d.x0, d.y0, d.ux, d.uy, d.omega, d.torque,
-            d.uomega, *self.listed_pairs()[1:], d.fixed, self._grid, self.walls.faces, self.walls.near, *self._constants,
-            self._memory(self.scene.time_step if self._started else 0.0), d.dash_x, d.dash_y, d.slide_x, d.slide_y,
-            self.walls.moves, self.books.work, self.walls.sums,
+            d.uomega, *self.listed_pairs()[1:], d.fixed, self._grid, self.walls.faces, self.walls.near,
+            *self._constants, self._memory(self.scene.time_step if self._started else 0.0), d.dash_x, d.dash_y,
+            d.slide_x, d.slide_y, self.walls.moves, self.books.work, self.walls.sums,
         )  # fmt: skip
         if self._full[0]:
             raise RunError(
@@ -215,9 +216,7 @@ class NativeSimulation:
 
     def listed_pairs(self) -> loops.Pairs:
         """The list that stands."""
-        d = self.discs
-        rows = d.n if d.shift is None else d.shift.size
-        return loops.Pairs(rows, d.owner, d.start, d.neighbours, d.shift)
+        return self.discs.pairs
 
     # --- events -------------------------------------------------------------------------------------------------
 
@@ -297,10 +296,9 @@ class NativeSimulation:
 
     def _wrap(self) -> None:
         """Let discs that have left a periodic channel in at its other end; the slope has done work on them."""
-        way = self.discs.wrap(self.scene.domain[0][0])
-        if self._ledger_on:
-            fall = float((shares_of(self.scene, self.discs) * way).sum())
-            self.books.exchanged["work_of_slope"] -= self.scene.mass * self.scene.gravity[0] * fall
+        self.books.exchanged["work_of_slope"] += fallen(self.scene, self.discs)
+        self.discs.wrap(self.scene.domain[0][0])
+        self.books.exchanged["work_of_slope"] -= fallen(self.scene, self.discs)
 
     def _list_walls(self) -> None:
         self.walls.place(self.step)
@@ -335,7 +333,8 @@ class NativeSimulation:
         _, worst, i, _ = self._elastic_and_worst()
         if worst > limit:
             raise RunError(
-                f"overlap {worst:.4g} m of disc {self._place(i)} is beyond the limit of {limit:.4g} m. "
+                f"overlap {worst:.4g} m of disc {self.discs.place(i, self.scene, self.step)} is beyond the limit of "
+                f"{limit:.4g} m. "
                 "The contact is too soft for this flow or the step too long: raise contact.impact_speed or "
                 "contact.penetration_fraction, or lower run.time_step_fraction; look for discs that overlap at "
                 "the start."
@@ -343,29 +342,9 @@ class NativeSimulation:
 
     def _require_inside(self, lost: int | None = None) -> None:
         """RunError where a disc is outside the domain: that of index `lost` (-1: none), or any where none is given."""
-        d = self.discs
-        (a, b), (c, e) = self.scene.domain
-        if self.scene.period is not None:  # until the next list
-            a, b = a - self.skin, b + self.skin
-        i = lists.extent(d.n, d.x, d.y, a, b, c, e)[4] if lost is None else lost
-        if i < 0:
-            return
-        if not (np.isfinite(d.x[i]) and np.isfinite(d.y[i])):
-            raise RunError(
-                f"the position of disc {self._place(i)} is not a number: the run has blown up. Lower "
-                "run.time_step_fraction and look for discs that overlap at the start."
-            )
-        raise RunError(
-            f"disc {self._place(i)} has left the domain x {a:g} … {b:g} m, y {c:g} … {e:g} m. Put an outflow "
-            "where discs leave, close the gap between the walls, or enlarge the domain; where nothing should leave, "
-            "lower run.time_step_fraction."
-        )
-
-    def _place(self, i: int) -> str:
-        d = self.discs
-        return (
-            f"{d.ids[i]} at ({d.x[i]:.6g}, {d.y[i]:.6g}) m, time {self.scene.time(self.step):.6g} s (step {self.step}),"
-        )
+        i = self.discs.outside(self.scene, self.skin) if lost is None else lost
+        if i >= 0:
+            raise RunError(self.discs.lost(i, self.scene, self.step))
 
     # --- what it hands out --------------------------------------------------------------------------------------
 
@@ -421,8 +400,8 @@ class NativeSimulation:
         while count < 0:
             who, found = np.empty((room, 2), np.int64), np.empty((room, 5))
             count = loops.contacts(
-                d.ids, *self.listed_pairs(), d.fixed, d.x, d.y, d.radius, *seen, *at_step, self.walls.faces, self.walls.near, *law,
-                self.walls.moves, who, found,
+                d.ids, *self.listed_pairs(), d.fixed, d.x, d.y, d.radius, *seen, *at_step, self.walls.faces,
+                self.walls.near, *law, self.walls.moves, who, found,
             )  # fmt: skip
             room *= 2
         names = [wall.name for wall, _ in scene.walls]
@@ -447,12 +426,5 @@ class NativeSimulation:
         if not self._ledger_on:
             return None
         moves = self.walls.moves is not None
-        found = self.books.balance(self.energy(), self._half_work(), self._fallen(), walls_move=moves)
+        found = self.books.balance(self.energy(), self._half_work(), fallen(self.scene, self.discs), walls_move=moves)
         return found | self.stations.heads(self.step)
-
-    def _fallen(self) -> float:
-        """Work that weight along a periodic channel does from its begin to where the discs are, J per m of width."""
-        if self.scene.period is None:
-            return 0.0
-        d = self.discs
-        return self.scene.mass * self.scene.gravity[0] * float((shares_of(self.scene, d) * d.x[: d.n]).sum())

@@ -50,7 +50,8 @@ def _far(faces: Faces, wall: int, x: float, y: float) -> float:
 def _chains(scene: Scene, names: list[str], faces: Faces) -> tuple[np.ndarray, np.ndarray]:
     """What stands for the chain of each face in the slots of discs, and its length where it is closed, else 0, m.
 
-    Along a wall across the seam of a periodic channel the foot of a disc repeats with the period. Chains count over all walls of the scene, so that a wall that goes changes no other's.
+    Chains count over all walls of the scene, so that a wall that goes changes no other's. Along a wall across the seam
+    of a periodic channel the foot of a disc repeats with the period.
     """
     begins, count = {}, 0
     walls = {wall.name: wall for wall, _ in scene.walls}
