@@ -35,7 +35,7 @@ GRIDS: dict[str, tuple[float, ...]] = {
     "penetration_fraction": (5.0, 10.0, 20.0),
     "sill": (0.6, 0.8, 1.0, 1.2, 1.4),
 }
-START = {"restitution": 0.2, "friction": 0.0, "penetration_fraction": 10.0, "sill": 1.0}
+START = {"restitution": 0.2, "friction": 0.0, "largest_overlap": 0.1, "sill": 1.0}
 QUICK_GRIDS = {"restitution": (0.2, 0.8), "friction": (0.0, 0.03), "penetration_fraction": (10.0,), "sill": (1.0,)}
 
 COLUMN_CASE = Path(__file__).with_name("column.yaml")

@@ -19,7 +19,7 @@ discs: {diameter: 0.2, density: 1000}
 contact:
   restitution: 0.2
   friction: 0.1
-  penetration_fraction: 10
+  largest_overlap: 0.1
   impact_speed: 16
 domain: {x: [-1, 20], y: [-5, 10]}
 walls:
@@ -117,11 +117,11 @@ WRONG_CASES = [
     ("zero duration", "duration: 0.01", "duration: 0", ["run.duration", ">= 1e-09"]),
     (
         "stiffness twice",
-        "penetration_fraction: 10",
-        "penetration_fraction: 10\n  stiffness: 1e7",
+        "largest_overlap: 0.1",
+        "largest_overlap: 0.1\n  stiffness: 1e7",
         ["contact", "stiffness"],
     ),
-    ("no stiffness", "  penetration_fraction: 10\n  impact_speed: 16\n", "", ["contact", "impact_speed"]),
+    ("no stiffness", "  largest_overlap: 0.1\n  impact_speed: 16\n", "", ["contact", "impact_speed"]),
     ("unknown probe", "run:", "probes: {forces: [flor]}\nrun:", ["probes.forces[0]", "flor", "did you mean 'floor'"]),
     (
         "scheme of the other engine",

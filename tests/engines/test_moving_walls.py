@@ -80,7 +80,7 @@ def test_the_work_of_a_shaken_box_closes_the_ledger(kind):
     left = {}
     for fraction in (0.05, 0.01):
         scene = scene_of(
-            (BOX, kind, (0.0, 0.5)), restitution=0.5, penetration_fraction=20.0, time_step_fraction=fraction
+            (BOX, kind, (0.0, 0.5)), restitution=0.5, largest_overlap=0.05, time_step_fraction=fraction
         )
         simulation = NativeSimulation(scene)
         worst = 0.0
