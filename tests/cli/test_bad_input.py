@@ -133,7 +133,7 @@ WRONG_CASES = [
         "law not in stock LAMMPS",
         "  friction: 0.1",
         "  friction: 0.1\n  friction_law: sign",
-        ["contact.friction_law", "hooke"],
+        ["contact.friction_law", "viscous"],
     ),
     ("half a rank", "run:", "engine: {ranks: 0}\nrun:", ["engine.ranks", "0"]),
     ("tabs", "  restitution: 0.2", "\trestitution: 0.2", ["case.yaml:5", "not YAML"]),

@@ -200,7 +200,7 @@ class NativeSimulation:
         if self._full[0]:
             raise RunError(
                 f"disc {self._full[0]} touches more than the {self.scene.slots} others it can remember: contacts "
-                "are too deep; raise contact.impact_speed or contact.penetration_fraction."
+                "are too deep; raise contact.impact_speed or lower contact.largest_overlap."
             )
         return found
 
@@ -324,8 +324,8 @@ class NativeSimulation:
         if worst > limit:
             raise RunError(
                 f"overlap {worst:.4g} m of disc {self._place(i)} is beyond the limit of {limit:.4g} m. "
-                "The contact is too soft for this flow or the step too long: raise contact.impact_speed or "
-                "contact.penetration_fraction, or lower run.time_step_fraction; look for discs that overlap at "
+                "The contact is too soft for this flow or the step too long: raise contact.impact_speed, or "
+                "lower contact.largest_overlap or run.time_step_fraction; look for discs that overlap at "
                 "the start."
             )
 
