@@ -28,6 +28,21 @@ def stiffness(density: float, largest_overlap: float, impact_speed: float) -> fl
     return density * (1.0 / largest_overlap) ** 2 * impact_speed**2
 
 
+def material_stiffness(young: float, poisson: float) -> float:
+    """Normal stiffness, N/m, of equal elastic cylinders along a line of 1 m: k = pi E* / 4, E* = E / (2 (1 - nu^2)).
+
+    A line contact of half-width a carries P = pi E* a^2 / (4 R) (Johnson, Contact Mechanics, 1985, 4.45). With the depth
+    a^2/R that is P = pi E* depth / 4, whatever the radius (Popov, Contact Mechanics and Friction, 2010, 5.6).
+
+    Parameters
+    ----------
+    young : float
+        E, Pa.
+    poisson : float
+    """
+    return pi * young / (8.0 * (1.0 - poisson**2))
+
+
 def damping_ratio(restitution: float) -> float:
     """Share of critical damping xi = ln(1/e) / sqrt(pi^2 + ln^2(1/e)) (thesis 3.21)."""
     loss = log(1.0 / restitution)

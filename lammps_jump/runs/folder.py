@@ -59,9 +59,9 @@ def run_folder(folder: Path, marker: folders.Marker) -> Iterator[None]:
         yield
 
 
-def case_text(case: ReadCase) -> str:
-    """What ``case.yaml`` of a run folder holds: the case, and hashes by which an edit is found."""
-    text = case.to_yaml()
+def case_text(case: ReadCase, *, as_written: bool = False) -> str:
+    """What ``case.yaml`` of a run folder holds: the case, and hashes by which an edit is found; see `to_yaml`."""
+    text = case.to_yaml(as_written=as_written)
     return f"{MADE} {' '.join(f'{field}={found}' for field, found in field_keys(text).items())}\n{text}"
 
 

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """``lammps-jump calibrate``: contact coefficients that make discs behave most like water.
 
-The distance of a candidate (e, μ, largest overlap, sill height) is the root mean square of three relative distances, each printed:
+The distance of a candidate (e, μ, largest overlap, sill height) is the root mean square of three relative distances,
+each printed:
 
 - sequent depths y2/y1 against Bélanger at the same Froude number in the front's frame,
 - length of the jump over y2 against the USBR curve,
@@ -41,9 +42,9 @@ QUICK_GRIDS = {"restitution": (0.2, 0.8), "friction": (0.0, 0.03), "largest_over
 COLUMN_CASE = Path(__file__).with_name("column.yaml")
 """The collapsing column of Martin & Moyce."""
 Row = dict[str, Any]
-"""A candidate that was tried: its values (e, μ, largest overlap and height of the sill, m); ``depth``, ``length`` and ``front``, the
-relative distances from Bélanger, the USBR curve, and Martin & Moyce; ``distance``, their root mean square; ``jumps``,
-the starts that found a jump, "2 of 3"."""
+"""A candidate that was tried: its values (e, μ, largest overlap and height of the sill, m); ``depth``, ``length`` and
+``front``, the relative distances from Bélanger, the USBR curve, and Martin & Moyce; ``distance``, their root mean
+square; ``jumps``, the starts that found a jump, "2 of 3"."""
 
 
 def distances(candidate: Candidate, folder: Path, pool: Pool, *, quick: bool, members: int, fresh: bool = False) -> Row:

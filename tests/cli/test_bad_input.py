@@ -171,7 +171,7 @@ ABSURD = [
     ("discs.diameter=1e-9", ["discs.diameter", ">= 1e-06"]),
     ("discs.diameter=1e-6", ["inflow.depth", "rows", "10000"]),
     ("discs.density=1e300", ["discs.density", "<= 1e+06"]),
-    ("contact.penetration_fraction=1e300", ["contact.penetration_fraction", "<= 1e+06"]),
+    ("contact.largest_overlap=1e300", ["contact.largest_overlap", "<= 1"]),
     ("contact.impact_speed=1e300", ["contact.impact_speed", "<= 1e+06"]),
     ("contact.impact_speed=1e-300", ["contact.impact_speed", ">= 1e-06"]),
     ("inflow.mean_speed=1e300", ["inflow.mean_speed", "<= 1e+06"]),
