@@ -31,8 +31,8 @@ def stiffness(density: float, largest_overlap: float, impact_speed: float) -> fl
 def material_stiffness(young: float, poisson: float) -> float:
     """Normal stiffness, N/m, of equal elastic cylinders along a line of 1 m: k = pi E* / 4, E* = E / (2 (1 - nu^2)).
 
-    A line contact of half-width a carries P = pi E* a^2 / (4 R) (Johnson, Contact Mechanics, 1985, 4.45). With the depth
-    a^2/R that is P = pi E* depth / 4, whatever the radius (Popov, Contact Mechanics and Friction, 2010, 5.6).
+    A line contact of half-width a carries P = pi E* a^2 / (4 R) (Johnson, Contact Mechanics, 1985, 4.2c). With a^2/R
+    for its depth that is P = pi E* depth / 4, whatever the radius (docs/theory.md).
 
     Parameters
     ----------
