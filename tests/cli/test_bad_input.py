@@ -121,6 +121,18 @@ WRONG_CASES = [
         "largest_overlap: 0.1\n  stiffness: 1e7",
         ["contact", "stiffness"],
     ),
+    (
+        "old word of a law",
+        "largest_overlap: 0.1",
+        "friction_law: hooke",
+        ["case.yaml:7: contact.friction_law: hooke is now viscous"],
+    ),
+    (
+        "old word of the overlap",
+        "largest_overlap: 0.1",
+        "penetration_fraction: 10",
+        ["case.yaml:7: contact.penetration_fraction: 10 is now largest_overlap: 0.1"],
+    ),
     ("no stiffness", "  largest_overlap: 0.1\n  impact_speed: 16\n", "", ["contact", "impact_speed"]),
     ("unknown probe", "run:", "probes: {forces: [flor]}\nrun:", ["probes.forces[0]", "flor", "did you mean 'floor'"]),
     (
@@ -254,6 +266,8 @@ def test_wrong_pours_are_refused(monkeypatch, capsys, tmp_path):
 
 
 WRONG_ASSIGNMENTS = [
+    ("contact.friction_law=hooke", ["--set contact.friction_law=hooke", "hooke is now viscous"]),
+    ("contact.penetration_fraction=20", ["penetration_fraction: 20 is now largest_overlap: 0.05"]),
     ("contact.frction=0", ["--set contact.frction=0", "did you mean 'friction'"]),
     ("contact.friction", ["path=value"]),
     ("walls.sill.y=[-10,3]", ["walls", "no item 'sill'", "floor"]),

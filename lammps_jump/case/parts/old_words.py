@@ -11,6 +11,7 @@ from typing import Any
 from lammps_jump.case.text import CaseSource, PathKey
 from lammps_jump.errors import CaseError
 from lammps_jump.folders import MARKER_FILE
+from lammps_jump.quoting import shortened
 
 RECIPROCALS = {"contact.penetration_fraction": "contact.largest_overlap"}
 """Fields that have another name and hold the reciprocal of what they held."""
@@ -105,7 +106,7 @@ def _number(value: Any) -> float:
     """A number, also as text; 0 where it is none that has a reciprocal."""
     try:
         return 0.0 if isinstance(value, bool) else float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         return 0.0
 
 
@@ -138,9 +139,9 @@ def _in_changes(changes: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
             numbers = value if isinstance(value, list) else [value]
             known = numbers and all(map(_number, numbers))
             yield path, f"{_shown(value)} is now {name}: {_shown(new)}" if known else f"is now {name}, its reciprocal"
-        elif new != value:
+        elif path in VALUES and new != value:
             yield path, f"{_shown(value)} is now {_shown(new)}"
 
 
 def _shown(value: Any) -> str:
-    return f"[{', '.join(map(_shown, value))}]" if isinstance(value, list) else f"{value}"
+    return shortened(f"[{', '.join(map(str, value))}]" if isinstance(value, list) else str(value))
