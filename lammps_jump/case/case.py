@@ -178,9 +178,9 @@ class ReadCase:
         Parameters
         ----------
         as_written : bool
-            In the words of the version that wrote the case.
+            In the words of the version before.
         """
-        data = old_words.as_written(self._data) if as_written and self.source.translated else self._data
+        data = old_words.as_written(self._data) if as_written else self._data
         return yaml.safe_dump(data, sort_keys=False, allow_unicode=True, width=110, default_flow_style=None)
 
 

@@ -254,7 +254,7 @@ class Coefficients:
     mass: float = number("kg/m", "disc mass m = ρd²", label="mass m = rho d^2")
     restitution: float = number("", "restitution coefficient e", label="restitution e")
     friction: float = number("", "friction coefficient μ", label="friction μ")
-    stiffness: float = number("N/m", "stiffness k, disc-disc", label="stiffness k (3.20)")
+    stiffness: float = number("N/m", "stiffness k, disc-disc", label="stiffness k")
     stiffness_wall: float = number("N/m", "stiffness k, disc-wall", label="stiffness at walls")
     damping_ratio: float = number("", "damping ratio ξ", label="damping ratio xi")
     damping: float = number("N s/m", "dashpot c, disc-disc", label="damping c, pair (3.21)")

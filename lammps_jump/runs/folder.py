@@ -11,6 +11,7 @@ from typing import Any
 
 from lammps_jump import folders
 from lammps_jump.case.case import ReadCase
+from lammps_jump.case.parts.old_words import in_case
 from lammps_jump.case.text import read_text as read_case
 from lammps_jump.dump.find import read_dump
 from lammps_jump.engines import RunResult, Setting
@@ -57,6 +58,13 @@ def run_folder(folder: Path, marker: folders.Marker) -> Iterator[None]:
         with folders.writable(folder):
             folders.claim(folder, marker)
         yield
+
+
+def is_older(folder: Path) -> bool:
+    """Whether the run in a folder was begun by an earlier version, whose words are old."""
+    marker = folders.read_marker(folder)
+    written = marker and marker.about.get("case")
+    return in_case(written) != written
 
 
 def case_text(case: ReadCase, *, as_written: bool = False) -> str:

@@ -17,7 +17,7 @@ from lammps_jump.folders import Marker, force_tables, read_marker, require_ours,
 from lammps_jump.identity import analysis_key, run_key, scene_key
 
 from .engine import program_of
-from .folder import result_of_files
+from .folder import is_older, result_of_files
 from .summary import read_summary
 
 ToDo = Literal["run", "analyse", "nothing"]
@@ -79,9 +79,9 @@ def left_to_do(case: ReadCase, folder: Path, setting: Setting, *, force: bool = 
     status = _status(case, folder, setting, stored)
     if status in ("complete", "unchecked"):
         return "nothing" if is_analysed(case, folder, stored) else "analyse"
-    old = in_case(marker.about.get("case")) != marker.about.get("case")
+    older = is_older(folder)
     if resume and (status == "interrupted" or stored.get("can_go_on")):
-        if old:
+        if older:
             raise ResumeError(OLD_WORDS.format(folder, ANEW))
         return "run"
     if resume:
@@ -89,7 +89,7 @@ def left_to_do(case: ReadCase, folder: Path, setting: Setting, *, force: bool = 
             f"{folder}: the run has {status} and would fail again from its checkpoint; correct the case and start a "
             "new run"
         )
-    goes_on = "--resume goes on with it, " if has_checkpoint(folder) and not old else ""
+    goes_on = "--resume goes on with it, " if has_checkpoint(folder) and not older else ""
     was = {"interrupted": "was interrupted", "failed": "failed"}[status]
     raise SetupError(
         f"{folder}: holds a run of this case that {was}; {goes_on}--force deletes it and starts anew, --out names "

@@ -242,7 +242,7 @@ def read_study(source: str | Path | Mapping[str, object] | ReadCase, **given: An
     case = (
         Case.load(fields.case, fields.set) if isinstance(fields.case, dict) else _case_in(place / fields.case, fields)
     )
-    case.source.translated |= file.translated
+    case.source.translated = file.translated  # the names of its run folders are made of old words
     if not fields.members:
         seeds = tuple(range(1, (case.fields.run.members or 1) + 1))
         fields = fields.model_copy(update={"members": seeds})

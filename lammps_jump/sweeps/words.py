@@ -12,6 +12,7 @@ FIELDS = {
     "contact.restitution": ("restitution coefficient", ""),
     "contact.largest_overlap": ("largest overlap over diameter", ""),
     "contact.stiffness": ("stiffness", "N/m"),
+    "contact.from_material.young": ("modulus of elasticity", "Pa"),
     "contact.impact_speed": ("impact speed", "m/s"),
     "discs.diameter": ("disc diameter", "m"),
     "discs.density": ("density", "kg/m^3"),

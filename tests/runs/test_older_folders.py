@@ -102,6 +102,14 @@ def test_an_older_run_does_not_go_on(monkeypatch, capsys, run):
     assert call(monkeypatch, capsys, "run", run, "-q")[0] == 0  # complete: there is nothing to do
 
 
+def test_an_older_case_runs_anew_in_new_words(monkeypatch, capsys, run, tmp_path):
+    assert call(monkeypatch, capsys, "build-and-run", run / "case.yaml", "--out", tmp_path / "new", "-q")[0] == 0
+    text = (tmp_path / "new" / "case.yaml").read_text()
+    assert "friction_law: viscous" in text and "largest_overlap: 0.1" in text and "hooke" not in text
+    study = lj.sweeps.read_study({"case": str(run), "axes": {"run.seed": [1, 2]}, "members": 1})
+    assert not study.case.source.translated  # its members are of this version
+
+
 def test_old_words_beside_an_older_run(monkeypatch, capsys, run):
     """They are read in the folder alone; a change is in new words, and a copy elsewhere is a user's file."""
     again = call(monkeypatch, capsys, "check", run / "case.yaml", "--set", "contact.friction_law=hooke")
