@@ -90,7 +90,7 @@ def from_dump(
         density=float(density),
         gravity=(0.0, -9.81),
         coefficients=known_coefficients(mass=mass, time_step=time_step),
-        friction_law="hooke",
+        friction_law="viscous",
         rotation=False,
         integrator="velocity_verlet",
         domain=tuple((float(low), float(high)) for low, high in frame.box[:2]),

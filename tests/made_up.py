@@ -101,7 +101,7 @@ def flow_context(*, dashpot=0.0, dashpot_wall=0.0, **given) -> Flow:
     flow = {name: given.pop(name) for name in FLOW if name in given}
     walls = (one if isinstance(one, MovingWall) else MovingWall(one) for one in given.pop("walls", ()))
     nothing = {"description": "", "positions": np.empty((0, 2)), "velocities": np.empty((0, 2)), "walls": tuple(walls)}
-    law = {"friction_law": "hooke", "rotation": False, "integrator": "velocity_verlet"}
+    law = {"friction_law": "viscous", "rotation": False, "integrator": "velocity_verlet"}
     discs = {"name": "made-up", "diameter": 0.2, "density": 1000.0, "gravity": (0.0, -9.81)}
     return Flow(Scene(**nothing | law | discs | given, coefficients=known_coefficients(**known)), **flow)
 

@@ -31,7 +31,7 @@ def one_disc(place, velocity, *chains, fraction=0.05, **more):
     return handmade_scene(
         [place], [velocity], walls, diameter=2 * R, density=1.0, impact_speed=1.0, time_step_fraction=fraction,
         steps=10**8, output_steps=10**7, skin=0.3, overlap_limit=R, domain=((-30, 30), (-30, 30)),
-        **{"restitution": 1.0, "penetration_fraction": 10.0, "gravity": (0.0, -1.0), **more},
+        **{"restitution": 1.0, "largest_overlap": 0.1, "gravity": (0.0, -1.0), **more},
     )  # fmt: skip
 
 

@@ -23,6 +23,7 @@ from lammps_jump.scene.scene import Scene
 from .derived import Derived
 from .explain import explain
 from .fields import CaseFields
+from .parts import old_words
 from .tables import read_tables
 from .templates import described, of_another_case
 from .text import CaseSource, override, parse_source, read_source
@@ -73,12 +74,18 @@ class ReadCase:
         path = Path(source)
         if (path / "case.yaml").is_file():
             path /= "case.yaml"
-        return cls._read(read_source(path), changes or (), path.stem)
+        read = read_source(path)
+        if old_words.written_by_us(path):
+            old_words.translate(read)
+        return cls._read(read, changes or (), path.stem)
 
     @classmethod
-    def parse(cls, text: str, file: str = "<case>", changes: Changes = ()) -> Self:
-        """As `load`, from YAML text; `file` is its name in messages."""
-        return cls._read(parse_source(text, file), changes, Path(file).stem)
+    def parse(cls, text: str, file: str = "<case>", changes: Changes = (), *, stored: bool = False) -> Self:
+        """As `load`, from YAML text; `file` is its name in messages, `stored` says that this program wrote it."""
+        read = parse_source(text, file)
+        if stored:
+            old_words.translate(read)
+        return cls._read(read, changes, Path(file).stem)
 
     @classmethod
     def _read(cls, source: CaseSource, changes: Changes, default_name: str) -> Self:
@@ -109,6 +116,11 @@ class ReadCase:
         """Plain data of what decides the run: all but name, description, analysis and how often it is saved."""
         data = {key: value for key, value in self._data.items() if key not in NOT_OF_THE_RUN}
         return {**data, "run": {key: value for key, value in data["run"].items() if key != "checkpoint_interval"}}
+
+    @property
+    def core_as_written(self) -> dict[str, Any]:
+        """`core` in the words of the version that wrote the case."""
+        return old_words.as_written(self.core) if self.source.translated else self.core
 
     @cached_property
     def rest(self) -> dict[str, Any]:
@@ -160,9 +172,16 @@ class ReadCase:
         """
         return Derived(self.fields, self.scene(), self.source.left_out)
 
-    def to_yaml(self) -> str:
-        """The case as YAML text, every default filled in, in the order of the fields."""
-        return yaml.safe_dump(self._data, sort_keys=False, allow_unicode=True, width=110, default_flow_style=None)
+    def to_yaml(self, *, as_written: bool = False) -> str:
+        """The case as YAML text, every default filled in, in the order of the fields.
+
+        Parameters
+        ----------
+        as_written : bool
+            In the words of the version before.
+        """
+        data = old_words.as_written(self._data) if as_written else self._data
+        return yaml.safe_dump(data, sort_keys=False, allow_unicode=True, width=110, default_flow_style=None)
 
 
 def _kind_first(data: Any) -> Any:
@@ -199,6 +218,7 @@ def _validated(source: CaseSource, changes: Changes, default_name: str) -> CaseF
         changes = [f"{path}={_json_text(value)}" for path, value in changes.items()]
     for assignment in changes:
         override(source, assignment)
+    old_words.refuse(source)
     read_tables(source)
     data = dict(source.whole)
     if "name" not in data:

@@ -306,7 +306,7 @@ def doubts(case: CaseFields, impact_speed: float, inlets: tuple[InletRow, ...]) 
     if fastest > FASTEST * impact_speed:
         found.append(
             f"the fastest row has {fastest:.3g} m/s, contact.impact_speed is {impact_speed:.3g} m/s: discs press "
-            f"{fastest / impact_speed:.2g} times deeper into each other than penetration_fraction says; take "
+            f"{fastest / impact_speed:.2g} times deeper into each other than largest_overlap says; take "
             f"impact_speed: {fastest:.3g}, or a larger stiffness"
         )
     if isinstance(case.inflow, RowsInflow) and case.analysis.jump and case.gravity:

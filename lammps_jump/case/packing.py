@@ -81,7 +81,7 @@ def column_positions(column: Column, discs: Discs, gravity: float, contact: Coef
     if deepest > radius:
         raise ValueError(
             f"its own weight would press the discs {deepest:.3g} m into each other; allowed is a radius, {radius:g} m: "
-            "raise the stiffness (contact.impact_speed, contact.penetration_fraction), or write hydrostatic: false"
+            "raise the stiffness (larger contact.impact_speed, smaller largest_overlap), or write hydrostatic: false"
         )
     x_rows = []
     for thrust in pressure * d:

@@ -76,6 +76,8 @@ class CaseSource:
         Folder of the case file; tables may lie there and below. A case from elsewhere has none.
     tables : dict
         Path of a wall or motion -> the table that its `file` names.
+    translated : bool
+        An earlier version wrote it with words that are old now.
     """
 
     file: str
@@ -86,6 +88,7 @@ class CaseSource:
     left_out: str = ""
     folder: Path | None = None
     tables: dict[PathKey, Table] = field(default_factory=dict)
+    translated: bool = False
 
     @property
     def whole(self) -> dict[str, Any]:

@@ -244,11 +244,12 @@ def _frozen(array: np.ndarray) -> np.ndarray:
 def _stiffness(case: CaseFields) -> tuple[float, float, float]:
     """(n, v0, k), whichever two the case gave."""
     rho, given = case.discs.density, case.contact
-    if given.stiffness is None:
-        n = given.penetration_fraction or 10.0
-        return n, given.impact_speed, contact.stiffness(rho, n, given.impact_speed)
-    speed = given.impact_speed or math.sqrt(given.stiffness / rho) / 10.0
-    return math.sqrt(given.stiffness / rho) / speed, speed, given.stiffness
+    k = given.own_stiffness
+    if k is None:
+        share = given.largest_overlap or 0.1
+        return 1.0 / share, given.impact_speed, contact.stiffness(rho, share, given.impact_speed)
+    speed = given.impact_speed or math.sqrt(k / rho) / 10.0
+    return math.sqrt(k / rho) / speed, speed, k
 
 
 def _steps(case: CaseFields, source: CaseSource, dt: float, sizes: Sizes | None) -> tuple[Schedule, int]:

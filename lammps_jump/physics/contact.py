@@ -23,9 +23,24 @@ def disc_mass(density: float, diameter: float) -> float:
     return density * diameter**2
 
 
-def stiffness(density: float, penetration_fraction: float, impact_speed: float) -> float:
-    """Normal stiffness, N/m: k = rho n^2 v0^2, n = d / largest overlap at the speed v0 (thesis 3.20)."""
-    return density * penetration_fraction**2 * impact_speed**2
+def stiffness(density: float, largest_overlap: float, impact_speed: float) -> float:
+    """Normal stiffness, N/m: k = rho n^2 v0^2, 1/n the largest overlap at the speed v0 over d (thesis 3.20)."""
+    return density * (1.0 / largest_overlap) ** 2 * impact_speed**2
+
+
+def material_stiffness(young: float, poisson: float) -> float:
+    """Normal stiffness, N/m, of equal elastic cylinders along a line of 1 m: k = pi E* / 4, E* = E / (2 (1 - nu^2)).
+
+    A line contact of half-width a carries P = pi E* a^2 / (4 R) (Johnson, Contact Mechanics, 1985, 4.2c). With a^2/R
+    for its depth that is P = pi E* depth / 4, whatever the radius (docs/theory.md).
+
+    Parameters
+    ----------
+    young : float
+        E, Pa.
+    poisson : float
+    """
+    return pi * young / (8.0 * (1.0 - poisson**2))
 
 
 def damping_ratio(restitution: float) -> float:
@@ -232,14 +247,14 @@ class Coefficients:
 
     ``damping*`` are the nominal dashpots of thesis (3.21); ``gamma_*`` (1/s) are what the engines use: force =
     m_eff gamma v, the correction of the integrator's restitution included. ``slip_speed`` is where the viscous ramp
-    m_eff gamma_t v_t of a pair reaches Coulomb's ks F_n under the `peak_force` of a collision at v0; lighter loads
+    m_eff gamma_t v_t of a pair reaches Coulomb's μ F_n under the `peak_force` of a collision at v0; lighter loads
     slip at proportionally lower speeds. ``stable_fraction`` is the lesser of a hexagonal bed's and its lowest row's.
     """
 
     mass: float = number("kg/m", "disc mass m = ρd²", label="mass m = rho d^2")
     restitution: float = number("", "restitution coefficient e", label="restitution e")
-    friction: float = number("", "friction coefficient ks", label="friction ks")
-    stiffness: float = number("N/m", "stiffness k, disc-disc", label="stiffness k (3.20)")
+    friction: float = number("", "friction coefficient μ", label="friction μ")
+    stiffness: float = number("N/m", "stiffness k, disc-disc", label="stiffness k")
     stiffness_wall: float = number("N/m", "stiffness k, disc-wall", label="stiffness at walls")
     damping_ratio: float = number("", "damping ratio ξ", label="damping ratio xi")
     damping: float = number("N s/m", "dashpot c, disc-disc", label="damping c, pair (3.21)")
@@ -324,7 +339,7 @@ class Contact:
     density, diameter : float
         kg/m^3, m.
     restitution, friction : float
-        e in (0, 1], ks >= 0.
+        e in (0, 1], μ >= 0.
     stiffness, stiffness_wall : float
         N/m.
     impact_speed : float

@@ -53,11 +53,11 @@ def _friction_force_py(normal, slip, friction, damping, slope):
     slip : float
         Tangential speed at the contact, m/s.
     friction : float
-        Coefficient of friction ks.
+        Coefficient of friction μ.
     damping : float
         Slope of LAMMPS' viscous ramp (gran/hooke), N s/m per m of width.
     slope : float or None
-        1/eps (s/m) of the thesis' law ks abs(F_n) sat(v_t / eps) (4.18-4.21); None for the viscous ramp.
+        1/eps (s/m) of the thesis' law μ abs(F_n) sat(v_t / eps) (4.18-4.21); None for the viscous ramp.
     """
     bound = friction * abs(normal)
     if slope is None:

@@ -33,7 +33,7 @@ class FrictionLaw(NamedTuple):
 
 
 FRICTION_LAWS = {
-    "hooke": FrictionLaw(None, True),
+    "viscous": FrictionLaw(None, True),
     "sign": FrictionLaw(SIGN_RAMP, False),
     "history": FrictionLaw(None, True, True),
 }
@@ -128,8 +128,8 @@ def spring_warnings(c: Coefficients, springs: Springs | None, spin: bool) -> lis
 def slip_warnings(c: Coefficients, law: str, spin: bool, smallest: float = 1.0) -> list[str]:
     """A warning where friction turns the slip round every step: rate x step > 2, explicit in time.
 
-    With a ramp eps: rate = ks F / (m_eff eps), with F the peak force of a collision at v_max, three times that with
-    spin; at e = 1 and eps = v_max/100 this is 200 f ks a step. With the viscous ramp: gamma_t in the densest packing.
+    With a ramp eps: rate = μ F / (m_eff eps), with F the peak force of a collision at v_max, three times that with
+    spin; at e = 1 and eps = v_max/100 this is 200 f μ a step. With the viscous ramp: gamma_t in the densest packing.
     Coulomb's bound holds the slip: it chatters, and round-off grows; it does not blow up.
 
     Parameters
@@ -158,5 +158,5 @@ def slip_warnings(c: Coefficients, law: str, spin: bool, smallest: float = 1.0) 
         advice += f", or contact.tangential_damping to {c.gamma_tangential * 2.0 / size:.3g} 1/s"
     return [
         f"friction_law {law}: below sliding, friction damps by {size:.2g} a step in {where}; above 2 the slip turns "
-        f"round every step (noisy, though bounded by ks F_n): {advice}"
+        f"round every step (noisy, though bounded by μ F_n): {advice}"
     ]

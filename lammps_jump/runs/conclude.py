@@ -27,7 +27,7 @@ from lammps_jump.folders import clear, publish, staging
 from lammps_jump.identity import analysis_key
 
 from .ahead import Ahead
-from .folder import case_text
+from .folder import case_text, is_older
 from .state import outputs_of
 from .summary import compose, write_summary
 
@@ -220,7 +220,7 @@ class Conclusion:
         self._write(summary, None)  # ended between here and the last line: it is analysed again
         clear(folder, ["report.html", *self.stored.get("files", ())])
         names = publish(stage, folder)
-        text, path = case_text(self.case), folder / "case.yaml"
+        text, path = case_text(self.case, as_written=is_older(folder)), folder / "case.yaml"
         if not path.exists() or path.read_text() != text:
             write_text(path, text)
         files = {name: checksum(folder / name) for name in names}

@@ -36,7 +36,7 @@ def with_header(case: ReadCase, setting: Setting) -> Setting:
     lines = (
         f"written by lammps-jump {__version__} from case {case.hash}",
         f"d = {scene.diameter:g} m, m = {c.mass:g} kg/m, k = {c.stiffness:g} N/m, e = {c.restitution:g}, "
-        f"ks = {c.friction:g}",
+        f"mu = {c.friction:g}",
         f"dt = {c.time_step:.6g} s = {c.time_step_fraction:g} of 2/omega; stable up to {c.stable_fraction:.3f} "
         "in the densest packing",
     )

@@ -11,6 +11,7 @@ from typing import Any
 
 from lammps_jump import folders
 from lammps_jump.case.case import ReadCase
+from lammps_jump.case.parts.old_words import in_case
 from lammps_jump.case.text import read_text as read_case
 from lammps_jump.dump.find import read_dump
 from lammps_jump.engines import RunResult, Setting
@@ -59,9 +60,16 @@ def run_folder(folder: Path, marker: folders.Marker) -> Iterator[None]:
         yield
 
 
-def case_text(case: ReadCase) -> str:
-    """What ``case.yaml`` of a run folder holds: the case, and hashes by which an edit is found."""
-    text = case.to_yaml()
+def is_older(folder: Path) -> bool:
+    """Whether the run in a folder was begun by an earlier version, whose words are old."""
+    marker = folders.read_marker(folder)
+    written = marker and marker.about.get("case")
+    return in_case(written) != written
+
+
+def case_text(case: ReadCase, *, as_written: bool = False) -> str:
+    """What ``case.yaml`` of a run folder holds: the case, and hashes by which an edit is found; see `to_yaml`."""
+    text = case.to_yaml(as_written=as_written)
     return f"{MADE} {' '.join(f'{field}={found}' for field, found in field_keys(text).items())}\n{text}"
 
 

@@ -277,7 +277,7 @@ def flow_of_dump(folder: Path) -> Flow:
     given = {key: value for key, value in (summary.get("given") or {}).items() if key in GIVEN}
     if isinstance(sizes := given.get("diameter"), Mapping):
         given["diameter"] = {int(kind): value for kind, value in sizes.items()}
-    case = ReadCase.parse(summary["case_yaml"]) if "case_yaml" in summary else None
+    case = ReadCase.parse(summary["case_yaml"], stored=True) if "case_yaml" in summary else None
     return _flow(find_dump(folder), case, **given)
 
 

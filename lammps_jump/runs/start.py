@@ -92,7 +92,7 @@ def _run(
         c, ranks = scene.coefficients, f", {setting.ranks} ranks" if setting.ranks > 1 else ""
         said = (
             f"{setting.engine} ({setting.kernel}{ranks}), {scene.steps} steps of {c.time_step:.4g} s, "
-            f"e = {c.restitution:g}, ks = {c.friction:g}, k = {c.stiffness:.4g} N/m"
+            f"e = {c.restitution:g}, μ = {c.friction:g}, k = {c.stiffness:.4g} N/m"
         )
         if resume:
             told.append(f"{folder} holds no checkpoint: the run starts from the beginning")

@@ -34,7 +34,7 @@ def handmade_scene(
     *,
     diameter: float = 0.2,
     density: float = 1000.0,
-    penetration_fraction: float = 10.0,
+    largest_overlap: float = 0.1,
     impact_speed: float = 16.0,
     **others: Any,
 ) -> Scene:
@@ -48,14 +48,14 @@ def handmade_scene(
         A `Wall` stands.
     diameter, density : float
         m, kg/m^3.
-    penetration_fraction, impact_speed : float
-        n and v0 (m/s) of thesis (3.20), for the stiffness of discs and walls.
+    largest_overlap, impact_speed : float
+        Over the diameter (1/n), and v0 (m/s), of thesis (3.20), for the stiffness of discs and walls.
     others
         `stiffness_wall` (N/m; that of disc pairs unless given), further fields of the contact (see `CONTACT`) and of
         `Scene` (sizes, steps, inlets, outlets, probes …). Unless given, the domain extends to 100 m on all sides, and
-        the overlap limit is twice the design overlap d/n.
+        the overlap limit is twice the largest overlap.
     """
-    k = stiffness(density, penetration_fraction, impact_speed)
+    k = stiffness(density, largest_overlap, impact_speed)
     law = {name: others.get(name, value) for name, value in CONTACT.items()}
     springs = others.get("springs")
     contact = Contact(
@@ -72,9 +72,9 @@ def handmade_scene(
         "name": "handmade",
         "description": "",
         "gravity": (0.0, -9.81),
-        "friction_law": "hooke",
+        "friction_law": "viscous",
         "domain": ((-100.0, 100.0), (-100.0, 100.0)),
-        "overlap_limit": 2.0 * diameter / penetration_fraction,
+        "overlap_limit": 2.0 * diameter * largest_overlap,
         **{name: law[name] for name in ("rotation", "integrator", "touch")},
         **{name: value for name, value in others.items() if name not in CONTACT},
     }

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """``lammps-jump calibrate``: contact coefficients that make discs behave most like water.
 
-The distance of a candidate (e, ks, n, sill height) is the root mean square of three relative distances, each printed:
+The distance of a candidate (e, μ, largest overlap, sill height) is the root mean square of three relative distances,
+each printed:
 
 - sequent depths y2/y1 against Bélanger at the same Froude number in the front's frame,
 - length of the jump over y2 against the USBR curve,
@@ -32,23 +33,23 @@ Candidate = Mapping[str, float]
 GRIDS: dict[str, tuple[float, ...]] = {
     "restitution": (0.05, 0.2, 0.5, 0.8, 0.95),
     "friction": (0.0, 0.01, 0.03, 0.1),
-    "penetration_fraction": (5.0, 10.0, 20.0),
+    "largest_overlap": (0.2, 0.1, 0.05),
     "sill": (0.6, 0.8, 1.0, 1.2, 1.4),
 }
-START = {"restitution": 0.2, "friction": 0.0, "penetration_fraction": 10.0, "sill": 1.0}
-QUICK_GRIDS = {"restitution": (0.2, 0.8), "friction": (0.0, 0.03), "penetration_fraction": (10.0,), "sill": (1.0,)}
+START = {"restitution": 0.2, "friction": 0.0, "largest_overlap": 0.1, "sill": 1.0}
+QUICK_GRIDS = {"restitution": (0.2, 0.8), "friction": (0.0, 0.03), "largest_overlap": (0.1,), "sill": (1.0,)}
 
 COLUMN_CASE = Path(__file__).with_name("column.yaml")
 """The collapsing column of Martin & Moyce."""
 Row = dict[str, Any]
-"""A candidate that was tried: its values (e, ks, n and height of the sill, m); ``depth``, ``length`` and ``front``, the
-relative distances from Bélanger, the USBR curve, and Martin & Moyce; ``distance``, their root mean square; ``jumps``,
-the starts that found a jump, "2 of 3"."""
+"""A candidate that was tried: its values (e, μ, largest overlap and height of the sill, m); ``depth``, ``length`` and
+``front``, the relative distances from Bélanger, the USBR curve, and Martin & Moyce; ``distance``, their root mean
+square; ``jumps``, the starts that found a jump, "2 of 3"."""
 
 
 def distances(candidate: Candidate, folder: Path, pool: Pool, *, quick: bool, members: int, fresh: bool = False) -> Row:
     """Return the three distances of a candidate and their root mean square; its runs are kept in a folder."""
-    contact = {f"contact.{name}": candidate[name] for name in ("restitution", "friction", "penetration_fraction")}
+    contact = {f"contact.{name}": candidate[name] for name in ("restitution", "friction", "largest_overlap")}
     jump = {**(QUICK_CHANGES if quick else {}), **contact, "walls.sill.y": [-5, candidate["sill"]]}
     column = {**({"discs.diameter": 0.2} if quick else {}), **contact}
     jumps, columns = (
@@ -99,13 +100,13 @@ def run_calibration(out: Path | None = None, *, quick: bool = False, fresh: bool
 
 
 SAID = (
-    "e = {restitution:g}, ks = {friction:g}, n = {penetration_fraction:g}, sill {sill:g} m: distance {distance:.1%} "
+    "e = {restitution:g}, μ = {friction:g}, overlap {largest_overlap:g}, sill {sill:g} m: distance {distance:.1%} "
     "(depth {depth:.1%}, length {length:.1%}, front {front:.1%}; {jumps} with a jump)"
 )
 COLUMNS = {
     "e:": "{restitution:g}",
-    "ks:": "{friction:g}",
-    "n:": "{penetration_fraction:g}",
+    "μ:": "{friction:g}",
+    "largest overlap:": "{largest_overlap:g}",
     "sill (m):": "{sill:g}",
     "distance:": "{distance:.1%}",
     "sequent depth:": "{depth:.1%}",

@@ -19,10 +19,9 @@ BASE = 0.05
 SKINS = (0.1, 0.2, 0.3, 0.5, 0.7)
 FIELDS = {
     "ranks": "engine.ranks", "fraction": "run.time_step_fraction", "touch": "contact.touch",
-    "correction": "contact.correct_restitution", "penetration": "contact.penetration_fraction",
-    "diameter": "discs.diameter",
+    "correction": "contact.correct_restitution", "diameter": "discs.diameter",
 }  # fmt: skip
-"""Fields of a case by what a `Setting` calls them; skin and kernel are none of them."""
+"""Fields of a case by what a `Setting` calls them; skin, kernel and n are none of them."""
 
 
 class Axes(NamedTuple):
@@ -66,7 +65,7 @@ class Setting:
     fraction : float
         Time step over 2/omega.
     penetration : float or None
-        n of thesis (3.20).
+        n of thesis (3.20): the diameter over the largest overlap.
     correction : bool
         Restitution corrected for the integrator's bias.
     skin : float or None
@@ -110,7 +109,8 @@ class Setting:
         """Return the values of a case that this setting changes; `diameter` (m) is that of the case."""
         fields = {path: getattr(self, name) for name, path in FIELDS.items()}
         skin = None if self.skin is None else self.skin * (self.diameter or diameter)
-        changed = {**KERNELS[self.kernel], **fields, "engine.skin": skin}
+        overlap = None if self.penetration is None else 1 / self.penetration
+        changed = {**KERNELS[self.kernel], **fields, "contact.largest_overlap": overlap, "engine.skin": skin}
         return {path: value for path, value in changed.items() if value is not None}
 
 

@@ -15,6 +15,7 @@ from pydantic import BaseModel, Field, NonNegativeInt, ValidationError, model_va
 import lammps_jump.sweeps as sweeps
 from lammps_jump.analysis.statistics import Mean
 from lammps_jump.analysis.tables.rows import Row, rows_of
+from lammps_jump.case.parts.old_words import in_changes
 from lammps_jump.errors import CaseError
 from lammps_jump.files import plain, read_json
 from lammps_jump.quoting import echoed
@@ -67,7 +68,8 @@ def read_points(folder: Path) -> Listed | None:
     """
     path = folder / POINTS_FILE
     try:
-        return Listed.model_validate(read_json(path))
+        listed = Listed.model_validate(read_json(path))
+        return listed.model_copy(update={"points": list(map(in_changes, listed.points))})
     except (FileNotFoundError, NotADirectoryError):
         return None
     except ValidationError as error:

@@ -19,6 +19,7 @@ from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.analysis.report.page import heading
 from lammps_jump.case.case import ReadCase
 from lammps_jump.case.explain import explain
+from lammps_jump.case.parts import old_words
 from lammps_jump.case.parts.base import Strict
 from lammps_jump.case.text import CaseSource, nearest, parse_source, read_source, read_text
 from lammps_jump.errors import CaseError
@@ -226,11 +227,14 @@ def read_study(source: str | Path | Mapping[str, object] | ReadCase, **given: An
     else:
         path = Path(source) / "study.yaml" if (Path(source) / "study.yaml").is_file() else Path(source)
         file, place = read_source(path), path.parent
+        if old_words.written_by_us(path):
+            old_words.translate(file, study=True)
         if "case" not in file.data and {"discs", "run"} & file.data.keys():
             file.data = {"case": path.name}
     if isinstance(given.get("set"), Mapping):
         given["set"] = {**(file.data.get("set") or {}), **given["set"]}
     file.data |= given
+    old_words.refuse(file, study=True)
     try:
         fields = StudyFields.model_validate(file.data)
     except ValidationError as error:
@@ -238,6 +242,7 @@ def read_study(source: str | Path | Mapping[str, object] | ReadCase, **given: An
     case = (
         Case.load(fields.case, fields.set) if isinstance(fields.case, dict) else _case_in(place / fields.case, fields)
     )
+    case.source.translated = file.translated  # the names of its run folders are made of old words
     if not fields.members:
         seeds = tuple(range(1, (case.fields.run.members or 1) + 1))
         fields = fields.model_copy(update={"members": seeds})

@@ -10,8 +10,9 @@ from lammps_jump.units import POWERS
 FIELDS = {
     "contact.friction": ("friction coefficient", ""),
     "contact.restitution": ("restitution coefficient", ""),
-    "contact.penetration_fraction": ("diameter over largest overlap", ""),
+    "contact.largest_overlap": ("largest overlap over diameter", ""),
     "contact.stiffness": ("stiffness", "N/m"),
+    "contact.from_material.young": ("modulus of elasticity", "Pa"),
     "contact.impact_speed": ("impact speed", "m/s"),
     "discs.diameter": ("disc diameter", "m"),
     "discs.density": ("density", "kg/m^3"),

@@ -246,10 +246,10 @@ MOTIONS = {
     "shifted": Translate(velocity=(3.0, -1.0), begin=-0.1),
     "turning": Rotate(rate=200.0, begin=-0.1),
 }
-LAWS = {"hooke": {}, "sign": {"friction_law": "sign"}, "walls alone rub": {"friction": 0.0}}
+LAWS = {"viscous": {}, "sign": {"friction_law": "sign"}, "walls alone rub": {"friction": 0.0}}
 
 
-OFTEN = {("shifted", "hooke"), ("turning", "sign"), ("turning", "walls alone rub")}
+OFTEN = {("shifted", "viscous"), ("turning", "sign"), ("turning", "walls alone rub")}
 """Each law once; walls that stand still have tests of their own above."""
 
 

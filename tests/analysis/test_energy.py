@@ -137,7 +137,7 @@ def test_wall_contacts():
 
 @pytest.mark.parametrize(
     ("law", "expected"),
-    [("hooke", min(40.0 * 500.0 * 2.0, 0.3 * K * 0.01)), ("sign", 0.3 * K * 0.01)],
+    [("viscous", min(40.0 * 500.0 * 2.0, 0.3 * K * 0.01)), ("sign", 0.3 * K * 0.01)],
 )
 def test_wall_friction(law, expected):
     rough = context(friction=0.3, gamma_tangential_wall=500.0, friction_law=law)

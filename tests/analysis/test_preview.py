@@ -23,7 +23,7 @@ CASE = """
 name: shapes
 gravity: 9.81
 discs: {diameter: 0.2}
-contact: {restitution: 0.2, friction: 0, penetration_fraction: 10, impact_speed: 8}
+contact: {restitution: 0.2, friction: 0, largest_overlap: 0.1, impact_speed: 8}
 domain: {x: [-1, 12], y: [-2, 6]}
 walls:
   - {name: bed, kind: line, points: [[-1, 0], [6, 0], {arc_to: [8, -1], radius: -2}, [12, -1]]}

@@ -81,7 +81,7 @@ def test_everything_inside_one_file(tmp_path):
         "status": "complete",
         "warnings": ["the step is near its limit"],
         "coefficients": {"mass": 40.0, "stiffness": 2.56e7},
-        "skipped": ["friction: ks = 0"],
+        "skipped": ["friction: μ = 0"],
         "versions": {"numpy": "2.0"},
         "wall_seconds": {"build": 0.1, "run": 3.0, "analysis": None},
         "discs": {"inserted": 1234, "present": 1200, "removed": 34, "lost": 0},
@@ -89,7 +89,7 @@ def test_everything_inside_one_file(tmp_path):
         "energy": {"initial": 5760.0, "final": 5759.0, "max_deviation": 2e-4, "drift": -1e-5, "conservative": True},
     }
     content = page(write_report(tmp_path, summary, "name: quick_jump\n"))
-    for expected in ("near its limit", "2.56&thinsp;×&thinsp;10<sup>7</sup>", "friction: ks = 0", "video/mp4",
+    for expected in ("near its limit", "2.56&thinsp;×&thinsp;10<sup>7</sup>", "friction: μ = 0", "video/mp4",
                      "no frame holds a disc", "0.0200 %", "case.yaml", "1234 inserted"):  # fmt: skip
         assert expected in content, expected
     assert content.count("data:image/png") == 2

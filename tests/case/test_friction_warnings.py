@@ -22,7 +22,7 @@ def warnings(*assignments):
     return parse_case(CASE, "small.yaml", assignments).scene().warnings
 
 
-@pytest.mark.parametrize("law", ["sign", "hooke"])
+@pytest.mark.parametrize("law", ["sign", "viscous"])
 def test_the_thesis_friction_and_step_are_fine(law):
     assert not warnings(f"contact.friction_law={law}")
     assert not warnings("contact.friction=0", f"contact.friction_law={law}", "run.time_step_fraction=0.12")
@@ -32,7 +32,7 @@ def test_the_thesis_friction_and_step_are_fine(law):
     "change", [("contact.friction=0.25",), ("contact.rotation=true",), ("run.time_step_fraction=0.12",)]
 )
 def test_a_sign_law_that_chatters_is_named(change):
-    # 200 f ks of the peak force 2 xi = 0.912 at e = 0.2: 0.91 with f = 0.05 and ks = 0.1; thrice that with spin
+    # 200 f μ of the peak force 2 xi = 0.912 at e = 0.2: 0.91 with f = 0.05 and μ = 0.1; thrice that with spin
     (text,) = (t for t in warnings("contact.friction_law=sign", *change) if "friction" in t)
     assert "hardest collisions" in text and "time_step_fraction" in text
 

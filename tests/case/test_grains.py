@@ -26,10 +26,10 @@ def test_a_column_that_falls_creeps(monkeypatch):
     (text,) = told()
     speed = 9.81 * sin(radians(20)) / case.scene().coefficients.gamma_tangential
     assert float(re.search(r"creeps at ([\d.e-]+) m/s on 20 degrees", text)[1]) == pytest.approx(speed, rel=0.05)
-    laws = {"hooke": FRICTION_LAWS["hooke"], "springs": FrictionLaw(None, False, True)}
+    laws = {"viscous": FRICTION_LAWS["viscous"], "springs": FrictionLaw(None, False, True)}
     monkeypatch.setattr(grains, "FRICTION_LAWS", laws)
     assert told()[0].endswith("; friction_law: springs holds it")
-    monkeypatch.setattr(grains, "FRICTION_LAWS", {"hooke": laws["springs"]})
+    monkeypatch.setattr(grains, "FRICTION_LAWS", {"viscous": laws["springs"]})
     assert not told()
 
 

@@ -47,8 +47,8 @@ def test_without_friction_nothing_is_remembered():
 @pytest.mark.parametrize(
     ("changes", "says"),
     [
-        (["contact.friction_law=hooke", "contact.rolling={friction: 0.1}"], "rolling has no meaning"),
-        (["contact.friction_law=hooke", "contact.tangential_ratio=0.3"], "tangential_ratio has no meaning"),
+        (["contact.friction_law=viscous", "contact.rolling={friction: 0.1}"], "rolling has no meaning"),
+        (["contact.friction_law=viscous", "contact.tangential_ratio=0.3"], "tangential_ratio has no meaning"),
         (["contact.tangential_damping=10"], "tangential_damping_ratio"),
         (["contact.touch=smooth"], "write touch: sharp"),
         (["contact.rolling={friction: 0.1}", "contact.rotation=false"], "rotation: true"),

@@ -19,7 +19,7 @@ discs: {diameter: 0.2, density: 1000}
 contact:
   restitution: 0.2
   friction: 0.1
-  penetration_fraction: 10
+  largest_overlap: 0.1
   impact_speed: 16
 domain: {x: [-1, 20], y: [-5, 10]}
 walls:
@@ -117,11 +117,23 @@ WRONG_CASES = [
     ("zero duration", "duration: 0.01", "duration: 0", ["run.duration", ">= 1e-09"]),
     (
         "stiffness twice",
-        "penetration_fraction: 10",
-        "penetration_fraction: 10\n  stiffness: 1e7",
+        "largest_overlap: 0.1",
+        "largest_overlap: 0.1\n  stiffness: 1e7",
         ["contact", "stiffness"],
     ),
-    ("no stiffness", "  penetration_fraction: 10\n  impact_speed: 16\n", "", ["contact", "impact_speed"]),
+    (
+        "old word of a law",
+        "largest_overlap: 0.1",
+        "friction_law: hooke",
+        ["case.yaml:7: contact.friction_law: hooke is now viscous"],
+    ),
+    (
+        "old word of the overlap",
+        "largest_overlap: 0.1",
+        "penetration_fraction: 10",
+        ["case.yaml:7: contact.penetration_fraction: 10 is now largest_overlap: 0.1"],
+    ),
+    ("no stiffness", "  largest_overlap: 0.1\n  impact_speed: 16\n", "", ["contact", "impact_speed"]),
     ("unknown probe", "run:", "probes: {forces: [flor]}\nrun:", ["probes.forces[0]", "flor", "did you mean 'floor'"]),
     (
         "scheme of the other engine",
@@ -133,7 +145,7 @@ WRONG_CASES = [
         "law not in stock LAMMPS",
         "  friction: 0.1",
         "  friction: 0.1\n  friction_law: sign",
-        ["contact.friction_law", "hooke"],
+        ["contact.friction_law", "viscous"],
     ),
     ("half a rank", "run:", "engine: {ranks: 0}\nrun:", ["engine.ranks", "0"]),
     ("tabs", "  restitution: 0.2", "\trestitution: 0.2", ["case.yaml:5", "not YAML"]),
@@ -171,7 +183,7 @@ ABSURD = [
     ("discs.diameter=1e-9", ["discs.diameter", ">= 1e-06"]),
     ("discs.diameter=1e-6", ["inflow.depth", "rows", "10000"]),
     ("discs.density=1e300", ["discs.density", "<= 1e+06"]),
-    ("contact.penetration_fraction=1e300", ["contact.penetration_fraction", "<= 1e+06"]),
+    ("contact.largest_overlap=1e300", ["contact.largest_overlap", "<= 1"]),
     ("contact.impact_speed=1e300", ["contact.impact_speed", "<= 1e+06"]),
     ("contact.impact_speed=1e-300", ["contact.impact_speed", ">= 1e-06"]),
     ("inflow.mean_speed=1e300", ["inflow.mean_speed", "<= 1e+06"]),
@@ -254,6 +266,8 @@ def test_wrong_pours_are_refused(monkeypatch, capsys, tmp_path):
 
 
 WRONG_ASSIGNMENTS = [
+    ("contact.friction_law=hooke", ["--set contact.friction_law=hooke", "hooke is now viscous"]),
+    ("contact.penetration_fraction=20", ["penetration_fraction: 20 is now largest_overlap: 0.05"]),
     ("contact.frction=0", ["--set contact.frction=0", "did you mean 'friction'"]),
     ("contact.friction", ["path=value"]),
     ("walls.sill.y=[-10,3]", ["walls", "no item 'sill'", "floor"]),

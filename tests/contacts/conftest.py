@@ -23,11 +23,11 @@ from lammps_jump.scene.walls import Block, Box, Plane
 WALL_KINDS = {"plane": Plane, "block": Block, "box": Box}
 ENGINES = {
     # integrator, friction law
-    "lammps": ("velocity_verlet", "hooke"),
-    "compiled": ("velocity_verlet", "hooke"),
+    "lammps": ("velocity_verlet", "viscous"),
+    "compiled": ("velocity_verlet", "viscous"),
     "compiled_sign": ("velocity_verlet", "sign"),
-    "native_verlet": ("velocity_verlet", "hooke"),
-    "native_leapfrog": ("leapfrog_extrapolated", "hooke"),
+    "native_verlet": ("velocity_verlet", "viscous"),
+    "native_leapfrog": ("leapfrog_extrapolated", "viscous"),
     "native_thesis": ("leapfrog_extrapolated", "sign"),
 }
 

@@ -118,7 +118,7 @@ def test_a_bowl_swings_with_the_period_of_a_pendulum(started, rolls):
     out = r - R + cos(amplitude) / stiffness
     scene = one_disc(
         (out * sin(amplitude), -out * cos(amplitude)), (0.0, 0.0), circle((0.0, 0.0), r, inside=True),
-        penetration_fraction=fraction, friction=float(rolls), rotation=rolls,
+        largest_overlap=1 / fraction, friction=float(rolls), rotation=rolls,
     )  # fmt: skip
     engine = started(scene)
     q = r - R + 1 / stiffness
@@ -146,7 +146,7 @@ def test_a_disc_leaves_an_edge(started, rolls, share):
     start, fraction = 0.1, 100.0
     out = R - cos(start) / fraction**2
     edge = Chain(((-5.0, 0.0), (0.0, 0.0), (0.0, -5.0)))
-    scene = one_disc((out * sin(start), out * cos(start)), (0.0, 0.0), edge, penetration_fraction=fraction,
+    scene = one_disc((out * sin(start), out * cos(start)), (0.0, 0.0), edge, largest_overlap=1 / fraction,
                      friction=50.0 * rolls, rotation=rolls)  # fmt: skip
     engine = started(scene)
     for _ in range(10**4):

@@ -26,7 +26,7 @@ def crossing(degrees, delta, fraction):
     chain = Chain(((-9.0, 0.0), (0.0, 0.0), (9 * cos(turn), 9 * sin(turn))))
     for k in range(STARTS):  # the step meets the joint at different places
         scene = one_disc((-0.5 - k * 0.0137, R - delta), (1.0, 0.0), chain, fraction=fraction,
-                         penetration_fraction=sqrt(1 / delta))  # fmt: skip
+                         largest_overlap=sqrt(delta))  # fmt: skip
         simulation = NativeSimulation(replace(scene, probes=("wall",), probe_steps=1))
         before = simulation.energy().total
         simulation.run(round((1.5 if degrees >= 0 else 2.5) / scene.time_step))

@@ -144,7 +144,7 @@ def test_rest_on_a_slope_for_a_hundred_seconds(started, engine, slope):
     assert np.abs(run.velocities).max() < 1e-12
 
 
-STIFF = {"penetration_fraction": 100.0}
+STIFF = {"largest_overlap": 0.01}
 """The spring against rolling stretches by mur m g/kr: small against the way."""
 
 

@@ -79,9 +79,7 @@ def test_the_work_of_a_shaken_box_closes_the_ledger(kind):
     """What is left falls with the square of the step: 1e-3 of the throughput at f = 0.05, 5e-5 at 0.01 (measured)."""
     left = {}
     for fraction in (0.05, 0.01):
-        scene = scene_of(
-            (BOX, kind, (0.0, 0.5)), restitution=0.5, penetration_fraction=20.0, time_step_fraction=fraction
-        )
+        scene = scene_of((BOX, kind, (0.0, 0.5)), restitution=0.5, largest_overlap=0.05, time_step_fraction=fraction)
         simulation = NativeSimulation(scene)
         worst = 0.0
         for _ in range(10):

@@ -85,7 +85,7 @@ def test_discs_balance(cell_size):
 
 
 @pytest.mark.parametrize("size", [0.5, *(pytest.param(size, marks=pytest.mark.long) for size in (1.0, 2.0)), 3.7])
-@pytest.mark.parametrize(("law", "steps"), [("hooke", 3500), ("sign", 2850)])
+@pytest.mark.parametrize(("law", "steps"), [("viscous", 3500), ("sign", 2850)])
 def test_cell_search_finds_the_same_contacts(size, law, steps):
     scene = channel(rotation=True, friction_law=law, integrator="leapfrog_extrapolated")
     lists, cells = NativeSimulation(scene), CellSimulation(scene, cell_size=size * D)
@@ -93,7 +93,7 @@ def test_cell_search_finds_the_same_contacts(size, law, steps):
     cells.run(steps)
     assert sum(row[2] for row in lists.forces) > 0
     assert np.array_equal(lists.ids, cells.ids)
-    # the same forces, summed in another order: round-off. The sign law's ramp is so steep in the impact (ks F_n dt /
+    # the same forces, summed in another order: round-off. The sign law's ramp is so steep in the impact (μ F_n dt /
     # (m_eff eps) > 2) that it chatters and blows round-off up 10^9 times in the next 150 steps.
     assert cells.positions == pytest.approx(lists.positions, abs=1e-9 * D)
 

@@ -39,7 +39,7 @@ def relative_residual(scene, duration):
 
 
 @pytest.mark.parametrize("integrator", ["velocity_verlet", "leapfrog_extrapolated"])
-@pytest.mark.parametrize("law", ["hooke", "sign"])
+@pytest.mark.parametrize("law", ["viscous", "sign"])
 def test_ledger_closes_and_improves_with_the_step(integrator, law):
     errors = {}
     for f in (0.05, 0.0125):

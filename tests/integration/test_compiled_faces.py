@@ -139,7 +139,7 @@ def evaluate(plugin, tmp_path_factory):
             engine.create_atoms(len(points), list(range(1, len(points) + 1)), [1] * len(points), x.ravel().tolist())
             engine.commands_string(f"""
                 set group all diameter {D} mass {scene.mass!r}\nneighbor {D} bin\nplugin load {plugin}
-                pair_style jump/disc law hooke k 1e-290 gamma 0 gammat 0 mu 0 mass {scene.mass!r} diameter {D} skin 0.01
+              pair_style jump/disc law viscous k 1e-290 gamma 0 gammat 0 mu 0 mass {scene.mass!r} diameter {D} skin 0.01
                 pair_coeff * *
                 fix step all jump/step k_wall {STIFFNESS} {words} probe 1 wall
                 run 0 post no""")

@@ -37,7 +37,7 @@ def lammps():
         pytest.skip(str(error))
 
 
-def scene(positions, velocities, walls, *, law="hooke", fraction=0.05, **more):
+def scene(positions, velocities, walls, *, law="viscous", fraction=0.05, **more):
     """A scene of discs of 40 kg with the coefficients of the hydraulic jump."""
     settings = {"steps": 1000, "output_steps": 1000, "skin": 0.06, "overlap_limit": DIAMETER, "name": "small"}
     return handmade_scene(
@@ -191,7 +191,7 @@ CASES = {
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_hooke_equals_the_stock_styles(lammps, plugin, tmp_path, name):
+def test_viscous_equals_the_stock_styles(lammps, plugin, tmp_path, name):
     case = scene(*CLOUD, **CASES[name])
     names = ("x", "v", "omega") if case.rotation else ("x", "v")
     expected = final(lammps, stock(case, tmp_path), 1000, *names)
@@ -205,7 +205,7 @@ def test_hooke_equals_the_stock_styles(lammps, plugin, tmp_path, name):
 
 
 @pytest.mark.parametrize("touch", [{}, {"touch": "smooth", "touch_width": 0.01}], ids=["sharp", "smooth"])
-@pytest.mark.parametrize("friction_law", ["hooke", "sign"])
+@pytest.mark.parametrize("friction_law", ["viscous", "sign"])
 def test_the_plugins_law_is_the_packages(lammps, plugin, tmp_path, touch, friction_law):
     """Forces on two discs over a grid of overlaps and speeds against `lammps_jump.physics.law`."""
     case = scene(
@@ -282,14 +282,14 @@ def test_the_list_misses_no_contact(lammps, plugin, tmp_path):
 
 NATIVE = {
     "sign": dict(friction=0.2, law="sign"),
-    # a rolling contact is three times as stiff in friction: with ks = 0.2 the ramp of the sign law would chatter here
-    # (ks F_n dt 3 / (eps m_eff) > 2) and blow round-off up
+    # a rolling contact is three times as stiff in friction: with μ = 0.2 the ramp of the sign law would chatter here
+    # (μ F_n dt 3 / (eps m_eff) > 2) and blow round-off up
     "sign, spin": dict(friction=0.05, law="sign", rotation=True),
-    "hooke, spin": dict(friction=0.2, rotation=True),
+    "viscous, spin": dict(friction=0.2, rotation=True),
     "sign, smooth touch": dict(friction=0.2, law="sign", touch="smooth", touch_width=0.003),
     "no friction, smooth touch": dict(touch="smooth", touch_width=0.003),
-    "hooke, spin, smooth touch": dict(friction=0.2, rotation=True, touch="smooth", touch_width=0.003),
-    "hooke, smooth touch, narrow": dict(friction=0.2, touch="smooth", touch_width=2e-4),
+    "viscous, spin, smooth touch": dict(friction=0.2, rotation=True, touch="smooth", touch_width=0.003),
+    "viscous, smooth touch, narrow": dict(friction=0.2, touch="smooth", touch_width=2e-4),
 }
 
 
@@ -397,7 +397,7 @@ def test_a_restart_goes_on_as_if_never_stopped(lammps, plugin, tmp_path):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (("law hooke", "law stone"), "law is hooke, sign or history, not 'stone'"),
+        (("law viscous", "law stone"), "law is viscous, sign or history, not 'stone'"),
         ((" k 2", " k -2"), "must be above 0"),
         ((" mu 0.2", " mu -0.2"), "must not be negative"),
         (("spin no", "spin maybe"), "maybe"),

@@ -215,11 +215,11 @@ NATIVE = {
     "sign": dict(friction=0.2, friction_law="sign"),
     "sign, spin": dict(friction=0.05, friction_law="sign", rotation=True),  # see test_compiled_kernel
     "sign, smooth touch": dict(friction=0.2, friction_law="sign", touch="smooth", touch_width=0.003),
-    "hooke, spin, smooth touch": dict(friction=0.2, rotation=True, touch="smooth", touch_width=0.003),
+    "viscous, spin, smooth touch": dict(friction=0.2, rotation=True, touch="smooth", touch_width=0.003),
 }
 
 
-SHORT_RUN = ("sign, spin", "hooke, spin, smooth touch")
+SHORT_RUN = ("sign, spin", "viscous, spin, smooth touch")
 """Every branch once; `test_compiled_kernel` has every law with equal discs."""
 
 
@@ -236,7 +236,7 @@ def test_laws_that_stock_styles_lack_equal_the_native_engine(run, name):
 
 
 @pytest.mark.parametrize("touch", [{}, {"touch": "smooth", "touch_width": 0.01}], ids=["sharp", "smooth"])
-@pytest.mark.parametrize("friction_law", ["hooke", "sign"])
+@pytest.mark.parametrize("friction_law", ["viscous", "sign"])
 def test_the_law_of_unequal_discs_is_the_packages(run, touch, friction_law):
     """Forces and torques of two discs over a grid of overlaps and speeds against `lammps_jump.physics.law`."""
     width = touch.get("touch_width")

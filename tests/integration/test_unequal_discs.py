@@ -17,7 +17,7 @@ HEAP = {
     "name": "heap",
     "gravity": 9.81,
     "discs": {"diameter": 0.2, "density": 1000, "sizes": {"kind": "uniform", "spread": 0.2}},
-    "contact": {"restitution": 0.2, "friction": 0, "penetration_fraction": 10, "impact_speed": 8},
+    "contact": {"restitution": 0.2, "friction": 0, "largest_overlap": 0.1, "impact_speed": 8},
     "domain": {"x": [-1, 3], "y": [-1, 9]},
     "walls": [{"name": "box", "kind": "box", "x": [0, 2], "y": [0, 8]}],
     "initial": [{"kind": "lattice", "nx": 7, "ny": 8, "spacing": 0.26, "origin": [0.2, 0.2], "jitter": 0.01}],

@@ -49,7 +49,7 @@ def test_mass_is_density_times_diameter_squared():
     ],
 )
 def test_coefficients_of_the_thesis_jump(n, k, omega, dt, c_pair, c_wall, gamma_pair, gamma_wall):
-    stiffness = contact.stiffness(DENSITY, n, VELOCITY)
+    stiffness = contact.stiffness(DENSITY, 1 / n, VELOCITY)
     assert stiffness == pytest.approx(k, rel=1e-12)  # exact product of round numbers
     c = derive(stiffness=stiffness, stiffness_wall=stiffness)
     assert c.omega == pytest.approx(omega, abs=0.05)

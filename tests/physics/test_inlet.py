@@ -29,7 +29,7 @@ def graded(diameter: float, spread: float) -> dict[str, float]:
 
 def time_step(fraction: float, diameter: float, speed: float) -> float:
     """Step of discs that the inflow's own speed presses d/10 into each other."""
-    return fraction * critical_time_step(stiffness(1000, 10, speed), disc_mass(1000, diameter))
+    return fraction * critical_time_step(stiffness(1000, 0.1, speed), disc_mass(1000, diameter))
 
 
 def test_six_rows_of_the_thesis_jump():

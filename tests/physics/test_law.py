@@ -95,7 +95,7 @@ def test_a_sharp_touch_is_linear():
 def test_friction_is_bounded_by_coulomb_and_opposes_the_slip():
     assert law.friction_force(-4.0, 0.1, 0.5, 3.0, None) == pytest.approx(-0.3)
     assert law.friction_force(-4.0, -10.0, 0.5, 3.0, None) == 2.0
-    assert law.friction_force(4.0, 0.1, 0.5, 3.0, 2.0) == pytest.approx(-0.4)  # ks F v/eps
+    assert law.friction_force(4.0, 0.1, 0.5, 3.0, 2.0) == pytest.approx(-0.4)  # μ F v/eps
     assert law.friction_force(4.0, 10.0, 0.5, 3.0, 2.0) == -2.0
 
 

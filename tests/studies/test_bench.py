@@ -50,7 +50,7 @@ def test_assignments_make_the_case(tmp_path):
     changed = load_case(path).replace(setting.changes(0.4))
     case = changed.fields
     assert case.engine.name == "native" and case.run.time_step_fraction == 0.02
-    assert case.contact.touch == "smooth" and case.contact.penetration_fraction == 20
+    assert case.contact.touch == "smooth" and case.contact.largest_overlap == 0.05
     assert case.contact.correct_restitution is False and case.engine.skin == pytest.approx(0.08)
     moved = started(load_case(path), 3).fields
     assert moved.run.seed == 3 and moved.initial[0].jitter == JITTER

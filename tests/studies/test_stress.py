@@ -43,8 +43,8 @@ def test_growth_is_infinite_where_the_run_fails():
         "a disc thrown out of the domain",
         "a step beyond the limit",
         "a step beyond the limit, allowed",
-        "ks 2, e 0.01, spin",
-        "ks 0, e 1",
+        "μ 2, e 0.01, spin",
+        "μ 0, e 1",
     ],
 )
 def test_hard_scenes_end_properly(name, engine):

@@ -9,6 +9,7 @@ from pydantic import Field
 from pydantic.functional_validators import model_validator
 
 from lammps_jump import units
+from lammps_jump.physics.contact import material_stiffness
 from lammps_jump.physics.slip import FRICTION_LAWS, Rolling, Springs
 
 from .base import FINE_LENGTH, SPEED, STIFFNESS, Strict
@@ -22,17 +23,25 @@ class RollingResistance(Strict):
     damping: units.Plain = Field(default=1.0, ge=0, le=100, description="dashpot over that of two nominal discs")
 
 
+class Material(Strict):
+    """Elastic constants of the discs, which are cylinders that touch along a line."""
+
+    young: units.Pascal = Field(ge=1e-4, le=1e24, description="modulus of elasticity E, Pa")
+    poisson: units.Plain = Field(ge=0, le=0.5, description="Poisson's ratio")
+
+
 class Contact(Strict):
     """Contact of two discs: coefficients of the thesis and further options."""
 
     restitution: units.Plain = Field(ge=1e-6, le=1)
     friction: units.Plain = Field(default=0.0, ge=0, le=1000)
-    friction_law: Literal["hooke", "sign", "history"] = "hooke"
-    penetration_fraction: units.Plain | None = Field(
-        default=None, ge=1, le=1e6, description="n = d / largest overlap (3.20)"
+    friction_law: Literal["viscous", "sign", "history"] = "viscous"
+    largest_overlap: units.Plain | None = Field(
+        default=None, ge=1e-6, le=1, description="at v0, over the diameter: 1/n of (3.20)"
     )
     impact_speed: units.MetrePerSecond | None = Field(default=None, **SPEED, description="v0 of (3.20)")
     stiffness: units.Stiffness | None = Field(default=None, **STIFFNESS)
+    from_material: Material | None = Field(default=None, description="stiffness of elastic cylinders")
     stiffness_wall: units.Stiffness | None = Field(default=None, **STIFFNESS)
     rotation: bool = False
     correct_restitution: bool = Field(default=True, description="remove the restitution bias of velocity Verlet")
@@ -53,12 +62,14 @@ class Contact(Strict):
 
     @model_validator(mode="after")
     def _stiffness_given_once(self) -> Contact:
-        if self.stiffness is None and self.impact_speed is None:
+        if self.own_stiffness is None and self.impact_speed is None:
             raise ValueError(
-                "needs impact_speed (with penetration_fraction, default 10), or stiffness in place of the two"
+                "needs impact_speed (with largest_overlap, default 0.1), or stiffness or from_material in place of the "
+                "two"
             )
-        if self.stiffness is not None and self.penetration_fraction is not None:
-            raise ValueError("stiffness and penetration_fraction both fix the stiffness; keep one of them")
+        given = [name for name in ("stiffness", "from_material", "largest_overlap") if getattr(self, name) is not None]
+        if len(given) > 1:
+            raise ValueError(f"{given[0]} and {given[1]} both fix the stiffness; keep one of them")
         if self.touch == "sharp" and self.touch_width is not None:
             raise ValueError("touch_width has no meaning for touch: sharp; write touch: smooth or drop it")
         return self
@@ -83,6 +94,13 @@ class Contact(Strict):
         if self.rolling is not None and not (self.rotation and self.friction > 0):
             raise ValueError("rolling needs discs that turn: write rotation: true and a friction above 0")
         return self
+
+    @property
+    def own_stiffness(self) -> float | None:
+        """Stiffness that is given, or that of the material, N/m."""
+        if self.from_material is not None:
+            return material_stiffness(self.from_material.young, self.from_material.poisson)
+        return self.stiffness
 
     @property
     def springs(self) -> Springs | None:

@@ -16,7 +16,7 @@ from lammps_jump.scene.scene import Scene
 
 from .log import read_log
 
-SMALLER_STEP = "lower run.time_step_fraction or raise contact.penetration_fraction"
+SMALLER_STEP = "lower run.time_step_fraction or contact.largest_overlap"
 
 
 def explain(error: str, scene: Scene, folder: Path, state: tuple | None) -> str:

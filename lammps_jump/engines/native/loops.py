@@ -5,7 +5,7 @@ Plain loops over contiguous float64 arrays, compiled at the end of the file; the
 suffix ``_py``, and every compiled one has them as ``.py_func``. Loops that call each other stand in this one file,
 because the compiler's cache watches a function's own file only; for the contact law, `law.watching_law` adds its file.
 
-What a scene lacks is passed as None, and the compiler drops the branch: ``omega`` (no spin), ``friction`` (ks = 0),
+What a scene lacks is passed as None, and the compiler drops the branch: ``omega`` (no spin), ``friction`` (μ = 0),
 ``sign`` (LAMMPS' viscous ramp rather than the thesis' sign law), ``touch`` (sharp contact), ``dash_x`` (no energy
 ledger), ``ux`` (damping with the half-step velocity rather than the extrapolated one), ``grid`` and ``owner``
 (neighbour list rather than the thesis' cells), ``radius`` (equal discs), ``shift`` (no periodic x), ``fixed`` (all

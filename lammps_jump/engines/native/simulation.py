@@ -202,7 +202,7 @@ class NativeSimulation:
         if self._full[0]:
             raise RunError(
                 f"disc {self._full[0]} touches more than the {self.scene.slots} others it can remember: contacts "
-                "are too deep; raise contact.impact_speed or contact.penetration_fraction."
+                "are too deep; raise contact.impact_speed or lower contact.largest_overlap."
             )
         return found
 
@@ -334,9 +334,8 @@ class NativeSimulation:
         if worst > limit:
             raise RunError(
                 f"overlap {worst:.4g} m of disc {self.discs.place(i, self.scene, self.step)} is beyond the limit of "
-                f"{limit:.4g} m. "
-                "The contact is too soft for this flow or the step too long: raise contact.impact_speed or "
-                "contact.penetration_fraction, or lower run.time_step_fraction; look for discs that overlap at "
+                f"{limit:.4g} m. The contact is too soft for this flow or the step too long: raise contact.impact_speed, "
+                "or lower contact.largest_overlap or run.time_step_fraction; look for discs that overlap at "
                 "the start."
             )
 

@@ -3,12 +3,12 @@
 
    Symbols: d = sum of the two radii (a wall has none), r = distance of the centres (or of centre and surface),
    delta = d - r overlap, k stiffness, m_eff effective mass (m/2 pair, m wall), v relative velocity of the disc
-   against its partner, n unit vector towards the disc, gamma (1/s) damping rate, ks friction coefficient.
+   against its partner, n unit vector towards the disc, gamma (1/s) damping rate, mu friction coefficient.
 
    normal     F_n = k delta - m_eff gamma_n (v.n)                 thesis T-4359 (3.11); LAMMPS gran/hooke
-   hooke      F_t = min(ks |F_n|, m_eff gamma_t |v_t|)            LAMMPS gran/hooke, opposite to v_t
-   sign       F_t = ks |F_n| min(1, |v_t| / eps), eps = v_max/100 thesis (4.18)-(4.21), opposite to v_t
-   history    F_t = -kt s - ct v_t with a spring s that grows by v_t dt; held at ks |F_n|, where s keeps what is left of it
+   viscous    F_t = min(mu |F_n|, m_eff gamma_t |v_t|)            LAMMPS gran/hooke, opposite to v_t
+   sign       F_t = mu |F_n| min(1, |v_t| / eps), eps = v_max/100 thesis (4.18)-(4.21), opposite to v_t
+   history    F_t = -kt s - ct v_t with a spring s that grows by v_t dt; held at mu |F_n|, where s keeps what is left of it
               (Cundall & Strack 1979; Luding 2008, eq. 21); rolling resistance is such a spring against rolling
    smooth     k delta -> F = k delta^2/(2 s) below delta = s, k (delta - s/2) beyond; E(delta) its energy; the dashpot
               times F / sqrt(2 k E): in z = sqrt(2 E / k) and the time that runs with dz/ddelta the contact is then
@@ -36,14 +36,14 @@
 
 namespace jump {
 
-enum class Friction { NONE, HOOKE, HOOKE_SPIN, SIGN, SIGN_SPIN, SPRING, SPRING_SPIN };
+enum class Friction { NONE, VISCOUS, VISCOUS_SPIN, SIGN, SIGN_SPIN, SPRING, SPRING_SPIN };
 
 enum class Touch { SHARP, SMOOTH };
 
 constexpr bool has_friction(Friction f) { return f != Friction::NONE; }
 constexpr bool has_spin(Friction f) 
 {
-  return f == Friction::HOOKE_SPIN || f == Friction::SIGN_SPIN || f == Friction::SPRING_SPIN;
+  return f == Friction::VISCOUS_SPIN || f == Friction::SIGN_SPIN || f == Friction::SPRING_SPIN;
 }
 constexpr bool is_sign(Friction f) { return f == Friction::SIGN || f == Friction::SIGN_SPIN; }
 
@@ -57,7 +57,7 @@ struct Law {
   double k = 0.0;           // stiffness, N/m
   double damping = 0.0;     // m_eff gamma_n, N s/m
   double tangential = 0.0;  // m_eff gamma_t, N s/m
-  double mu = 0.0;          // ks
+  double mu = 0.0;          // mu
   double reach = 0.0;       // distance at touch, m
   double width = 0.0;       // s of the smooth touch, m, and 1/s
   double inverse_width = 0.0;
@@ -113,7 +113,7 @@ inline Friction friction_of(double mu, double gamma_t, bool sign, bool spin, boo
   if (springs) return spin ? Friction::SPRING_SPIN : Friction::SPRING;
   if (!(mu > 0.0 && (sign || gamma_t > 0.0))) return Friction::NONE;
   if (sign) return spin ? Friction::SIGN_SPIN : Friction::SIGN;
-  return spin ? Friction::HOOKE_SPIN : Friction::HOOKE;
+  return spin ? Friction::VISCOUS_SPIN : Friction::VISCOUS;
 }
 
 template <class Number> struct ContactForce {
@@ -223,8 +223,8 @@ template <class Run> inline void with_branch(Friction friction, Touch touch, con
   };
   switch (friction) {
     case Friction::NONE: with(std::integral_constant<Friction, Friction::NONE>{}); break;
-    case Friction::HOOKE: with(std::integral_constant<Friction, Friction::HOOKE>{}); break;
-    case Friction::HOOKE_SPIN: with(std::integral_constant<Friction, Friction::HOOKE_SPIN>{}); break;
+    case Friction::VISCOUS: with(std::integral_constant<Friction, Friction::VISCOUS>{}); break;
+    case Friction::VISCOUS_SPIN: with(std::integral_constant<Friction, Friction::VISCOUS_SPIN>{}); break;
     case Friction::SIGN: with(std::integral_constant<Friction, Friction::SIGN>{}); break;
     case Friction::SIGN_SPIN: with(std::integral_constant<Friction, Friction::SIGN_SPIN>{}); break;
     case Friction::SPRING: with(std::integral_constant<Friction, Friction::SPRING>{}); break;

@@ -43,7 +43,7 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
 
   plugin.style = "pair";
   plugin.name = "jump/disc";
-  plugin.info = "contacts of discs in 2-D: laws hooke and sign";
+  plugin.info = "contacts of discs in 2-D: laws viscous, sign and history";
   plugin.creator.plain = make_pair;
   add(&plugin, lmp);
 

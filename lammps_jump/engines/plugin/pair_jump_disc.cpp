@@ -48,8 +48,8 @@ void PairJumpDisc::settings(int narg, char **arg)
   for (int a = 0; a < narg; a += 2) {
     const std::string key = arg[a], name = a + 1 < narg ? arg[a + 1] : "";
     if (key == "law") {
-      if (name != "hooke" && name != "sign" && name != "history")
-        error->all(FLERR, "pair_style jump/disc: law is hooke, sign or history, not '{}'", name);
+      if (name != "viscous" && name != "sign" && name != "history")
+        error->all(FLERR, "pair_style jump/disc: law is viscous, sign or history, not '{}'", name);
       sign = name == "sign";
       springs.there = name == "history";
     } else if (key == "springs") {

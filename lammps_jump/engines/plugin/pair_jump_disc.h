@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-/* pair_style jump/disc law hooke|sign|history k K gamma GN gammat GT mu KS mass M diameter D skin L
+/* pair_style jump/disc law viscous|sign|history k K gamma GN gammat GT mu MU mass M diameter D skin L
                         [smooth S] [spin yes|no] [sizes SMALLEST LARGEST]
                         [springs RATIO] [rolling RATIO DAMPING MUR] [fixed FIRST LAST]
    pair_coeff * *

@@ -24,7 +24,7 @@ from lammps_jump.studies.runs import run_frames
 from lammps_jump.studies.table import markdown
 from lammps_jump.sweeps import Results, Say, Store
 
-DIAMETER, DENSITY, SPEED, PENETRATION = 0.2, 1000.0, 16.0, 10.0
+DIAMETER, DENSITY, SPEED, OVERLAP = 0.2, 1000.0, 16.0, 0.1
 PHASES = 64
 QUANTITIES = ("restitution", "duration", "overlap")
 COLOURS = ("#33508f", "#8aa0c8", "#7d7c78", "#b5a05a", "#111111")
@@ -37,14 +37,14 @@ def collision_scene(
 
     It has the corrected dashpot and the width of a smooth touch that a case gets; `law` may hold integrator and touch.
     """
-    k = contact.stiffness(DENSITY, PENETRATION, SPEED)
+    k = contact.stiffness(DENSITY, OVERLAP, SPEED)
     dt = fraction * contact.critical_time_step(k, contact.disc_mass(DENSITY, DIAMETER))
     gaps = speed * dt * (1.0 + (np.arange(phases) + 0.5) / phases)
     left = np.column_stack([-0.5 * (DIAMETER + gaps), 3 * DIAMETER * np.arange(phases)])
     return handmade_scene(
         np.stack([left, left * [-1, 1]], axis=1), np.tile([[0.5 * speed, 0.0], [-0.5 * speed, 0.0]], (phases, 1)),
         name="collision", description="pairs of discs, head-on", gravity=(0.0, 0.0), diameter=DIAMETER,
-        density=DENSITY, penetration_fraction=PENETRATION, impact_speed=SPEED, restitution=restitution,
+        density=DENSITY, largest_overlap=OVERLAP, impact_speed=SPEED, restitution=restitution,
         time_step_fraction=fraction, correct_restitution=correct, skin=0.3 * DIAMETER,
         touch_width=TOUCH_STEPS * SPEED * dt if law.get("touch") == "smooth" else 0.0,
         steps=int(1.6 * expected(restitution)["duration"] / dt) + 8,
@@ -68,7 +68,7 @@ def measure_collisions(scene: Scene, kernel: str) -> dict[str, np.ndarray]:
 
 def expected(restitution: float, speed: float = SPEED) -> dict[str, float]:
     """Return the closed forms for the same pair (docs/theory.md, one collision, exactly)."""
-    k = contact.stiffness(DENSITY, PENETRATION, SPEED)
+    k = contact.stiffness(DENSITY, OVERLAP, SPEED)
     omega = contact.angular_frequency(k, 0.5 * contact.disc_mass(DENSITY, DIAMETER))
     return {
         "restitution": restitution,

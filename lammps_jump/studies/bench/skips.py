@@ -73,7 +73,7 @@ def numbers(scene: Scene) -> dict[str, str]:
 MOTION, GUARDS, FRAMES, SKIN = r"(fix +motion .*)", "(# --- guards)", r"(dump +frames .*)", r"neighbor +\S+ bin"
 SKIPS = (
     # a coefficient of 0 with a tangential dashpot: computed in every contact without effect
-    Skip("friction terms (ks = 0)", ((r"(pair_style +gran/hooke \S+ \S+ \S+) 0 0 0", r"\1 {rate} 0 1"),
+    Skip("friction terms (μ = 0)", ((r"(pair_style +gran/hooke \S+ \S+ \S+) 0 0 0", r"\1 {rate} 0 1"),
                                      (r"(.*wall/gran(?:/region)? hooke \S+ \S+ \S+) 0 0 0(.*)", r"\1 {rate} 0 1\2"))),
     Skip("integration of spin", ((r"(fix +motion all) nve", r"\1 nve/sphere disc"),)),
     Skip("gravity of 0", ((MOTION, r"\1\nfix gravity all gravity 0 vector 0 -1 0"),), weightless=True),

@@ -144,7 +144,7 @@ def law_profiles(laws: dict[str, Comparison]) -> Chart:
     """Describe depth profiles of the laws beside the one they are compared with."""
     bands = {label: law.bands[DEPTH] for label, law in laws.items() if DEPTH in law.bands}
     curve, base = next(iter(bands.values()))
-    lines = [Line("hooke, velocity Verlet, corrected", curve.at, base.mean_1, "first", 0.5 * base.deviation_1)]
+    lines = [Line("viscous, velocity Verlet, corrected", curve.at, base.mean_1, "first", 0.5 * base.deviation_1)]
     looks = ("second", "third", "sum", "theory")
     lines += [Line(n, c.at, band.mean_2, look) for look, (n, (c, band)) in zip(looks, bands.items(), strict=False)]
     return Chart(LAW_FIGURES[1], PLACE, [Panel("depth by mass [m]", lines)])
@@ -270,7 +270,7 @@ def _verdicts(part: dict, one: str, two: str) -> list[Text | Table]:
 
 def _laws(laws: dict, pictures: list[Picture]) -> list[Section]:
     intro = Text(
-        "Native engine, same starts, against hooke with velocity Verlet and corrected restitution. "
+        "Native engine, same starts, against viscous friction with velocity Verlet and corrected restitution. "
         "A difference here is a finding, not a failure."
     )
     parts = [Section(f"{label}: {law['what']}", _verdicts(law, "base", label)) for label, law in laws.items()]

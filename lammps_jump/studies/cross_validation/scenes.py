@@ -39,10 +39,10 @@ def _sliding_heap(name: str, text: str, seed: int, slow: float, range_: float, *
     return _scene(name, text, _heap(seed, 5), velocities, (FLOOR, Block("step", (2.0, 2.5), (-1.0, 0.3))), **contact)
 
 
-def friction_scene(law: str = "hooke") -> Scene:
+def friction_scene(law: str = "viscous") -> Scene:
     """Return a heap that slides and topples with friction, without spin."""
-    name = "friction" if law == "hooke" else f"friction ({law} law)"
-    text = "a heap that slides and topples against a step, ks = 0.3"
+    name = "friction" if law == "viscous" else f"friction ({law} law)"
+    text = "a heap that slides and topples against a step, μ = 0.3"
     return _sliding_heap(name, text, 7, 1.5, 0.3, friction=0.3, friction_law=law)
 
 
@@ -61,7 +61,7 @@ def micro_scenes() -> tuple[Scene, ...]:
                [[0.0, -1.0], [-0.4, -1.5], [3.0, 0.0], [4.0, 0.4], [-5.0, 0.6]],
                (Block("step", (0.0, 1.0), (-1.0, 0.5)), FLOOR)),
         friction_scene(),
-        _sliding_heap("spin", "the heap with turning discs, ks = 0.5", 8, 1.2, 0.6, friction=0.5, rotation=True),
+        _sliding_heap("spin", "the heap with turning discs, μ = 0.5", 8, 1.2, 0.6, friction=0.5, rotation=True),
         _scene("elastic box", "five discs, restitution 1, closed box",  # without damping, errors grow fastest
                [[0.3, 0.3], [0.7, 0.35], [0.4, 0.75], [0.8, 0.8], [0.55, 0.5]],
                [[4.0, -3.0], [0.0, 0.0], [0.0, 0.0], [-2.0, 1.0], [0.0, 0.0]],

@@ -107,7 +107,7 @@ QUICK_DIVERGENCE_WORK = 5e6
 SEQUENT_LIMIT, SPEED_LIMIT = 0.03, 0.10
 """Between the engines: sequent depth and shock speed of a jump (shares)."""
 RESULT_FILE, REPORT_FILE = "cross_validation.json", "cross_validation.html"
-VERLET, HOOKE = {"run.integrator": "velocity_verlet"}, {"contact.friction_law": "hooke"}
+VERLET, VISCOUS = {"run.integrator": "velocity_verlet"}, {"contact.friction_law": "viscous"}
 LEAP_FROG, SIGN = {"run.integrator": "leapfrog_extrapolated"}, {"contact.friction_law": "sign"}
 LAWS: dict[str, tuple[str, dict[str, object]]] = {
     "sign": ("friction law: thesis' sign law in place of LAMMPS' ramp", SIGN),
@@ -115,7 +115,7 @@ LAWS: dict[str, tuple[str, dict[str, object]]] = {
     "uncorrected": ("restitution bias of velocity Verlet left in", {"contact.correct_restitution": False}),
     "thesis": ("all as in the thesis: sign law and extrapolated leap-frog", {**SIGN, **LEAP_FROG}),
 }
-"""Choices whose effect is measured: what differs from hooke with velocity Verlet."""
+"""Choices whose effect is measured: what differs from viscous friction with velocity Verlet."""
 
 
 def cross_validate(
@@ -220,12 +220,12 @@ def default_folder(name: str) -> Path:
 
 
 def _prepare(case: Case, out, kernel: str, members: int | None, quick: bool, pool: Pool, say: Say) -> Study:
-    """Return the study of a case with the same law and integrator for both engines: hooke and velocity Verlet."""
+    """Return the study of a case with the same law and integrator for both engines: viscous and velocity Verlet."""
     count = members if members is not None else (QUICK_MEMBERS if quick else MEMBERS)
     if count < 2:
         raise SetupError(f"--members {count}: a spread needs at least 2 members in each engine")
     alone = {"engine.kernel": "auto", "engine.ranks": 1, "run.stop_when_steady": False}
-    case = case.replace({"engine.name": "lammps", **VERLET, **HOOKE, **alone})
+    case = case.replace({"engine.name": "lammps", **VERLET, **VISCOUS, **alone})
     scene = case.scene()
     if scene.pours:
         raise SetupError(
@@ -273,7 +273,7 @@ def _per(growth: Growth) -> str:
 def _laws(study: Study, case: Case) -> None:
     """Measure what each choice changes, on the native engine, which has them all."""
     rubs, elastic = study.scene.coefficients.friction > 0, study.scene.coefficients.restitution == 1
-    base = case.replace({"engine.name": "native", **VERLET, **HOOKE, "engine.ranks": 1})
+    base = case.replace({"engine.name": "native", **VERLET, **VISCOUS, "engine.ranks": 1})
     # without velocities in the force the two integrators are the same algebra: identical trajectories
     changing = {"sign": rubs, "thesis": rubs, "uncorrected": not elastic, "leap-frog": rubs or not elastic}
     for label, (text, changes) in LAWS.items():

@@ -99,7 +99,7 @@ def hard_scenes(long: bool = False) -> dict[str, tuple[dict, tuple[str, ...]]]:
         scenes["inlet drowned"][0]["run"]["duration"] = 120
     for friction, restitution, spin in product((0.0, 0.1, 0.5, 1.0, 2.0), (0.01, 0.1, 0.5, 1.0), (False, True)):
         if friction or not spin:
-            name = f"ks {friction:g}, e {restitution:g}" + (", spin" if spin else "")
+            name = f"μ {friction:g}, e {restitution:g}" + (", spin" if spin else "")
             contact = {"friction": friction, "restitution": restitution, "rotation": spin}
             scenes[name] = (base_case(contact=contact), ("stable",))
     return scenes
@@ -112,7 +112,7 @@ def random_case(seed: int) -> dict:
     contact = {
         "restitution": min(max(random.uniform(-0.1, 1.2), 0.01), 1.0),
         "friction": random.choice((0.0, 0.1, 0.6, 2.0)),
-        "penetration_fraction": random.choice((5.0, 10.0, 20.0, 40.0)),
+        "largest_overlap": 1 / random.choice((5.0, 10.0, 20.0, 40.0)),
         "impact_speed": speed,
         "rotation": random.random() < 0.4,
     }
@@ -147,7 +147,7 @@ def random_case(seed: int) -> dict:
         case["inflow"] = {"kind": "rows", "x": 0, "y": 0, "depth": depth, "mean_speed": mean}
         case["outflow"] = [{"x_beyond": width + 20 * d}]
     fraction = random.choice((0.02, 0.05, 0.1, 0.2, 0.4), p=[0.1, 0.4, 0.3, 0.1, 0.1])
-    omega = 2.0**0.5 * contact["penetration_fraction"] * speed / d
+    omega = 2.0**0.5 / contact["largest_overlap"] * speed / d
     duration = random.integers(300, 1500) * fraction * 2 / omega
     case["run"] = {"duration": duration, "output_interval": duration / 5, "time_step_fraction": fraction,
                    "seed": random.integers(1, 10**6), "allow_unstable": random.random() < 0.1}  # fmt: skip

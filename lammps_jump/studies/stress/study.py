@@ -35,7 +35,7 @@ TITLES = {
 LIMITS = {
     "arrangement": lambda row: row["arrangement"] + (", spin" if row["rotation"] else ""),
     "e:": "{restitution:g}",
-    "ks:": "{friction:g}",
+    "μ:": "{friction:g}",
     "engine": "",
     **{f"{name}:": f"{{{name}:.4f}}" for name in ("predicted", "stable", "unstable")},
     "deviation:": "{deviation:+.1%}",
@@ -91,7 +91,7 @@ def draw_map(limits: list[dict], path: Path) -> Path:
 
 STRESS_FILE = "stress.json"
 LIMIT_SAID = (
-    "{arrangement}, e = {restitution:g}, ks = {friction:g}, spin {rotation}, {engine}: f = {measured:.4f}, closed form "
+    "{arrangement}, e = {restitution:g}, μ = {friction:g}, spin {rotation}, {engine}: f = {measured:.4f}, closed form "
     "{predicted:.4f} ({deviation:+.1%})"
 )
 TIMEOUT = 120.0
@@ -148,11 +148,11 @@ class Stress:
 
     def scenes(self) -> list[Results]:
         """Run every hard scene on every engine; a hang or a crash of its process is an outcome."""
-        few = ("ks 2, e 0.01, spin", "ks 0.5, e 0.5")
+        few = ("μ 2, e 0.01, spin", "μ 0.5, e 0.5")
         asked = {
             name: (judge, case, good)
             for name, (case, good) in hard_scenes(self.long).items()
-            if not (self.quick and name.startswith("ks") and name not in few)
+            if not (self.quick and name.startswith("μ") and name not in few)
         } | {name: (judge_bypassed, start, ("stopped",)) for name, start in BYPASSED.items()}
         found = self._judged("scene", {name: one[:2] for name, one in asked.items()})
         rows = [{**row, "right": row["outcome"] in asked[row["scene"]][2]} for row in found]
