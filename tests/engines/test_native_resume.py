@@ -80,6 +80,7 @@ SCENES = {
         "contact.rotation=true", "contact.friction=0.5", "contact.friction_law=history",
         "contact.rolling={friction: 0.1}",
     ),
+    "channel": lambda: case_scene("inclined_flow", "run.duration=0.05", "run.output_interval=0.01"),
     "pour": pouring,
 }  # fmt: skip
 

@@ -25,6 +25,7 @@ SPRINGS = (
     "run.duration=0.0935", "run.output_interval=0.0935", "contact.friction_law=history", "contact.friction=0.5",
     "contact.rotation=true", "contact.rolling={friction: 0.1}",
 )  # fmt: skip
+CHANNEL = ("run.duration=0.06", "run.output_interval=0.06", "contact.rolling={friction: 0.1}", "engine.name=lammps")
 
 
 @pytest.fixture(autouse=True)
@@ -57,6 +58,7 @@ def frames(folder):
         ("dam_break", ("run.duration=0.0935", "run.output_interval=0.0935")),
         pytest.param("quick_jump", MANY, marks=pytest.mark.long),
         pytest.param("dam_break", SPRINGS, marks=pytest.mark.long),
+        pytest.param("inclined_flow", CHANNEL, marks=pytest.mark.long),
     ],
 )
 def test_a_thousand_steps_are_those_of_one_rank(plugin, tmp_path, name, changes):
