@@ -83,7 +83,7 @@ def _sentence(problem: dict, path: PathKey, model: type[BaseModel]) -> str:
 def fields_of(model: type) -> dict[str, FieldInfo]:
     """Fields of a pydantic model or of a dataclass, by their names in a case."""
     if issubclass(model, BaseModel):
-        return model.model_fields
+        return {field.alias or name: field for name, field in model.model_fields.items()}
     hints = get_type_hints(model, include_extras=True)
     declared = {
         name: depth
