@@ -61,7 +61,8 @@ CASES = {
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_native_and_plugin_agree(name, plugin, tmp_path):
+def test_native_and_plugin_agree(name, plugin, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
     scene = CASES[name]
     native = NativeSimulation(scene)
     native.run(STEPS)
