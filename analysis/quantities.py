@@ -215,6 +215,17 @@ def _write(
     return files
 
 
+def without_friction(flow: Flow, places: Sequence[Path], wanted: Collection[str]) -> list[str]:
+    """A note where forces of contacts lack the friction of springs with memory, because the engine wrote none."""
+    asked = {"layers", "jump", "energy", "fields"} & set(wanted)
+    if flow.scene.springs is None or not asked or any((place / CONTACTS_FILE).is_file() for place in places):
+        return []
+    return [
+        f"Contact forces lack the tangential springs, which no frame tells: {CONTACTS_FILE} is not there. Run with "
+        "engine.kernel: compiled or engine.name: native, which write it."
+    ]
+
+
 def collect(
     flow: Flow, dump: Dump, places: Sequence[Path], wanted: Collection[str], watch: Sequence[Collector] = ()
 ) -> Gathered:
@@ -225,7 +236,7 @@ def collect(
     if flow.scene.contact_output:
         found = [place / CONTACTS_FILE for place in places]
         flow = replace(flow, written=ContactFile(next((file for file in found if file.is_file()), found[-1])))
-    warnings = list(flow.notes)
+    warnings = [*flow.notes, *without_friction(flow, places, wanted)]
     edges = bin_edges(flow.x_range, flow.bin_width) if "jump" in wanted else None
     contacts = ContactCollector(flow, edges) if flow.knows_contacts and {"jump", "energy"} & set(wanted) else None
     forces_asked = bool(flow.scene.probes) or ("force" in wanted and _forces_file(places) is not None)

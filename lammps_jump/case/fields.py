@@ -283,6 +283,11 @@ class Analysis(Strict):
     animation: bool = False
     figures: Literal["default", "all", "player", "none"] = Field(default="default", description="none: no report")
 
+    @property
+    def looks_at_contacts(self) -> bool:
+        """Whether an analysis needs the forces of contacts."""
+        return bool(self.jump or self.energy or self.layers or self.fields)
+
 
 class Engine(Strict):
     """Engine, kernel and ranks."""

@@ -148,7 +148,7 @@ def build_scene(case: CaseFields, source: CaseSource) -> Scene:
         gravity=_gravity(case),
         friction_law=law.friction_law,
         springs=springs,
-        contact_output=springs is not None and case.engine.name == "native",
+        contact_output=springs is not None and (case.engine.name == "native" or case.analysis.looks_at_contacts),
         rotation=law.rotation and rubs,
         integrator=_integrator(case),
         domain=domain,

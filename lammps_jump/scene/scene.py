@@ -221,7 +221,8 @@ class Scene(Measures):
     slots : int
         Contacts that a disc remembers; 0: the contact law has no memory.
     contact_output : bool
-        The native engine writes the contacts of each frame with their forces (`lammps_jump.dump.beside.contacts`).
+        The native engine and the compiled kernel write the contacts of each frame with their forces
+        (`lammps_jump.dump.beside.contacts`).
     warnings, adapted : tuple of str
         What to beware of; which asked values whole steps have changed.
     steps : int

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from lammps_jump.files import CONTACTS_FILE
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.sizes import ID_STEP
 
@@ -94,6 +95,8 @@ def motion_and_walls(scene: Scene) -> list[str]:
         f"gammat_wall {number(c.gamma_tangential_wall)} mu_wall {number(c.friction)}"
     )
     words += [*plugin_walls(scene), *sizes(scene), *([f"slots {scene.slots}"] if scene.slots else [])]
+    if scene.contact_output:
+        words.append(f"contacts {scene.output_steps} {CONTACTS_FILE}")
     if scene.probes:
         words.append(f"probe {scene.probe_steps} {' '.join(scene.probes)}")
     return [*lines, JOIN.join(words)]

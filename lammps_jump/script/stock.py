@@ -131,7 +131,7 @@ def law(scene: Scene) -> list[tuple[str, list[str]]]:
         ("contact law: stiffness, gamma_n = c/m_eff, gamma_t, friction", contact_law(scene)),
         ("neighbours", neighbours(scene)),
         ("motion", motion(scene)),
-        ("walls", stock_walls(scene)),
+        ("walls", [line.replace(" all wall/gran", f" {moving_group(scene)} wall/gran") for line in stock_walls(scene)]),
         ("rough beds: after all that pushes discs", ["fix             fixed bed freeze"] if scene.fixed else []),
     ]
 
@@ -164,13 +164,16 @@ def neighbours(scene: Scene) -> list[str]:
     ]
 
 
+def moving_group(scene: Scene) -> str:
+    """Group of the discs that move; inserted ones join no group: there ``fix freeze`` alone holds the fixed ones."""
+    return "free" if scene.fixed and not (scene.inlets or scene.pours) else "all"
+
+
 def motion(scene: Scene) -> list[str]:
     """Time step, integration and gravity."""
-    # inserted discs join no group: where there are some, `fix freeze` alone holds the fixed ones
-    moving = "free" if scene.fixed and not (scene.inlets or scene.pours) else "all"
     lines = [
         f"timestep        {number(scene.time_step)}",
-        f"fix             motion {moving} {'nve/sphere disc' if scene.rotation else 'nve'}",
+        f"fix             motion {moving_group(scene)} {'nve/sphere disc' if scene.rotation else 'nve'}",
     ]
     return lines + gravity(scene)
 

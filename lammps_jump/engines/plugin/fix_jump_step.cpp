@@ -51,6 +51,12 @@ FixJumpStep::FixJumpStep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
       a = add_pieces(a + 1, narg, arg);
     } else if (key == "slots") {
       a = add_slots(a + 1, narg, arg);
+    } else if (key == "contacts") {
+      if (a + 2 >= narg) error->all(FLERR, "fix jump/step: contacts needs EVERY and FILE");
+      contacts_every = utils::inumeric(FLERR, arg[a + 1], false, lmp);
+      if (contacts_every < 1) error->all(FLERR, "fix jump/step: contacts every {} steps: must be above 0", contacts_every);
+      contacts_file = arg[a + 2];
+      a += 3;
     } else if (key == "probe") {
       if (a + 2 >= narg) error->all(FLERR, "fix jump/step: probe needs EVERY and a wall's name");
       probe_every = utils::inumeric(FLERR, arg[a + 1], false, lmp);
@@ -251,6 +257,7 @@ double FixJumpStep::compute_scalar()
     const auto &near = wall.near;
     for (size_t r = 0; r < near.discs.size(); r++) {
       const int i = near.discs[r], first = near.last[r];
+      if (pair->is_fixed(i)) continue;
       const double radius = pair->radius_of(i);
       double x = pair->disc[i].x, y = pair->disc[i].y;
       if (wall.motion.moves) wall.motion.inward(x, y);

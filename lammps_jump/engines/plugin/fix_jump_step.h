@@ -3,7 +3,7 @@
                         [wall NAME X0 Y0 DEEP N FACE... [law K GN GT MU] [roll MUR] [seam] [until STEP]
                               [move CX CY START N ROW...] [lid CX CY START MASS FX FY X Y BEGIN]]...
                         [sizes EVERY DENSITY SHIFT TURN N [BEGIN END LOW SLOPE]...]
-                        [slots S]
+                        [slots S] [contacts EVERY FILE]
                         [probe EVERY NAME...]                                   (probe comes last)
 
    One pass for what a step of discs needs besides the pairs of `pair_style jump/disc` (which must be in use,
@@ -23,6 +23,7 @@
      their own diameter d by id, and the mass DENSITY d^2: u is the fraction of (id + SHIFT) TURN, d is
      LOW + SLOPE (u - BEGIN) in the one of N pieces with BEGIN <= u < END.
    - slots: each disc keeps S of them, of four numbers (slots.h): the array of the fix. The law history needs them.
+   - contacts: those of each step that is a multiple of EVERY, with their forces, go to FILE (record.h).
    - probes: mean over each window of EVERY steps of the force ON the wall and of its moment (counter-clockwise)
      about (X0, Y0).
 
@@ -116,6 +117,8 @@ class FixJumpStep : public Fix {
   std::vector<int> probed;                    // wall of each probe
   std::vector<double> window, mean;           // this rank: running sums and last full window's mean
   bigint window_steps = 0;
+  int contacts_every = 0;                     // steps between frames of contacts; 0: none
+  std::string contacts_file;
   int chains = 0;                             // of all walls
 
   int add_wall(int, int, char **);
@@ -134,6 +137,7 @@ class FixJumpStep : public Fix {
   void push_lids();
   template <bool SIZES, bool STAYS> void drift();
   void turn_discs();
+  void write_contacts();
   void push(Wall &);
   template <jump::Friction, jump::Touch, bool SIZES> void push(Wall &);
   template <jump::Friction, jump::Touch, class Own>

@@ -6,6 +6,7 @@
 #include "pair_jump_disc.h"
 
 #include "atom.h"
+#include "comm.h"
 #include "error.h"
 #include "update.h"
 
@@ -209,6 +210,11 @@ void FixJumpStep::touch(const Wall &wall, int i, const Touched &where, const Own
     *pair->slots.spring(i, slot) = held.slide;
     *pair->slots.roll(i, slot) = held.roll;
   }
+  if (pair->record) {
+    pair->record->push_back({(int32_t) pair->tags[i], (int32_t) (-1 - (&wall - walls.data())), (float) (a.x - to_x),
+                             (float) (a.y - to_y), (float) out.fx, (float) out.fy, NAN});
+    return;
+  }
   double *const f = atom->f[i];
   f[0] += out.fx;
   f[1] += out.fy;
@@ -227,12 +233,14 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void FixJumpStep::push(Wal
     else return wall.law;
   };
   const auto *const disc = pair->disc.data();
+  const bool stays = pair->any_fixed();
   jump::FaceContact found[jump::MOST];
   double on_wall[4] = {0.0, 0.0, 0.0, 0.0};
   const auto &near = wall.near;
   const int rows = (int) near.discs.size();
   for (int r = 0; r < rows; r++) {
     const int i = near.discs[r], first = near.last[r], count = near.last[r + 1] - first;
+    if (stays && pair->is_fixed(i)) continue;    // walls and fixed discs do not feel each other
     double x = disc[i].x, y = disc[i].y;
     if (wall.motion.moves) wall.motion.inward(x, y);
     if (SIZES) reach = pair->radii[i];
@@ -281,6 +289,30 @@ void FixJumpStep::push(Wall &wall)
   });
 }
 
+/** Put the contacts of all ranks into the file, with the forces of this step. */
+void FixJumpStep::write_contacts()
+{
+  std::vector<jump::ContactRow> rows, all;
+  pair->list_contacts(rows);
+  const auto sums = window;
+  const bool grew = pair->slots.grows;
+  pair->slots.grows = false;
+  pair->record = &rows;
+  for (auto &wall : walls)
+    if (is_there(wall)) push(wall);
+  pair->record = nullptr;
+  pair->slots.grows = grew;
+  window = sums;
+  const int own = (int) (rows.size() * sizeof(jump::ContactRow));
+  std::vector<int> sizes(comm->nprocs), places(comm->nprocs, 0);
+  MPI_Gather(&own, 1, MPI_INT, sizes.data(), 1, MPI_INT, 0, world);
+  for (int rank = 1; rank < comm->nprocs; rank++) places[rank] = places[rank - 1] + sizes[rank - 1];
+  all.resize((places.back() + sizes.back()) / sizeof(jump::ContactRow));
+  MPI_Gatherv(rows.data(), own, MPI_BYTE, all.data(), sizes.data(), places.data(), MPI_BYTE, 0, world);
+  if (comm->me == 0 && !jump::put_rows(contacts_file, update->ntimestep, all))
+    error->one(FLERR, "fix jump/step: the file {} of contacts cannot be written", contacts_file);
+}
+
 /** The force on each lid is that of all ranks; its power is that of its velocity at the step. */
 void FixJumpStep::push_lids()
 {
@@ -305,6 +337,7 @@ void FixJumpStep::post_force(int)
   for (auto &wall : walls)
     if (is_there(wall)) push(wall);
   if (pair->slots.grows) pair->slots.end(atom->nlocal);
+  if (contacts_every && update->ntimestep % contacts_every == 0) write_contacts();
   push_lids();
   if (update->setupflag) {
     // the forces of the start belong to no window; they are what a probe shows at the first step

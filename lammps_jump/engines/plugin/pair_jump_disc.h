@@ -28,6 +28,7 @@
 #include "contact_law.h"
 #include "halo.h"
 #include "pair.h"
+#include "record.h"
 #include "slots.h"
 
 namespace LAMMPS_NS {
@@ -68,6 +69,9 @@ class PairJumpDisc : public Pair {
   bigint order = 0;                                  // counts the changes of what the indices of discs mean
   double range_lo[2] = {0.0, 0.0}, range_hi[2] = {0.0, 0.0};    // least and largest velocity of the discs, this step
 
+  std::vector<jump::ContactRow> *record = nullptr;   // takes the contacts of a frame in place of their forces
+
+  void list_contacts(std::vector<jump::ContactRow> &);
   bool any_fixed() const { return fixed[1] >= fixed[0]; }
   bool is_fixed(int) const;
   void reserve(int);
@@ -107,6 +111,7 @@ class PairJumpDisc : public Pair {
   void evaluate(size_t, size_t);
   template <jump::Friction, jump::Touch, bool SIZES> void evaluate(size_t, size_t);
   double *remembered(int, int);
+  void note(int, int, const double *);
 };
 
 }    // namespace LAMMPS_NS

@@ -51,6 +51,32 @@ double *PairJumpDisc::remembered(int i, int j)
   return slot < 0 ? nullptr : slots.spring(i, slot);
 }
 
+/** A row of a contact of two discs; of one across a cut or seam, which is listed twice, the larger id has it. */
+void PairJumpDisc::note(int i, int j, const double *push)
+{
+  const bool across = j >= atom->nlocal;
+  if (across && tags[i] < tags[j]) return;
+  const auto &a = disc[i], &b = disc[j];
+  const double dx = a.x - b.x, dy = a.y - b.y, r = std::sqrt(dx * dx + dy * dy), overlap = reach_of(i, j) - r;
+  const double way = (radius_of(i) - 0.5 * overlap) / r;
+  record->push_back({(int32_t) tags[i], (int32_t) tags[j], (float) (a.x - way * dx), (float) (a.y - way * dy),
+                     (float) push[0], (float) push[1], NAN});
+}
+
+/** Contacts of the pairs of this rank, with the forces of the last evaluation. */
+void PairJumpDisc::list_contacts(std::vector<jump::ContactRow> &rows)
+{
+  const bool grew = slots.grows;
+  const double dt = law.dt;
+  slots.grows = false;
+  law.dt = 0.0;
+  record = &rows;
+  evaluate(0, candidates);
+  record = nullptr;
+  law.dt = dt;
+  slots.grows = grew;
+}
+
 /** Forces of the pairs from one place in the list to another. */
 template <Friction FRICTION, Touch TOUCH, bool SIZES> void PairJumpDisc::evaluate(size_t from, size_t to)
 {
@@ -193,6 +219,10 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void PairJumpDisc::evaluat
             if (of_two[c]) of_two[c][slots.count] = -bent[c];
           }
         }
+    if (record) {
+      for (int c = 0; c < n; c++) note(i_of[c], j_of[c], force_on[c]);
+      continue;
+    }
     for (int c = 0; c < n; c++) {
       const int i = i_of[c], j = j_of[c];
       const Vec2 push = *reinterpret_cast<const Vec2 *>(force_on[c]);
