@@ -314,8 +314,8 @@ class NativeSimulation:
         d = self.discs
         ids = (None, 0) if known is None else (d.ids, known)
         return loops.elastic(
-            begin, *self.listed_pairs(), d.fixed, d.x, d.y, d.radius, self.walls.faces, self.walls.near, self._constants.law,
-            self._constants.touch, *ids, self.walls.moves,
+            begin, *self.listed_pairs(), d.fixed, d.x, d.y, d.radius, self.walls.faces, self.walls.near,
+            self._constants.law, self._constants.touch, *ids, self.walls.moves,
         )  # fmt: skip
 
     def _elastic(self) -> float:
