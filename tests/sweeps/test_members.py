@@ -14,6 +14,9 @@ from lammps_jump.sweeps import Pool, Start, Sweep, members, open_sweep, prepare,
 from lammps_jump.sweeps.members import run_member, state_of
 
 
+pytestmark = pytest.mark.usefixtures("blank_pictures")
+
+
 @pytest.fixture(scope="module")
 def pool():
     with Pool(1) as pool:
