@@ -52,7 +52,7 @@ def pytest_collection(session):
 
 @pytest.fixture(scope="session", autouse=True)
 def remembered():
-    """What many tests make of the same text or numbers is made once: the command line, trees of YAML, piles of discs."""
+    """What many tests make alike is made once: the command line, trees of YAML, piles of discs."""
     import typer.main  # not in the process that only hands out tests
 
     from lammps_jump.case import packing, text
@@ -86,8 +86,7 @@ def remembered():
         yield
 
 
-@pytest.fixture(scope="module")
-def blank_pictures():
+def _blank_pictures():
     """One small picture for every figure: drawing takes longer than a short run; `tests/analysis` looks at drawings."""
     from made_up import blank_figures, on_the_spot  # 2.6 s, as above
 
@@ -95,6 +94,11 @@ def blank_pictures():
         patch.setattr("lammps_jump.analysis.quantities.draw_figures", blank_figures)
         patch.setattr("lammps_jump.analysis.quantities.aside", on_the_spot)
         yield
+
+
+blank_pictures = pytest.fixture(_blank_pictures, scope="module", name="blank_pictures")
+blank_pictures_here = pytest.fixture(_blank_pictures, name="blank_pictures_here")
+"""The same for one test of a module."""
 
 
 @pytest.fixture
