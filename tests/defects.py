@@ -96,7 +96,7 @@ DEFECTS = [
            'if stored.get("status") == "failed" and (changed', "runs/test_complete.py"),
     Defect("exit status", "lammps_jump/errors.py", "exit_status = 75", "exit_status = 1", "engines runs"),
     Defect("signal", "lammps_jump/engines/interrupts.py", "signal.SIGUSR2, signal.SIGXCPU)", "signal.SIGUSR2)",
-           "engines/test_interrupts.py"),
+           "engines/test_native_resume.py engines/test_interrupts.py"),
     Defect("sign", STOCK, "vector {numbers(*scene.gravity)} 0", "vector {numbers(*(-g for g in scene.gravity))} 0",
            "golden"),
     Defect("axis", STOCK, 'if outlet.axis == "x" else', 'if outlet.axis == "y" else', "golden"),
