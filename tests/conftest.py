@@ -50,6 +50,57 @@ def pytest_collection(session):
         register_profiles().load_profile("same_each_time")
 
 
+@pytest.fixture(scope="session", autouse=True)
+def remembered():
+    """What many tests make alike is made once: the command line, trees of YAML, piles of discs."""
+    import typer.main  # not in the process that only hands out tests
+
+    from lammps_jump.case import packing, text
+
+    commands, trees, piles = {}, {}, {}
+    get_command, compose, piled = typer.main.get_command, text._compose, packing.piled
+
+    def command_of(app):
+        if id(app) not in commands:
+            commands[id(app)] = app, get_command(app)  # the app too, that no other gets its number
+        return commands[id(app)][1]
+
+    def tree_of(words, file):
+        if words not in trees:
+            tree = compose(words, file)
+            if len(words) > 20_000:
+                return tree
+            trees[words] = tree
+        return trees[words]
+
+    def pile_of(diameters, x, y, largest):
+        key = tuple(diameters), tuple(x), tuple(y), largest
+        if key not in piles:
+            piles[key] = piled(*key)
+        return piles[key].copy()
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(typer.main, "get_command", command_of)
+        patch.setattr(text, "_compose", tree_of)
+        patch.setattr(packing, "piled", pile_of)
+        yield
+
+
+def _blank_pictures():
+    """One small picture for every figure: drawing takes longer than a short run; `tests/analysis` looks at drawings."""
+    from made_up import blank_figures, on_the_spot  # 2.6 s, as above
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("lammps_jump.analysis.quantities.draw_figures", blank_figures)
+        patch.setattr("lammps_jump.analysis.quantities.aside", on_the_spot)
+        yield
+
+
+blank_pictures = pytest.fixture(_blank_pictures, scope="module", name="blank_pictures")
+blank_pictures_here = pytest.fixture(_blank_pictures, name="blank_pictures_here")
+"""The same for one test of a module."""
+
+
 @pytest.fixture
 def tried(record_property):
     """Says how many faults a test has tried; see `fault_table`."""

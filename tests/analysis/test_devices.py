@@ -40,7 +40,7 @@ def paddle_flow(**given):
 
 def test_wave_heights_of_a_sine_with_noise():
     time, x = np.arange(0.0, 20.01, 0.1), np.array([4.0, 5.0, 12.0])
-    swing = np.sin(2 * pi * time / 4.0)[:, None] * np.array([0.3, 0.3, 0.1])
+    swing = np.sin(2 * pi * time / 4.0)[:, None] * np.array([0.4, 0.2, 0.1])  # 0.3 at x = 4.5
     noise = np.random.default_rng(1).normal(0, 0.02, swing.shape)
     found = waves.analyse(gathered(paddle_flow(gauges=(4.5, 12.0)), time, x, 2.0 + swing + noise))
     # trough to crest of 20 phases, of a mean over four periods: noise 0.02/2 each, twice its largest of few

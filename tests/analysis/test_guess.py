@@ -22,6 +22,8 @@ from lammps_jump.dump.write import DumpWriter
 from lammps_jump.errors import DumpError
 from lammps_jump.runs.results import analyse_dump
 
+pytestmark = pytest.mark.usefixtures("blank_pictures")
+
 D, STEP = 0.2, 2e-4
 COLUMNS = ("id", "x", "y", "vx", "vy")
 

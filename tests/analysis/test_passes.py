@@ -93,7 +93,7 @@ def test_energy_of_the_dump(analysed):
     assert parts["energy"]["initial"] == pytest.approx(expected, rel=1e-8)
 
 
-def test_two_pictures_are_drawn_unless_all_are_asked_for(tmp_path):
+def test_two_pictures_are_drawn_unless_all_are_asked_for(tmp_path, blank_pictures_here):
     """The page draws the curves: matplotlib would take longer for its ten figures than the rest of the analysis."""
     path = dump_of(tmp_path / "d", [bore(25.0 - 0.2 * k) for k in range(12)])
     parts = analyse(context(), path, tmp_path / "out", ("jump", "front"))
@@ -144,7 +144,7 @@ def test_velocities_from_positions(tmp_path):
     assert made[0].vx == pytest.approx([0, 0])
     assert made[1].vx == pytest.approx([5.0, 0.0])
     assert "no vx, vy" in warnings[0]
-    parts = analyse(from_dump(dump, diameter=D), dump.path, tmp_path, ("jump", "front"))
+    parts = analyse(from_dump(dump, diameter=D), dump.path, tmp_path, ("jump", "front"), pictures=Pictures("none"))
     assert parts["front"]["position"] is not None
 
 
@@ -200,7 +200,7 @@ def test_plain():
     assert plain(given) == {"a": None, "1": [3, None, [1.0, None]], "b": True}
 
 
-def test_the_command_says_once_what_it_guessed_of_a_bare_dump(tmp_path, capsys):
+def test_the_command_says_once_what_it_guessed_of_a_bare_dump(tmp_path, capsys, blank_pictures_here):
     dump_of(tmp_path / "dump.flow", [bore(20.0)] * 2)
     analyze([tmp_path], density=1000.0)
     said = capsys.readouterr().out.splitlines()

@@ -79,6 +79,10 @@ def test_times_count_from_the_end_of_settling():
     scene = flood(column, "inflow.table=[[0, 0.6, 10]]").scene()
     assert scene.settle_steps > 0
     assert min(row.first_step for row in scene.inlets) > scene.settle_steps
+    scene = flood(column, "inflow.profile=uniform").scene()
+    for row in scene.inlets:
+        seconds = (np.array(row.turns) - scene.settle_steps) * scene.time_step
+        assert row.speeds == pytest.approx(GRAPH.speed(seconds), rel=2e-6)
 
 
 @pytest.mark.parametrize(

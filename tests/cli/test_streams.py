@@ -24,7 +24,7 @@ def environment(**more):
 def test_run_goes_on_where_nobody_reads(tmp_path):
     read, write = os.pipe()
     os.close(read)
-    command = [*COMMAND, "build-and-run", str(INPUTS / "quick_jump.yaml"), "--out", str(tmp_path / "run"), *SHORT]
+    command = [*COMMAND, "build-and-run", str(INPUTS / "energy_box_7.yaml"), "--out", str(tmp_path / "run"), *SHORT]
     done = subprocess.run(command, stdout=write, stderr=subprocess.PIPE, text=True, env=environment())
     os.close(write)
     assert done.returncode == 0 and "Traceback" not in done.stderr and "BrokenPipe" not in done.stderr

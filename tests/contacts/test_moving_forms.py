@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import atan2, cos, radians, sin
+from math import atan2, cos, degrees, radians, sin
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ from single_disc import Drawn, one_disc
 
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.scene import Block, Box, Chain, Motion, MovingWall, Plane, handmade_scene
-from lammps_jump.scene.tracks import Loaded, Oscillate, Translate
+from lammps_jump.scene.tracks import Loaded, Oscillate, Rotate, Translate
 
 ENGINES = ["native_verlet", pytest.param("compiled", marks=pytest.mark.lammps)]
 D = 0.2
@@ -90,6 +90,18 @@ def test_a_plane_a_box_and_a_block_are_the_lines_that_draw_them(started, wall, p
         found.append(engine.positions)
     assert np.abs(found[0] - found[1]).max() < 1e-11 * D
     assert np.abs(found[0] - PLACES).max() > 0.1 * D
+
+
+def test_a_paddle_that_turns_hits_with_the_speed_of_the_point_of_contact(started):
+    """A disc at rest leaves at (1 + e) w L; the way of the paddle in a contact, 0.01 rad, and its step make 2 %."""
+    restitution, rate, arm = 0.5, 0.5, 2.0
+    paddle, turn = Block("paddle", (0.0, 3.0), (-0.2, 0.0)), Rotate(rate=degrees(rate), ease=0.0)
+    floating = {"gravity": (0.0, 0.0), "restitution": restitution}
+    scene = discs_at(paddle, np.array([[arm, 0.101]]), np.zeros(2), turn, **floating)
+    engine = started(scene)
+    engine.run(round(0.1 / scene.time_step))
+    assert engine.velocities[0, 1] == pytest.approx((1 + restitution) * rate * arm, rel=0.02)
+    assert abs(engine.velocities[0, 0]) < 0.02 * rate * arm
 
 
 WINDOW = 20

@@ -12,7 +12,8 @@ import pytest
 from lammps_jump.engines.native.simulation import NativeSimulation
 from lammps_jump.engines.native.state import load_state, save_state
 from lammps_jump.scene import Block, Box, Motion, MovingWall, handmade_scene
-from lammps_jump.scene.tracks import Loaded, Oscillate, Rotate, Table, Translate
+from lammps_jump.scene.motion import gate
+from lammps_jump.scene.tracks import Corner, Loaded, Oscillate, Rotate, Table, Translate, pose_py, track_of
 
 BLOCK = Block("block", (-1.5, 1.5), (-0.2, 0.3))
 BOX = Box("box", (-2.0, 2.0), (-1.0, 2.0))
@@ -146,3 +147,16 @@ def test_ease_spreads_a_start_and_reaches_the_end():
     assert speeds.max() == pytest.approx(2.0, rel=1e-9)
     # the ramp 3 u^2 - 2 u^3 rises by at most 1.5 dV a time of ease
     assert np.abs(np.diff(speeds)).max() <= 1.5 * 2.0 / 0.2 * 1e-3 * (1 + 1e-6)
+
+
+def test_changes_of_velocity_that_follow_before_the_ease_is_over_add_up():
+    both = [Corner(0.0, (1.0, 0.0, 0.0), 1.0), Corner(0.4, (0.0, -2.0, 0.5), 0.7)]
+    track, alone = track_of(both, None), [track_of([one], None) for one in both]
+    for time in np.linspace(-0.1, 1.5, 33):
+        wanted = np.sum([pose_py(one, 0, len(one), time) for one in alone], axis=0)
+        assert pose_py(track, 0, len(track), time) == pytest.approx(wanted, abs=1e-14)
+
+
+def test_a_gate_is_gone_at_its_step():
+    motion = gate(BLOCK, 7).motion
+    assert motion.pose(6) is not None and motion.pose(7) is None

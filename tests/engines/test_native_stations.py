@@ -2,6 +2,7 @@
 """Energy between two stations that move: every step counted, in parts as in the whole, and exact where it can be."""
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -58,9 +59,24 @@ def left_over(sums):
     return sums[CARRIED] + sums[CONTACTS] + sums[WALLS] - gone
 
 
-@pytest.mark.parametrize("integrator", ["velocity_verlet", "leapfrog_extrapolated"])
-@pytest.mark.parametrize("law", ["viscous", "sign"])
-@pytest.mark.parametrize("sizes", [None, Sizes((1.0,), (0.16,), (0.24,), seed=3)])
+SIZES = Sizes((1.0,), (0.16,), (0.24,), seed=3)
+OFTEN = {
+    ("velocity_verlet", "viscous", False),
+    ("velocity_verlet", "sign", True),
+    ("leapfrog_extrapolated", "viscous", True),
+    ("leapfrog_extrapolated", "sign", False),
+}
+"""Each pair of two choices once; the others are long."""
+
+
+@pytest.mark.parametrize(
+    ("integrator", "law", "sizes"),
+    [
+        pytest.param(*one, SIZES if sized else None, marks=[] if (*one, sized) in OFTEN else pytest.mark.long)
+        for one in product(("velocity_verlet", "leapfrog_extrapolated"), ("viscous", "sign"))
+        for sized in (False, True)
+    ],
+)
 def test_stations_around_all_discs_count_what_the_run_loses(integrator, law, sizes):
     """The speed of the stations is in no loss; the back wall works against it."""
     sums, simulation = sums_of(column(integrator=integrator, friction_law=law, sizes=sizes), WIDE)

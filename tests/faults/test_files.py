@@ -22,6 +22,8 @@ from lammps_jump.errors import DumpError, JumpError
 from lammps_jump.files import write_bytes
 from lammps_jump.runs import start
 
+pytestmark = pytest.mark.usefixtures("blank_pictures")
+
 CHANGES = {
     "run.duration": 0.3,
     "run.output_interval": 0.02,

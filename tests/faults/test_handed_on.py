@@ -24,6 +24,8 @@ from lammps_jump.runs import engine, start
 from lammps_jump.runs.summary import read_summary, write_summary
 from lammps_jump.units import as_summary
 
+pytestmark = pytest.mark.usefixtures("blank_pictures")
+
 CHANGES = ["run.duration=0.06", "run.output_interval=0.01"]
 STEP = 200
 NO_RESULTS = {

@@ -33,7 +33,7 @@ INPUTS = Path(__file__).parents[2] / "inputs"
 pytestmark = pytest.mark.lammps
 LONG = pytest.mark.long
 
-GATE = ("run.duration=0.25", "initial.0.settle=0.2", "run.output_interval=0.01", "contact.rotation=true")
+GATE = ("run.duration=0.15", "initial.0.settle=0.1", "run.output_interval=0.01", "contact.rotation=true")
 FRICTION = (*GATE, "contact.friction=0.1")
 COLLAPSE = ("run.duration=0.4", "run.output_interval=0.01")
 SIGN = (*COLLAPSE, "contact.friction=0.1", "contact.friction_law=sign")
@@ -294,11 +294,11 @@ def test_ranks_that_are_asked_by_their_file_end_in_order(tmp_path):
 
 def test_whole_job(tmp_path, monkeypatch):
     """Interrupted, refused for another case, gone on with, and then a folder like any other."""
-    case, changes = INPUTS / "dam_break.yaml", ["engine.kernel=stock", *COLLAPSE]
+    case, changes = INPUTS / "dam_break.yaml", ["engine.kernel=stock", *COLLAPSE, "run.duration=0.2"]
     folder = tmp_path / "run"
     without_analysis(monkeypatch)
     with monkeypatch.context() as patch:
-        patch.setattr(engine, "choose", choose_to_stop_at(3000))
+        patch.setattr(engine, "choose", choose_to_stop_at(1500))
         with pytest.raises(RunInterrupted, match="--resume"):
             run_case(case, folder, changes)
     first = json.loads((tmp_path / "run/summary.json").read_text())

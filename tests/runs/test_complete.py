@@ -22,6 +22,8 @@ from lammps_jump.dump.write import run_writer
 from lammps_jump.folders import STAGING
 from lammps_jump.runs import start
 
+pytestmark = pytest.mark.usefixtures("blank_pictures")
+
 SHORT = {"run.duration": 0.3, "run.output_interval": 0.02, "engine.name": "native", "analysis.jump": False}
 DUMP, FORCES = "dump.lammpstrj", "forces.csv"
 

@@ -19,6 +19,8 @@ from lammps_jump.runs import start
 from lammps_jump.runs.folder import write_folder
 from lammps_jump.runs.state import marker_of
 
+pytestmark = pytest.mark.usefixtures("blank_pictures")
+
 SHORT = ("run.duration=0.1", "run.output_interval=0.02", "engine.name=native", "analysis.jump=false")
 
 

@@ -23,6 +23,8 @@ from lammps_jump.runs.folder import default_folder
 from lammps_jump.runs.results import flow_of, packed
 from lammps_jump.runs.state import is_analysed
 
+pytestmark = pytest.mark.usefixtures("blank_pictures")
+
 SHORT = {"run.duration": 0.1, "run.output_interval": 0.02, "engine.name": "native", "analysis.jump": False}
 SETS = [word for path, value in SHORT.items() for word in ("--set", f"{path}={value}")]
 

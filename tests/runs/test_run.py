@@ -24,6 +24,8 @@ from lammps_jump.cli.analyse import export
 from lammps_jump.files import plain
 from lammps_jump.units import as_summary
 
+pytestmark = pytest.mark.usefixtures("blank_pictures")
+
 NOTEBOOK = Path(__file__).parents[2] / "docs" / "notebooks" / "first_jump.ipynb"
 SHORT = {"run.duration": 0.3, "run.output_interval": 0.05, "engine.name": "native", "analysis.window": [0.1, 0.3]}
 PUBLIC = """Case CaseError Dump DumpError Energy Force Frame Front Jump JumpError Progress ResumeError Run RunError

@@ -13,6 +13,8 @@ from lammps_jump.engines.child import Child
 from lammps_jump.sweeps import Pool, Start, Sweep, members, open_sweep, prepare, read_study, run_starts, study_folder
 from lammps_jump.sweeps.members import run_member, state_of
 
+pytestmark = pytest.mark.usefixtures("blank_pictures")
+
 
 @pytest.fixture(scope="module")
 def pool():

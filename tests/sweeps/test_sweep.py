@@ -222,7 +222,7 @@ def test_members_of_one_case(tmp_path, monkeypatch, capsys):
     path = tmp_path / "box.yaml"
     path.write_text(yaml.safe_dump({**BOX, "run": {**BOX["run"], "members": 2}, "analysis": {"energy": True}}))
     monkeypatch.chdir(tmp_path)
-    status, out, _ = call(monkeypatch, capsys, "build-and-run", path)
+    status, out, _ = call(monkeypatch, capsys, "build-and-run", path, "--jobs", 1)
     folder = tmp_path / "runs" / "box,members"
     assert status == 0 and "2 runs: 2 done" in out and (folder / "figures/sweep_profiles.png").exists()
     point = json.loads((folder / "summary.json").read_text())["points"][0]
