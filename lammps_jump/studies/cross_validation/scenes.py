@@ -5,7 +5,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from lammps_jump.scene import Block, Box, InletRow, Outlet, Plane, Scene, gate, handmade_scene
+from lammps_jump.physics.slip import Rolling, Springs
+from lammps_jump.scene import Block, Box, InletRow, Outlet, Plane, Scene, Sizes, gate, handmade_scene
+from lammps_jump.scene.scene import Fixed
 
 DIAMETER = 0.2
 DOMAIN = ((-5.0, 10.0), (-5.0, 10.0))
@@ -46,6 +48,21 @@ def friction_scene(law: str = "viscous") -> Scene:
     return _sliding_heap(name, text, 7, 1.5, 0.3, friction=0.3, friction_law=law)
 
 
+def _channel() -> Scene:
+    """Return a layer of discs that slides over a row of fixed ones, in a periodic channel."""
+    places = _heap(10, 3, 0.15)
+    places[:, 1] += 0.05
+    row = np.column_stack([0.11 * np.arange(10), np.zeros(10)])
+    n, m = len(places), len(row)
+    speeds = np.vstack([np.tile([1.5, 0.0], (n, 1)), 0 * row])
+    return _scene(
+        "channel", "a layer that slides over fixed discs, periodic, with springs", np.vstack([places, row]), speeds,
+        friction=0.5, rotation=True, friction_law="history", springs=Springs(), gravity=(3.0, -9.0),
+        domain=((0.0, 1.1), (-5.0, 10.0)), periodic=True, fixed=Fixed(n + 1, n + m),
+        sizes=Sizes((1.0,), (DIAMETER,), (DIAMETER,), 1, ((n + 1, n + m, 0.1),)),
+    )  # fmt: skip
+
+
 def micro_scenes() -> tuple[Scene, ...]:
     """Return the scenes that both LAMMPS kernels can run, in the order of the report."""
     none, shut = np.empty((0, 2)), gate(Plane("gate", "x", 0.86, "below"), 600)
@@ -62,6 +79,9 @@ def micro_scenes() -> tuple[Scene, ...]:
                (Block("step", (0.0, 1.0), (-1.0, 0.5)), FLOOR)),
         friction_scene(),
         _sliding_heap("spin", "the heap with turning discs, μ = 0.5", 8, 1.2, 0.6, friction=0.5, rotation=True),
+        _sliding_heap("springs", "the same with tangential and rolling springs", 8, 1.2, 0.6, friction=0.5,
+                      rotation=True, friction_law="history", springs=Springs(rolling=Rolling(0.1, 0.1, 1.0))),
+        _channel(),
         _scene("elastic box", "five discs, restitution 1, closed box",  # without damping, errors grow fastest
                [[0.3, 0.3], [0.7, 0.35], [0.4, 0.75], [0.8, 0.8], [0.55, 0.5]],
                [[4.0, -3.0], [0.0, 0.0], [0.0, 0.0], [-2.0, 1.0], [0.0, 0.0]],

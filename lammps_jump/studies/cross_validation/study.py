@@ -22,6 +22,7 @@ from lammps_jump import Case
 from lammps_jump.engines import choose, usable_cores, usable_kernels
 from lammps_jump.errors import RunError, SetupError
 from lammps_jump.files import plain, write_json, writes
+from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.scene import Scene
 from lammps_jump.script.stock import lacking
 from lammps_jump.studies.runs import KERNELS
@@ -108,14 +109,18 @@ SEQUENT_LIMIT, SPEED_LIMIT = 0.03, 0.10
 """Between the engines: sequent depth and shock speed of a jump (shares)."""
 RESULT_FILE, REPORT_FILE = "cross_validation.json", "cross_validation.html"
 VERLET, VISCOUS = {"run.integrator": "velocity_verlet"}, {"contact.friction_law": "viscous"}
+WITHOUT_SPRINGS = {
+    **VISCOUS, "contact.tangential_ratio": None, "contact.tangential_damping_ratio": None, "contact.rolling": None
+}  # fmt: skip
 LEAP_FROG, SIGN = {"run.integrator": "leapfrog_extrapolated"}, {"contact.friction_law": "sign"}
 LAWS: dict[str, tuple[str, dict[str, object]]] = {
     "sign": ("friction law: thesis' sign law in place of LAMMPS' ramp", SIGN),
     "leap-frog": ("integrator: thesis' extrapolated leap-frog in place of velocity Verlet", LEAP_FROG),
+    "without springs": ("friction law: LAMMPS' ramp in place of springs with memory", WITHOUT_SPRINGS),
     "uncorrected": ("restitution bias of velocity Verlet left in", {"contact.correct_restitution": False}),
     "thesis": ("all as in the thesis: sign law and extrapolated leap-frog", {**SIGN, **LEAP_FROG}),
 }
-"""Choices whose effect is measured: what differs from viscous friction with velocity Verlet."""
+"""Choices whose effect is measured: what differs from viscous friction, or springs, with velocity Verlet."""
 
 
 def cross_validate(
@@ -220,12 +225,15 @@ def default_folder(name: str) -> Path:
 
 
 def _prepare(case: Case, out, kernel: str, members: int | None, quick: bool, pool: Pool, say: Say) -> Study:
-    """Return the study of a case with the same law and integrator for both engines: viscous and velocity Verlet."""
+    """Return the study of a case with the same law and integrator for both engines.
+
+    That is velocity Verlet and viscous friction, or springs where the case has them.
+    """
     count = members if members is not None else (QUICK_MEMBERS if quick else MEMBERS)
     if count < 2:
         raise SetupError(f"--members {count}: a spread needs at least 2 members in each engine")
     alone = {"engine.kernel": "auto", "engine.ranks": 1, "run.stop_when_steady": False}
-    case = case.replace({"engine.name": "lammps", **VERLET, **VISCOUS, **alone})
+    case = case.replace({"engine.name": "lammps", **VERLET, **law_of(case), **alone})
     scene = case.scene()
     if scene.pours:
         raise SetupError(
@@ -243,6 +251,11 @@ def _prepare(case: Case, out, kernel: str, members: int | None, quick: bool, poo
     for note in study.notes:
         say(f"note: {note}")
     return study
+
+
+def law_of(case: Case) -> dict[str, object]:
+    """Return the change of a case that gives it the friction law which all engines have."""
+    return {} if FRICTION_LAWS[case.fields.contact.friction_law].remembers else VISCOUS
 
 
 def _disc_by_disc(study: Study, work: float) -> Divergence:
@@ -273,9 +286,12 @@ def _per(growth: Growth) -> str:
 def _laws(study: Study, case: Case) -> None:
     """Measure what each choice changes, on the native engine, which has them all."""
     rubs, elastic = study.scene.coefficients.friction > 0, study.scene.coefficients.restitution == 1
-    base = case.replace({"engine.name": "native", **VERLET, **VISCOUS, "engine.ranks": 1})
+    base = case.replace({"engine.name": "native", **VERLET, **law_of(case), "engine.ranks": 1})
+    springs = rubs and not law_of(case)
+    rubs = rubs and not springs
     # without velocities in the force the two integrators are the same algebra: identical trajectories
-    changing = {"sign": rubs, "thesis": rubs, "uncorrected": not elastic, "leap-frog": rubs or not elastic}
+    changing = {"sign": rubs, "thesis": rubs, "uncorrected": not elastic, "without springs": springs}
+    changing["leap-frog"] = not springs and (rubs or not elastic)
     for label, (text, changes) in LAWS.items():
         if changing[label]:
             name = study.run(base.replace(changes), "native", f"native_{label}")

@@ -26,6 +26,7 @@ from lammps_jump.dump import open_dump, read_dump
 from lammps_jump.engines import RunResult
 from lammps_jump.errors import DumpError, JumpError, SetupError
 from lammps_jump.files import plain
+from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.scene import Box, Scene, handmade_scene
 from lammps_jump.studies.runs import KERNELS, execute
 from lammps_jump.sweeps import pool
@@ -102,6 +103,10 @@ def hard_scenes(long: bool = False) -> dict[str, tuple[dict, tuple[str, ...]]]:
             name = f"μ {friction:g}, e {restitution:g}" + (", spin" if spin else "")
             contact = {"friction": friction, "restitution": restitution, "rotation": spin}
             scenes[name] = (base_case(contact=contact), ("stable",))
+    for friction, restitution, rolling in product((0.1, 0.5, 2.0), (0.01, 0.5, 1.0), (None, {"friction": 0.1})):
+        name = f"springs, μ {friction:g}, e {restitution:g}" + (", rolling" if rolling else "")
+        contact = {"friction": friction, "restitution": restitution, "rotation": True, "rolling": rolling}
+        scenes[name] = (base_case(contact={**contact, "friction_law": "history"}), ("stable",))
     return scenes
 
 
@@ -116,6 +121,11 @@ def random_case(seed: int) -> dict:
         "impact_speed": speed,
         "rotation": random.random() < 0.4,
     }
+    springs = np.random.default_rng([20261123, seed])
+    if contact["friction"] and springs.random() < 0.3:
+        contact["friction_law"] = "history"
+        if contact["rotation"] and springs.random() < 0.5:
+            contact["rolling"] = {"friction": springs.choice((0.05, 0.5))}
     width = d * random.uniform(6, 25)
     kind = random.choice(["box", "planes", "channel"])
     walls = [{"name": "box", "kind": "box", "x": [0, width], "y": [0, width]}]
@@ -156,8 +166,11 @@ def random_case(seed: int) -> dict:
 
 def judge(case: dict, engine: str) -> Outcome:
     """Build a case for an engine of `ENGINE_CHANGES`, run it and judge all that it wrote."""
+    changes = dict(ENGINE_CHANGES[engine])
+    if FRICTION_LAWS[case["contact"].get("friction_law", "viscous")].remembers and engine == "native":
+        changes["run.integrator"] = "auto"
     try:
-        scene = load_case(case, ENGINE_CHANGES[engine]).scene()
+        scene = load_case(case, changes).scene()
     except JumpError as error:
         return told(error, "refused" if str(error).strip() else "wordless")
     return judge_scene(scene, engine)
