@@ -200,13 +200,16 @@ class HeapWatch:
         self._last = frame, time
 
     def _column_of(self, frame: Frame) -> Column | None:
-        """The discs of a frame as a column; None where walls hold them on both sides."""
+        """The discs of a frame as a column; None where walls hold them on both sides, or where they hang in the air."""
         radii, d = self.flow.radii(frame), self.flow.scene.diameter
         left, right = float((frame.x - radii).min()), float((frame.x + radii).max())
         top, bed = float((frame.y + radii).max()), self.flow.bed_height(np.array([0.5 * (left + right)]))[0]
         rooms = [wall.room("x") for wall in self.flow.scene.permanent]
         free = all(abs(left - low) > d for low, _ in rooms), all(abs(right - high) > d for _, high in rooms)
-        height = top - float(bed if np.isfinite(bed) else (frame.y - radii).min())
+        bottom = float((frame.y - radii).min())
+        if bottom - bed > d:
+            return None
+        height = top - float(bed if np.isfinite(bed) else bottom)
         return Column(left, right, height, free) if any(free) and height > 0 else None
 
     def result(self) -> Remains:

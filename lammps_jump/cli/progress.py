@@ -40,6 +40,8 @@ class ProgressLine:
         Default stderr.
     first_step : int or None
         Where this part of the run begins; None: at the first report.
+    fixed : int
+        Discs of rough beds, which it leaves out.
     clock : callable
         Seconds from any origin.
     """
@@ -51,9 +53,10 @@ class ProgressLine:
         quiet: bool = False,
         stream: TextIO | None = None,
         first_step: int | None = 0,
+        fixed: int = 0,
         clock: Callable[[], float] = time.perf_counter,
     ):
-        self.end_time, self.quiet, self.clock = end_time, quiet, clock
+        self.end_time, self.quiet, self.fixed, self.clock = end_time, quiet, fixed, clock
         self.stream = stream or sys.stderr
         self.live = self.stream.isatty()
         self.begin = self.shown = clock()
@@ -79,7 +82,7 @@ class ProgressLine:
         share = report.step / max(report.steps, 1)
         self._show(
             share,
-            f"t = {report.time:.3f} of {self.end_time:g} s  {100 * share:3.0f} %  {report.discs} discs  "
+            f"t = {report.time:.3f} of {self.end_time:g} s  {100 * share:3.0f} %  {report.discs - self.fixed} discs  "
             f"{rate / 1e6:.1f} M disc-steps/s  {_duration(left)} left",
         )
 

@@ -108,7 +108,10 @@ def _run(
             f"--live needs text dumps, but run.dump_format is {case.fields.run.dump_format}; set it to text, or leave "
             "--live out"
         )
-    line = ProgressLine(case.fields.run.duration, quiet=quiet, first_step=None if resume else 0)
+    fixed = case.scene().fixed
+    line = ProgressLine(
+        case.fields.run.duration, quiet=quiet, first_step=None if resume else 0, fixed=fixed.count if fixed else 0
+    )
     view = cli.live.LiveView(case.scene(), folder, line) if live else line
     with options.told(quiet):
         try:

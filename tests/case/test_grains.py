@@ -18,11 +18,13 @@ COLUMN = INPUTS / "column_collapse.yaml"
 
 
 def told(*changes, path=COLUMN):
-    return [text for text in load_case(path, list(changes)).scene().warnings if "tangential spring" in text]
+    """What is said of a column with viscous friction, unless another law is given."""
+    case = load_case(path, ["contact.friction_law=viscous", *changes])
+    return [text for text in case.scene().warnings if "tangential spring" in text]
 
 
 def test_a_column_that_falls_creeps(monkeypatch):
-    case = load_case(COLUMN)
+    case = load_case(COLUMN, ["contact.friction_law=viscous"])
     (text,) = told()
     speed = 9.81 * sin(radians(20)) / case.scene().coefficients.gamma_tangential
     assert float(re.search(r"creeps at ([\d.e-]+) m/s on 20 degrees", text)[1]) == pytest.approx(speed, rel=0.05)
@@ -40,7 +42,7 @@ def test_the_ramp_of_the_sign_law_has_no_speed():
 
 @pytest.mark.parametrize(
     "change",
-    ["contact.friction=0.01", "outflow=[{x_beyond: 20}]", "gravity=0",
+    ["contact.friction=0.01", "outflow=[{x_beyond: 15}]", "gravity=0",
      "walls.0={name: back, kind: plane, axis: x, at: 0, side: above, motion: {kind: translate, velocity: [0, 0]}}"],
 )  # fmt: skip
 def test_what_makes_no_heap_is_not_told(change):
@@ -49,10 +51,18 @@ def test_what_makes_no_heap_is_not_told(change):
 
 def test_a_column_between_two_walls_makes_no_heap_and_a_poured_one_does():
     bin_ = "{kind: box, name: bin, x: [0, 2], y: [0, 8]}"
-    narrow = ("domain.x=[-1, 3]", f"walls=[{bin_}]", "probes.forces=[]")
+    narrow = ("domain.x=[-1, 3]", "discs.sizes=null", f"walls=[{bin_}]", "probes.forces=[]")
     assert not told(*narrow)
     pour = "inflow={kind: pour, x: [0.2, 1.8], y: [5, 7.5], count: 20}"
     assert told(*narrow, pour)
+
+
+def test_poured_discs_that_do_not_resist_rolling_make_a_flat_heap():
+    heap = INPUTS / "heap.yaml"
+    changes = [], ["contact.rolling=null"], ["contact.rolling=null", "analysis.hopper=false"]
+    warnings = [load_case(heap, change).scene().warnings for change in changes]
+    said = [any("contact.rolling" in text for text in one) for one in warnings]
+    assert said == [False, True, False]
 
 
 @pytest.mark.parametrize(("given", "kept"), [("true", True), ("false", False)])

@@ -15,6 +15,11 @@ from .inflow import PourInflow
 
 STATED_SLOPE = 20.0
 """Slope of a heap whose creep is told, degrees."""
+FLAT = (
+    "discs without contact.rolling roll off each other, so that their heap is flat: 10 degrees in column_collapse, 31 "
+    "with rolling friction 0.3 in heap; give contact.rolling for an angle of repose as of grains with corners"
+)
+"""Of poured discs that only slide."""
 LEAST_FRICTION = 0.05
 """Friction below which no heap is meant: discs that flow as water."""
 
@@ -41,9 +46,12 @@ def makes_heap(case: CaseFields, diameter: float, walls: Iterable[MovingWall]) -
 
 
 def heap_doubts(case: CaseFields, begun: Beginning, walls: Iterable[MovingWall]) -> list[str]:
-    """A sentence on a heap whose friction law has no tangential spring: it creeps."""
+    """A sentence on a heap whose contacts have no tangential spring: it creeps; or no rolling spring: it is flat."""
     law, c = FRICTION_LAWS[case.contact.friction_law], begun.coefficients
-    if law.remembers or c.friction < LEAST_FRICTION or not makes_heap(case, begun.diameter, walls):
+    if law.remembers:
+        poured = isinstance(case.inflow, PourInflow) or case.analysis.hopper
+        return [FLAT] if poured and case.contact.rolling is None and makes_heap(case, begun.diameter, walls) else []
+    if c.friction < LEAST_FRICTION or not makes_heap(case, begun.diameter, walls):
         return []
     speed = creep_speed(case.gravity, STATED_SLOPE, c.gamma_tangential)
     told = f"at {speed:.2g} m/s on {STATED_SLOPE:g} degrees ({speed / sqrt(case.gravity * begun.diameter):.2g} √(g d))"
