@@ -97,7 +97,7 @@ constexpr double HUGE_RADIUS = 1e150;
 /** Of pairs of discs with a distance at touch and radii that stand for their masses. */
 template <class Number> inline OwnLaw<Number> own_law(const Law &law, const Number &reach, const Number &one, const Number &two)
 {
-  const Number share = one * two / root(one * one + two * two) * (2.0 * M_SQRT2 / law.reach);
+  const Number share = one * two * (2.0 * M_SQRT2 / law.reach) / root(one * one + two * two);
   return {reach, law.damping * share, law.tangential * share};
 }
 
