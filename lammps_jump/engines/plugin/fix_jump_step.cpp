@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <mutex>
 
 using namespace LAMMPS_NS;
 using namespace FixConst;
@@ -145,21 +146,30 @@ template <bool SIZES, bool STAYS> void FixJumpStep::drift()
   const double *const __restrict f = atom->f[0];
   const int n = atom->nlocal;
   const double dtv = update->dt, dtf = 0.5 * dtv * force->ftm2v;
-  double dtfm = dtf / pair->mass;
+  const double dtfm = dtf / pair->mass;
   const double *const __restrict inverse_mass = pair->inverse_masses.data();
   const Vec2 kick = {0.5 * dtv * gx, 0.5 * dtv * gy};
   PairJumpDisc::Disc *const __restrict disc = pair->disc.data();
   Vec2 lo = {1e300, 1e300}, hi = {-1e300, -1e300};
-  for (int i = 0; i < n; i++) {
-    if (SIZES) dtfm = dtf * inverse_mass[i];
-    const Vec2 speed = at(v, i) + (dtfm * at(f, i) + (STAYS && dtfm == 0.0 ? Vec2{} : kick));
-    const Vec2 place = at(x, i) + dtv * speed;
-    at(v, i) = speed;
-    at(x, i) = place;
-    disc[i] = {place[0], place[1], speed[0], speed[1]};
-    lo = speed < lo ? speed : lo;
-    hi = speed > hi ? speed : hi;
-  }
+  std::mutex door;
+  pair->in_parts(n, [&](int from, int to) {
+    Vec2 least = {1e300, 1e300}, most = {-1e300, -1e300};
+    double rate = dtfm;
+    for (int i = from; i < to; i++) {
+      if (SIZES) rate = dtf * inverse_mass[i];
+      const Vec2 speed = at(v, i) + (rate * at(f, i) + (STAYS && rate == 0.0 ? Vec2{} : kick));
+      const Vec2 place = at(x, i) + dtv * speed;
+      at(v, i) = speed;
+      at(x, i) = place;
+      disc[i] = {place[0], place[1], speed[0], speed[1]};
+      least = speed < least ? speed : least;
+      most = speed > most ? speed : most;
+    }
+    if (pair->spin) turn_discs(from, to);
+    const std::lock_guard<std::mutex> lock(door);
+    lo = least < lo ? least : lo;
+    hi = most > hi ? most : hi;
+  });
   for (int axis = 0; axis < 2; axis++) {
     pair->range_lo[axis] = lo[axis];
     pair->range_hi[axis] = hi[axis];
@@ -176,12 +186,12 @@ double FixJumpStep::spin_rate(int i) const
 }
 
 /** Spin over half a step, and the speeds of the rims. */
-void FixJumpStep::turn_discs()
+void FixJumpStep::turn_discs(int from, int to)
 {
   double *const __restrict omega = atom->omega[0];
   const double *const __restrict torque = atom->torque[0];
   const double rate = spin_rate(0);
-  for (int i = 0; i < atom->nlocal; i++) {
+  for (int i = from; i < to; i++) {
     omega[3 * i + 2] += (pair->sizes ? spin_rate(i) : rate) * torque[3 * i + 2];
     pair->rim[i] = pair->radius_of(i) * omega[3 * i + 2];
   }
@@ -190,31 +200,39 @@ void FixJumpStep::turn_discs()
 void FixJumpStep::initial_integrate(int)
 {
   for (auto &wall : walls) wall.motion.drift(update->ntimestep, update->dt);
+  pair->pace.begin_step(atom->nlocal);
+  if (pair->team.size() != pair->pace.threads()) pair->team.resize(pair->pace.threads());
   if (atom->nlocal == 0) {
     pair->range_lo[0] = pair->range_lo[1] = 1e300;    // discs of other ranks may widen it
     pair->range_hi[0] = pair->range_hi[1] = -1e300;
     return;
   }
   pair->any_fixed() ? drift<true, true>() : pair->sizes ? drift<true, false>() : drift<false, false>();
-  if (pair->spin) turn_discs();
 }
 
 void FixJumpStep::final_integrate()
 {
-  const int n = atom->nlocal;
-  if (n == 0) return;
+  if (atom->nlocal > 0) pair->in_parts(atom->nlocal, [this](int from, int to) { kick(from, to); });
+  pair->pace.end_step(paced_order != pair->order);
+  paced_order = pair->order;
+}
+
+/** The second half kick of some discs. */
+void FixJumpStep::kick(int from, int to)
+{
   double *const __restrict v = atom->v[0];
   const double *const __restrict f = atom->f[0];
   const double dtv = update->dt, dtf = 0.5 * dtv * force->ftm2v, dtfm = dtf / pair->mass;
   const double *const __restrict inverse_mass = pair->inverse_masses.data();
   const Vec2 kick = {0.5 * dtv * gx, 0.5 * dtv * gy};
   if (pair->any_fixed())
-    for (int i = 0; i < n; i++) at(v, i) += dtf * inverse_mass[i] * at(f, i) + (inverse_mass[i] > 0.0 ? kick : Vec2{});
+    for (int i = from; i < to; i++)
+      at(v, i) += dtf * inverse_mass[i] * at(f, i) + (inverse_mass[i] > 0.0 ? kick : Vec2{});
   else if (pair->sizes)
-    for (int i = 0; i < n; i++) at(v, i) += dtf * inverse_mass[i] * at(f, i) + kick;
+    for (int i = from; i < to; i++) at(v, i) += dtf * inverse_mass[i] * at(f, i) + kick;
   else
-    for (int i = 0; i < n; i++) at(v, i) += dtfm * at(f, i) + kick;
-  if (pair->spin) turn_discs();
+    for (int i = from; i < to; i++) at(v, i) += dtfm * at(f, i) + kick;
+  if (pair->spin) turn_discs(from, to);
 }
 
 /** Diameter of a disc; the same operations as in lammps_jump/scene/sizes.py, so that both take the same piece. */

@@ -110,6 +110,7 @@ class FixJumpStep : public Fix {
   std::vector<Piece> pieces;
   tagint sized = 0;           // discs up to this id have their own size
   bigint near_order = -1;
+  bigint paced_order = -1;    // of the discs in the step before
   double near_margin = 0.0;    // way of a disc in x or y that lists of near discs allow
   double near_moved = 0.0;    // bound of a disc's displacement in x or y since the lists of near discs
 
@@ -136,7 +137,8 @@ class FixJumpStep : public Fix {
   void find_near();
   void push_lids();
   template <bool SIZES, bool STAYS> void drift();
-  void turn_discs();
+  void kick(int, int);
+  void turn_discs(int, int);
   void write_contacts();
   void push(Wall &);
   template <jump::Friction, jump::Touch, bool SIZES> void push(Wall &);

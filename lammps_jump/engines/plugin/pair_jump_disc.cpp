@@ -14,6 +14,7 @@
 #include "update.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 #include <map>
 
@@ -26,6 +27,8 @@ PairJumpDisc::PairJumpDisc(LAMMPS *lmp) : Pair(lmp), ring(lmp)
   single_enable = 0;
   restartinfo = 0;
   no_virial_fdotr_compute = 1;
+  pace.read(std::getenv("LAMMPS_JUMP_THREADS"));
+  team.resize(pace.threads());
 }
 
 PairJumpDisc::~PairJumpDisc()

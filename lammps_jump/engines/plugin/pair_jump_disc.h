@@ -30,6 +30,9 @@
 #include "pair.h"
 #include "record.h"
 #include "slots.h"
+#include "team.h"
+
+#include <atomic>
 
 namespace LAMMPS_NS {
 
@@ -51,6 +54,8 @@ class PairJumpDisc : public Pair {
 
   // shared with fix jump/step
 
+  jump::Team team;
+  jump::Pace pace;
   double k = 0.0, gamma = 0.0, gamma_t = 0.0, mu = 0.0;
   double mass = 0.0, diameter = 0.0, width = 0.0;    // of nominal discs, with sizes
   double skin = 0.0, smallest = 0.0, largest = 0.0;  // diameters from smallest to largest
@@ -77,6 +82,7 @@ class PairJumpDisc : public Pair {
   void reserve(int);
   void pack_size(int);
   double largest_overlap() const;
+  template <class Run> void in_parts(int, const Run &);
   double radius_of(int i) const { return sizes ? radii[i] : 0.5 * diameter; }
   double reach_of(int i, int j) const { return sizes ? radii[i] + radii[j] : law.reach; }
 
@@ -90,15 +96,17 @@ class PairJumpDisc : public Pair {
   std::vector<tagint> listed;        // ids of the local discs in the list, by index
   std::vector<int> cell_of, cell_start, sorted;
   std::vector<double> sorted_x, sorted_y, sorted_radius;
+  std::vector<std::vector<int>> found_first, found_second;    // pairs of each thread, while the list is built
   std::vector<int> first_across, second_across;    // pairs across a cut, while the list is built
 
   void pack();
   void check_discs(int, int);
   bool keeps_order() const;
   void build_list();
-  template <bool SIZES> size_t find_pairs(int, int);
+  size_t find_pairs(int, int);
+  template <bool SIZES> size_t find_pairs(int, int, int, std::vector<int> &, std::vector<int> &) const;
+  size_t keep_local(size_t);
   void append_to_list(int);
-  void make_room(size_t);
   void widen_range();
   bool moved_by_others() const;
   bool worn(const double *) const;
@@ -108,11 +116,37 @@ class PairJumpDisc : public Pair {
   void remember_order();
   double largest_squared_speed() const;
   void find_largest_speed();
+  /** A force on a disc that an earlier part of the list sums up first. */
+  struct Late {
+    int disc;
+    double fx, fy, moment;
+  };
+  /** The list in parts for the threads: who sums up the force on a disc is the first part that has it. */
+  struct Parts {
+    int count = 0;    // 0: to be found anew
+    size_t from = 0, to = 0;
+    std::vector<uint8_t> owner;    // of each disc, with SHARED where other parts have it too
+    std::vector<Late> late[jump::MOST_THREADS];
+  };
+  static constexpr uint8_t SHARED = 128, NOBODY = 127;
+  static constexpr int LOCKS = 64;
+  Parts parts;
+  std::atomic_flag locks[LOCKS] = {};
+
   void evaluate(size_t, size_t);
-  template <jump::Friction, jump::Touch, bool SIZES> void evaluate(size_t, size_t);
-  double *remembered(int, int);
+  void share_out(int, size_t, size_t);
+  void evaluate_part(size_t, size_t, int);
+  template <jump::Friction, jump::Touch, bool SIZES> void evaluate_part(size_t, size_t, int);
+  double *remembered(int, int, bool);
   void note(int, int, const double *);
 };
+
+/** Call run(from, to) for parts of the numbers below n, shared out among the threads. */
+template <class Run> void PairJumpDisc::in_parts(int n, const Run &run)
+{
+  const int count = n < 64 * team.size() ? 1 : team.size();
+  team.run(count, [&](int part) { run((int) ((int64_t) n * part / count), (int) ((int64_t) n * (part + 1) / count)); });
+}
 
 }    // namespace LAMMPS_NS
 

@@ -45,9 +45,13 @@ void PairJumpDisc::find_largest_speed()
 }
 
 /** Where disc i remembers its contact with disc j: its tangential spring, COUNT before its rolling one; null: nowhere. */
-double *PairJumpDisc::remembered(int i, int j)
+double *PairJumpDisc::remembered(int i, int j, bool shared)
 {
+  auto &lock = locks[i % LOCKS];
+  if (shared)
+    while (lock.test_and_set(std::memory_order_acquire)) {}    // another thread is in the slots of this disc, or one like it
   const int slot = slots.of_pair(i, tags[j]);
+  if (shared) lock.clear(std::memory_order_release);
   return slot < 0 ? nullptr : slots.spring(i, slot);
 }
 
@@ -77,9 +81,15 @@ void PairJumpDisc::list_contacts(std::vector<jump::ContactRow> &rows)
   slots.grows = grew;
 }
 
-/** Forces of the pairs from one place in the list to another. */
-template <Friction FRICTION, Touch TOUCH, bool SIZES> void PairJumpDisc::evaluate(size_t from, size_t to)
+/** Forces of the pairs from one place in the list to another, which is `part` of the list, or all of it (-1).
+
+    A part adds the forces on the discs that it owns, and keeps the others for later: each sum is in the order of the
+    list, whatever the parts are. */
+template <Friction FRICTION, Touch TOUCH, bool SIZES>
+void PairJumpDisc::evaluate_part(size_t from, size_t to, int part)
 {
+  const uint8_t *const __restrict owner = part < 0 ? nullptr : parts.owner.data();
+  std::vector<Late> *const late = part < 0 ? nullptr : &parts.late[part];
   const Disc *const __restrict at = disc.data();
   const int *const __restrict one = first.data();
   const int *const __restrict two = second.data();
@@ -143,8 +153,8 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void PairJumpDisc::evaluat
       }
       if constexpr (SPRINGS) {
         const bool larger = tags[i] > tags[j];
-        of_one[c] = both || larger ? remembered(i, j) : nullptr;
-        of_two[c] = j < nlocal && (both || !larger) ? remembered(j, i) : nullptr;
+        of_one[c] = both || larger ? remembered(i, j, owner && owner[i] & SHARED) : nullptr;
+        of_two[c] = j < nlocal && (both || !larger) ? remembered(j, i, owner && owner[j] & SHARED) : nullptr;
         const double *const held = of_one[c] ? of_one[c] : of_two[c];
         stretch[c] = held ? *held : 0.0;
         if constexpr (SPIN) {    // of disc i against disc j
@@ -154,10 +164,6 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void PairJumpDisc::evaluat
         }
       }
     }
-    if constexpr (SPRINGS)
-      if (slots.full >= 0)
-        error->one(FLERR, "jump/disc: disc {} touches more than the {} others it can remember: contacts are too deep",
-                   atom->tag[slots.full], slots.count);
     // whole vectors only: the rest of the last one is filled with a contact that nobody reads
     const int whole = (n + LANES - 1) / LANES * LANES;
     for (int c = n; c < whole; c++) {
@@ -223,6 +229,22 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void PairJumpDisc::evaluat
       for (int c = 0; c < n; c++) note(i_of[c], j_of[c], force_on[c]);
       continue;
     }
+    if (owner) {
+      const auto add = [&](int disc, const Vec2 &push, double moment) {
+        if ((owner[disc] & ~SHARED) != part) {
+          late->push_back({disc, push[0], push[1], moment});
+          return;
+        }
+        *reinterpret_cast<Vec2 *>(f + 3 * disc) += push;
+        if (jump::has_spin(FRICTION)) torque[3 * disc + 2] += moment;
+      };
+      for (int c = 0; c < n; c++) {
+        const Vec2 push = *reinterpret_cast<const Vec2 *>(force_on[c]);
+        add(i_of[c], push, SPIN ? -twist[c] : 0.0);
+        if (j_of[c] < nlocal) add(j_of[c], -push, !SPIN ? 0.0 : DENT ? -twist_two[c] : -twist[c]);
+      }
+      continue;
+    }
     for (int c = 0; c < n; c++) {
       const int i = i_of[c], j = j_of[c];
       const Vec2 push = *reinterpret_cast<const Vec2 *>(force_on[c]);
@@ -277,10 +299,51 @@ void PairJumpDisc::widen_range()
 
 void PairJumpDisc::evaluate(size_t from, size_t to)
 {
+  const int count = record || to - from < 512 * (size_t) team.size() ? 1 : team.size();
+  if (count == 1) {
+    evaluate_part(from, to, -1);
+  } else {
+    share_out(count, from, to);
+    team.run(count, [&](int part) {
+      parts.late[part].clear();
+      evaluate_part(from + (to - from) * part / count, from + (to - from) * (part + 1) / count, part);
+    });
+    double *const *const f = atom->f, *const *const torque = atom->torque;
+    for (int part = 1; part < count; part++)
+      for (const auto &one : parts.late[part]) {
+        f[one.disc][0] += one.fx;
+        f[one.disc][1] += one.fy;
+        if (spin) torque[one.disc][2] += one.moment;
+      }
+  }
+  if (slots.full >= 0)
+    error->one(FLERR, "jump/disc: disc {} touches more than the {} others it can remember: contacts are too deep",
+               atom->tag[slots.full], slots.count);
+}
+
+/** Find which part of the list owns a disc: the first that has it. */
+void PairJumpDisc::share_out(int count, size_t from, size_t to)
+{
+  if (parts.count == count && parts.from == from && parts.to == to) return;
+  parts.count = count;
+  parts.from = from;
+  parts.to = to;
+  auto &owner = parts.owner;
+  owner.assign(disc.size(), NOBODY);
+  for (int part = count - 1; part >= 0; part--)
+    for (size_t p = from + (to - from) * part / count; p < from + (to - from) * (part + 1) / count; p++)
+      for (const int i : {first[p], second[p]}) {
+        const uint8_t other = owner[i] & ~SHARED;
+        owner[i] = other == NOBODY || owner[i] == part ? part : part | (other == part ? owner[i] & SHARED : SHARED);
+      }
+}
+
+void PairJumpDisc::evaluate_part(size_t from, size_t to, int part)
+{
   jump::with_branch(friction, touch, [&](auto f, auto t) {
     constexpr Friction F = decltype(f)::value;
     constexpr Touch T = decltype(t)::value;
-    sizes ? evaluate<F, T, true>(from, to) : evaluate<F, T, false>(from, to);
+    sizes ? evaluate_part<F, T, true>(from, to, part) : evaluate_part<F, T, false>(from, to, part);
   });
 }
 

@@ -32,13 +32,15 @@ void PairJumpDisc::remember_order()
   order++;
 }
 
-/** Room in the list for so many pairs. */
-void PairJumpDisc::make_room(size_t pairs)
+namespace {
+/** Room for so many pairs. */
+void make_room(size_t pairs, std::vector<int> &first, std::vector<int> &second)
 {
   if (first.size() >= pairs) return;
   first.resize(pairs + pairs / 2 + 1024);
   second.resize(first.size());
 }
+}    // namespace
 
 /** All pairs whose rims are closer than the skin, from the packed positions.
 
@@ -50,6 +52,7 @@ void PairJumpDisc::build_list()
   const int nlocal = atom->nlocal;
   const int n = nlocal + ring.count();
   candidates = interior = 0;
+  parts.count = 0;
   for (int c = 0; c < 2; c++) moved[c] = moved_here[c] = 0.0;
   first_across.clear();
   second_across.clear();
@@ -100,39 +103,70 @@ void PairJumpDisc::build_list()
     if (sizes) sorted_radius[s] = radii[i];
   }
   // now cell_start[c + 1] is where cell c begins: the discs of cell c are [cell_start[c + 1], cell_start[c + 2])
-  interior = sizes ? find_pairs<true>(n, nx) : find_pairs<false>(n, nx);
+  interior = keep_local(find_pairs(n, nx));
   candidates = interior + first_across.size();
-  make_room(candidates);
+  make_room(candidates, first, second);
   std::copy(first_across.begin(), first_across.end(), first.begin() + interior);
   std::copy(second_across.begin(), second_across.end(), second.begin() + interior);
 }
 
-/** Pairs of the sorted discs, in rows of nx cells; those of local discs into the list, the others beside it.
+/** Put the pairs of n sorted discs, in rows of nx cells, into the list; returns their number.
 
-    Returns the number of pairs of local discs. */
-template <bool SIZES> size_t PairJumpDisc::find_pairs(int n, int nx)
+    Each thread finds those of a stretch of the sorted discs; put one behind the other they are as one thread finds them. */
+size_t PairJumpDisc::find_pairs(int n, int nx)
+{
+  const auto find = [&](int from, int to, std::vector<int> &one, std::vector<int> &two) {
+    return sizes ? find_pairs<true>(from, to, nx, one, two) : find_pairs<false>(from, to, nx, one, two);
+  };
+  const int count = n < 64 * team.size() ? 1 : team.size();
+  if (count == 1) return find(0, n, first, second);
+  found_first.resize(count);
+  found_second.resize(count);
+  std::vector<size_t> begin(count + 1, 0);
+  team.run(count, [&](int part) {
+    const int from = (int) ((int64_t) n * part / count), to = (int) ((int64_t) n * (part + 1) / count);
+    begin[part + 1] = find(from, to, found_first[part], found_second[part]);
+  });
+  for (int part = 0; part < count; part++) begin[part + 1] += begin[part];
+  make_room(begin[count] + 4, first, second);
+  team.run(count, [&](int part) {
+    std::copy_n(found_first[part].begin(), begin[part + 1] - begin[part], first.begin() + begin[part]);
+    std::copy_n(found_second[part].begin(), begin[part + 1] - begin[part], second.begin() + begin[part]);
+  });
+  return begin[count];
+}
+
+/** Pairs of the sorted discs from one place to another. */
+template <bool SIZES>
+size_t PairJumpDisc::find_pairs(int from, int to, int nx, std::vector<int> &one, std::vector<int> &two) const
 {
   size_t found = 0;
-  for (int s = 0; s < n; s++) {
+  for (int s = from; s < to; s++) {
     const int i = sorted[s];
     const int c = cell_of[i];
     const double x = sorted_x[s], y = sorted_y[s], rim = SIZES ? sorted_radius[s] + skin : 0.0;
     const int above = c + nx - 1;
     const int runs[2][2] = {{s + 1, cell_start[c + 3]}, {cell_start[above + 1], cell_start[above + 4]}};
-    make_room(found + (runs[0][1] - runs[0][0]) + (runs[1][1] - runs[1][0]) + 4);
+    make_room(found + (runs[0][1] - runs[0][0]) + (runs[1][1] - runs[1][0]) + 4, one, two);
     for (const auto &run : runs) {
       for (int t = run[0]; t < run[1]; t += 4) {
         const Four dx = x - four(&sorted_x[t]), dy = y - four(&sorted_y[t]);
         const Four cut = SIZES ? rim + four(&sorted_radius[t]) : largest + skin - Four{};
         const int mask = jump::bits(dx * dx + dy * dy < cut * cut) & (run[1] - t < 4 ? (1 << (run[1] - t)) - 1 : 15);
-        *reinterpret_cast<FourInts *>(&first[found]) = i - FourInts{};
-        *reinterpret_cast<FourInts *>(&second[found]) = jump::first_of(four(&sorted[t]), mask);
+        *reinterpret_cast<FourInts *>(&one[found]) = i - FourInts{};
+        *reinterpret_cast<FourInts *>(&two[found]) = jump::first_of(four(&sorted[t]), mask);
         found += __builtin_popcount(mask);
       }
     }
   }
+  return found;
+}
+
+/** Keep the pairs of local discs in the list and put the others beside it; returns the number of those that stay. */
+size_t PairJumpDisc::keep_local(size_t found)
+{
   const int nlocal = atom->nlocal;
-  if (n == nlocal) return found;
+  if (ring.count() == 0) return found;
   size_t local = 0;
   for (size_t p = 0; p < found; p++) {
     const int i = std::min(first[p], second[p]), j = std::max(first[p], second[p]);
@@ -152,8 +186,9 @@ void PairJumpDisc::append_to_list(int from)
 {
   const int n = atom->nlocal;
   check_discs(from, n);
+  parts.count = 0;
   for (int j = from; j < n; j++) {
-    make_room(candidates + j + 1);
+    make_room(candidates + j + 1, first, second);
     for (int i = 0; i < j; i++) {
       const double dx = disc[j].x - disc[i].x, dy = disc[j].y - disc[i].y;
       // the others may have moved since the list was built: look as far as they still may

@@ -8,6 +8,7 @@
 #define JUMP_SLOTS_H
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -21,7 +22,7 @@ class Slots {
   double **const *rows = nullptr;    // the fix's array, which may move
   int count = 0;
   bool grows = false;                // springs go on; else they stay as they are, as in the first forces of a run
-  int full = -1;                     // a disc that has no slot left
+  std::atomic<int> full{-1};         // a disc that has no slot left
 
   void begin(int discs) { marks.assign(discs, 0); }
 
@@ -62,10 +63,10 @@ class Slots {
     return best;
   }
 
-  /** Empty the slots whose contacts have ended. */
-  void end(int discs)
+  /** Empty the slots of some discs whose contacts have ended. */
+  void end(int from, int to)
   {
-    for (int i = 0; i < discs; i++) {
+    for (int i = from; i < to; i++) {
       double *const row = (*rows)[i];
       const uint64_t mark = marks[i];
       for (int s = 0; s < count; s++) row[s] = mark >> s & 1 ? row[s] : 0.0;
