@@ -14,7 +14,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <mutex>
 
 using namespace LAMMPS_NS;
 using namespace FixConst;
@@ -139,42 +138,30 @@ void FixJumpStep::setup(int vflag)
   post_force(vflag);
 }
 
-template <bool SIZES, bool STAYS> void FixJumpStep::drift()
+/** First half kick and drift of some discs; widens the range (lo, hi) of their velocities. */
+template <bool SIZES, bool STAYS> void FixJumpStep::drift(int from, int to, Range &range)
 {
   double *const __restrict x = atom->x[0];
   double *const __restrict v = atom->v[0];
-  const double *const __restrict f = atom->f[0];
-  const int n = atom->nlocal;
+  double *const __restrict f = atom->f[0];
   const double dtv = update->dt, dtf = 0.5 * dtv * force->ftm2v;
-  const double dtfm = dtf / pair->mass;
+  double dtfm = dtf / pair->mass;
   const double *const __restrict inverse_mass = pair->inverse_masses.data();
   const Vec2 kick = {0.5 * dtv * gx, 0.5 * dtv * gy};
   PairJumpDisc::Disc *const __restrict disc = pair->disc.data();
   Vec2 lo = {1e300, 1e300}, hi = {-1e300, -1e300};
-  std::mutex door;
-  pair->in_parts(n, [&](int from, int to) {
-    Vec2 least = {1e300, 1e300}, most = {-1e300, -1e300};
-    double rate = dtfm;
-    for (int i = from; i < to; i++) {
-      if (SIZES) rate = dtf * inverse_mass[i];
-      const Vec2 speed = at(v, i) + (rate * at(f, i) + (STAYS && rate == 0.0 ? Vec2{} : kick));
-      const Vec2 place = at(x, i) + dtv * speed;
-      at(v, i) = speed;
-      at(x, i) = place;
-      disc[i] = {place[0], place[1], speed[0], speed[1]};
-      least = speed < least ? speed : least;
-      most = speed > most ? speed : most;
-    }
-    if (pair->spin) turn_discs(from, to);
-    const std::lock_guard<std::mutex> lock(door);
-    lo = least < lo ? least : lo;
-    hi = most > hi ? most : hi;
-  });
-  for (int axis = 0; axis < 2; axis++) {
-    pair->range_lo[axis] = lo[axis];
-    pair->range_hi[axis] = hi[axis];
+  for (int i = from; i < to; i++) {
+    if (SIZES) dtfm = dtf * inverse_mass[i];
+    const Vec2 speed = at(v, i) + (dtfm * at(f, i) + (STAYS && dtfm == 0.0 ? Vec2{} : kick));
+    const Vec2 place = at(x, i) + dtv * speed;
+    at(v, i) = speed;
+    at(x, i) = place;
+    disc[i] = {place[0], place[1], speed[0], speed[1]};
+    lo = speed < lo ? speed : lo;
+    hi = speed > hi ? speed : hi;
   }
-  near_moved += dtv * std::max(std::max(-lo[0], hi[0]), std::max(-lo[1], hi[1]));
+  if (pair->spin) turn_discs(from, to);
+  range = {{lo[0], lo[1]}, {hi[0], hi[1]}};
 }
 
 /** Spin that a torque of 1 gives to a disc, of inertia m R^2/2, in half a step. */
@@ -189,7 +176,7 @@ double FixJumpStep::spin_rate(int i) const
 void FixJumpStep::turn_discs(int from, int to)
 {
   double *const __restrict omega = atom->omega[0];
-  const double *const __restrict torque = atom->torque[0];
+  double *const __restrict torque = atom->torque[0];
   const double rate = spin_rate(0);
   for (int i = from; i < to; i++) {
     omega[3 * i + 2] += (pair->sizes ? spin_rate(i) : rate) * torque[3 * i + 2];
@@ -207,12 +194,27 @@ void FixJumpStep::initial_integrate(int)
     pair->range_hi[0] = pair->range_hi[1] = -1e300;
     return;
   }
-  pair->any_fixed() ? drift<true, true>() : pair->sizes ? drift<true, false>() : drift<false, false>();
+  const auto move = pair->any_fixed() ? &FixJumpStep::drift<true, true>
+      : pair->sizes                   ? &FixJumpStep::drift<true, false>
+                                      : &FixJumpStep::drift<false, false>;
+  Range ranges[jump::MOST_THREADS];
+  const int parts = pair->in_parts(atom->nlocal, [&](int from, int to, int part) { (this->*move)(from, to, ranges[part]); });
+  for (int axis = 0; axis < 2; axis++) {
+    double &lo = pair->range_lo[axis], &hi = pair->range_hi[axis];
+    lo = ranges[0].lo[axis];
+    hi = ranges[0].hi[axis];
+    for (int part = 1; part < parts; part++) {
+      lo = std::min(lo, ranges[part].lo[axis]);
+      hi = std::max(hi, ranges[part].hi[axis]);
+    }
+  }
+  near_moved += update->dt * std::max(std::max(-pair->range_lo[0], pair->range_hi[0]),
+                                      std::max(-pair->range_lo[1], pair->range_hi[1]));
 }
 
 void FixJumpStep::final_integrate()
 {
-  if (atom->nlocal > 0) pair->in_parts(atom->nlocal, [this](int from, int to) { kick(from, to); });
+  if (atom->nlocal > 0) pair->in_parts(atom->nlocal, [this](int from, int to, int) { kick(from, to); });
   pair->pace.end_step(paced_order != pair->order);
   paced_order = pair->order;
 }

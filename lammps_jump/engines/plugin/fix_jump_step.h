@@ -136,7 +136,11 @@ class FixJumpStep : public Fix {
   bool is_worn() const;
   void find_near();
   void push_lids();
-  template <bool SIZES, bool STAYS> void drift();
+  /** Least and largest velocities of some discs, m/s. */
+  struct alignas(64) Range {
+    double lo[2], hi[2];
+  };
+  template <bool SIZES, bool STAYS> void drift(int, int, Range &);
   void kick(int, int);
   void turn_discs(int, int);
   void write_contacts();

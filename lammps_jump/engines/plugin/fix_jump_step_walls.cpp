@@ -336,7 +336,7 @@ void FixJumpStep::post_force(int)
   const std::vector<double> before = update->setupflag ? window : std::vector<double>();
   for (auto &wall : walls)
     if (is_there(wall)) push(wall);
-  if (pair->slots.grows) pair->in_parts(atom->nlocal, [&](int from, int to) { pair->slots.end(from, to); });
+  if (pair->slots.grows) pair->in_parts(atom->nlocal, [&](int from, int to, int) { pair->slots.end(from, to); });
   if (contacts_every && update->ntimestep % contacts_every == 0) write_contacts();
   push_lids();
   if (update->setupflag) {

@@ -82,7 +82,7 @@ class PairJumpDisc : public Pair {
   void reserve(int);
   void pack_size(int);
   double largest_overlap() const;
-  template <class Run> void in_parts(int, const Run &);
+  template <class Run> int in_parts(int, const Run &);
   double radius_of(int i) const { return sizes ? radii[i] : 0.5 * diameter; }
   double reach_of(int i, int j) const { return sizes ? radii[i] + radii[j] : law.reach; }
 
@@ -116,36 +116,43 @@ class PairJumpDisc : public Pair {
   void remember_order();
   double largest_squared_speed() const;
   void find_largest_speed();
-  /** A force on a disc that an earlier part of the list sums up first. */
+  /** A force on a disc that an earlier part of the list may have too. */
   struct Late {
     int disc;
     double fx, fy, moment;
   };
-  /** The list in parts for the threads: who sums up the force on a disc is the first part that has it. */
-  struct Parts {
-    int count = 0;    // 0: to be found anew
-    size_t from = 0, to = 0;
-    std::vector<uint8_t> owner;    // of each disc, with SHARED where other parts have it too
-    std::vector<Late> late[jump::MOST_THREADS];
+  /** A part of the list, which a thread takes. Discs are meant by their places in the order of the cells. */
+  struct Part {
+    size_t begin = 0, border = 0, end = 0;    // pairs; from the border on no disc is in an earlier part
+    int taken = 0;                            // discs before this one may be in earlier parts
+    int own_end = 0;                          // discs from this one on may be in later parts
+    std::vector<Late> late;
   };
-  static constexpr uint8_t SHARED = 128, NOBODY = 127;
   static constexpr int LOCKS = 64;
-  Parts parts;
+  std::vector<Part> parts;
+  bool parted = false;               // whether the parts are those of this list
+  size_t built = 0;                  // pairs that were found together, in the order of the cells; others come behind
+  int row = 0;                       // cells of a row
+  std::vector<int> place;            // of each disc in the order of the cells
   std::atomic_flag locks[LOCKS] = {};
 
   void evaluate(size_t, size_t);
-  void share_out(int, size_t, size_t);
-  void evaluate_part(size_t, size_t, int);
-  template <jump::Friction, jump::Touch, bool SIZES> void evaluate_part(size_t, size_t, int);
-  double *remembered(int, int, bool);
+  void divide(int);
+  void evaluate_part(size_t, size_t, const Part *, std::vector<Late> *);
+  template <jump::Friction, jump::Touch, bool SIZES> void evaluate_part(size_t, size_t, const Part *, std::vector<Late> *);
+  void sum_up(int, const int *, const int *, const double (*)[2], const double *, const double *, int,
+              std::vector<Late> &);
+  double *remembered(int, int, const Part *);
   void note(int, int, const double *);
 };
 
-/** Call run(from, to) for parts of the numbers below n, shared out among the threads. */
-template <class Run> void PairJumpDisc::in_parts(int n, const Run &run)
+/** Call run(from, to, part) for parts of the numbers below n, shared out among the threads; returns how many. */
+template <class Run> int PairJumpDisc::in_parts(int n, const Run &run)
 {
   const int count = n < 64 * team.size() ? 1 : team.size();
-  team.run(count, [&](int part) { run((int) ((int64_t) n * part / count), (int) ((int64_t) n * (part + 1) / count)); });
+  const auto begin = [&](int part) { return (int) ((int64_t) n * part / count); };
+  team.run(count, [&](int part) { run(begin(part), begin(part + 1), part); });
+  return count;
 }
 
 }    // namespace LAMMPS_NS

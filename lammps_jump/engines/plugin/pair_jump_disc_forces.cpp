@@ -22,6 +22,7 @@ using jump::Touch;
 
 namespace {
 typedef double Vec2 __attribute__((vector_size(16), aligned(8), may_alias));
+constexpr size_t FEW_PAIRS = 512;    // for a thread of its own
 constexpr int BATCH = 256;    // contacts evaluated together: their arrays stay in the first-level cache
 }    // namespace
 
@@ -45,8 +46,9 @@ void PairJumpDisc::find_largest_speed()
 }
 
 /** Where disc i remembers its contact with disc j: its tangential spring, COUNT before its rolling one; null: nowhere. */
-double *PairJumpDisc::remembered(int i, int j, bool shared)
+double *PairJumpDisc::remembered(int i, int j, const Part *part)
 {
+  const bool shared = part && (place[i] < part->taken || place[i] >= part->own_end);
   auto &lock = locks[i % LOCKS];
   if (shared)
     while (lock.test_and_set(std::memory_order_acquire)) {}    // another thread is in the slots of this disc, or one like it
@@ -81,15 +83,36 @@ void PairJumpDisc::list_contacts(std::vector<jump::ContactRow> &rows)
   slots.grows = grew;
 }
 
-/** Forces of the pairs from one place in the list to another, which is `part` of the list, or all of it (-1).
-
-    A part adds the forces on the discs that it owns, and keeps the others for later: each sum is in the order of the
-    list, whatever the parts are. */
-template <Friction FRICTION, Touch TOUCH, bool SIZES>
-void PairJumpDisc::evaluate_part(size_t from, size_t to, int part)
+/** Add the forces of n contacts to the discs, but keep those on discs that earlier parts may have. */
+void PairJumpDisc::sum_up(int n, const int *one, const int *two, const double (*force_on)[2], const double *twist_one,
+                          const double *twist_two, int taken, std::vector<Late> &late)
 {
-  const uint8_t *const __restrict owner = part < 0 ? nullptr : parts.owner.data();
-  std::vector<Late> *const late = part < 0 ? nullptr : &parts.late[part];
+  const int *const __restrict at = place.data();
+  const int nlocal = atom->nlocal;
+  double *const __restrict f = atom->f[0];
+  double *const __restrict torque = twist_one ? atom->torque[0] : nullptr;
+  const auto add = [&](int disc, const Vec2 &push, double moment) {
+    if (at[disc] < taken) {
+      late.push_back({disc, push[0], push[1], moment});
+      return;
+    }
+    *reinterpret_cast<Vec2 *>(f + 3 * disc) += push;
+    if (torque) torque[3 * disc + 2] += moment;
+  };
+  for (int c = 0; c < n; c++) {
+    const Vec2 push = *reinterpret_cast<const Vec2 *>(force_on[c]);
+    add(one[c], push, torque ? -twist_one[c] : 0.0);
+    if (two[c] < nlocal) add(two[c], -push, torque ? -twist_two[c] : 0.0);
+  }
+}
+
+/** Forces of the pairs from one place in the list to another, which belong to a part of it, or to none (null).
+
+    With `late` forces on discs that earlier parts may have too are kept there: each sum is in the order of the list,
+    whatever the parts are. */
+template <Friction FRICTION, Touch TOUCH, bool SIZES>
+void PairJumpDisc::evaluate_part(size_t from, size_t to, const Part *part, std::vector<Late> *late)
+{
   const Disc *const __restrict at = disc.data();
   const int *const __restrict one = first.data();
   const int *const __restrict two = second.data();
@@ -153,8 +176,8 @@ void PairJumpDisc::evaluate_part(size_t from, size_t to, int part)
       }
       if constexpr (SPRINGS) {
         const bool larger = tags[i] > tags[j];
-        of_one[c] = both || larger ? remembered(i, j, owner && owner[i] & SHARED) : nullptr;
-        of_two[c] = j < nlocal && (both || !larger) ? remembered(j, i, owner && owner[j] & SHARED) : nullptr;
+        of_one[c] = both || larger ? remembered(i, j, part) : nullptr;
+        of_two[c] = j < nlocal && (both || !larger) ? remembered(j, i, part) : nullptr;
         const double *const held = of_one[c] ? of_one[c] : of_two[c];
         stretch[c] = held ? *held : 0.0;
         if constexpr (SPIN) {    // of disc i against disc j
@@ -229,20 +252,8 @@ void PairJumpDisc::evaluate_part(size_t from, size_t to, int part)
       for (int c = 0; c < n; c++) note(i_of[c], j_of[c], force_on[c]);
       continue;
     }
-    if (owner) {
-      const auto add = [&](int disc, const Vec2 &push, double moment) {
-        if ((owner[disc] & ~SHARED) != part) {
-          late->push_back({disc, push[0], push[1], moment});
-          return;
-        }
-        *reinterpret_cast<Vec2 *>(f + 3 * disc) += push;
-        if (jump::has_spin(FRICTION)) torque[3 * disc + 2] += moment;
-      };
-      for (int c = 0; c < n; c++) {
-        const Vec2 push = *reinterpret_cast<const Vec2 *>(force_on[c]);
-        add(i_of[c], push, SPIN ? -twist[c] : 0.0);
-        if (j_of[c] < nlocal) add(j_of[c], -push, !SPIN ? 0.0 : DENT ? -twist_two[c] : -twist[c]);
-      }
+    if (late) {
+      sum_up(n, i_of, j_of, force_on, SPIN ? twist : nullptr, DENT ? twist_two : twist, part->taken, *late);
       continue;
     }
     for (int c = 0; c < n; c++) {
@@ -299,51 +310,36 @@ void PairJumpDisc::widen_range()
 
 void PairJumpDisc::evaluate(size_t from, size_t to)
 {
-  const int count = record || to - from < 512 * (size_t) team.size() ? 1 : team.size();
-  if (count == 1) {
-    evaluate_part(from, to, -1);
-  } else {
-    share_out(count, from, to);
-    team.run(count, [&](int part) {
-      parts.late[part].clear();
-      evaluate_part(from + (to - from) * part / count, from + (to - from) * (part + 1) / count, part);
+  const int count = team.size();
+  if (count > 1 && !record && from == 0 && to >= built && built >= FEW_PAIRS * (size_t) count) {
+    divide(count);
+    team.run(count, [&](int c) {
+      Part &part = parts[c];
+      part.late.clear();
+      evaluate_part(part.begin, part.border, &part, &part.late);
+      evaluate_part(part.border, part.end, &part, nullptr);
     });
     double *const *const f = atom->f, *const *const torque = atom->torque;
-    for (int part = 1; part < count; part++)
-      for (const auto &one : parts.late[part]) {
+    for (const auto &part : parts)
+      for (const auto &one : part.late) {
         f[one.disc][0] += one.fx;
         f[one.disc][1] += one.fy;
         if (spin) torque[one.disc][2] += one.moment;
       }
+    from = built;
   }
+  evaluate_part(from, to, nullptr, nullptr);
   if (slots.full >= 0)
     error->one(FLERR, "jump/disc: disc {} touches more than the {} others it can remember: contacts are too deep",
                atom->tag[slots.full], slots.count);
 }
 
-/** Find which part of the list owns a disc: the first that has it. */
-void PairJumpDisc::share_out(int count, size_t from, size_t to)
-{
-  if (parts.count == count && parts.from == from && parts.to == to) return;
-  parts.count = count;
-  parts.from = from;
-  parts.to = to;
-  auto &owner = parts.owner;
-  owner.assign(disc.size(), NOBODY);
-  for (int part = count - 1; part >= 0; part--)
-    for (size_t p = from + (to - from) * part / count; p < from + (to - from) * (part + 1) / count; p++)
-      for (const int i : {first[p], second[p]}) {
-        const uint8_t other = owner[i] & ~SHARED;
-        owner[i] = other == NOBODY || owner[i] == part ? part : part | (other == part ? owner[i] & SHARED : SHARED);
-      }
-}
-
-void PairJumpDisc::evaluate_part(size_t from, size_t to, int part)
+void PairJumpDisc::evaluate_part(size_t from, size_t to, const Part *part, std::vector<Late> *late)
 {
   jump::with_branch(friction, touch, [&](auto f, auto t) {
     constexpr Friction F = decltype(f)::value;
     constexpr Touch T = decltype(t)::value;
-    sizes ? evaluate_part<F, T, true>(from, to, part) : evaluate_part<F, T, false>(from, to, part);
+    sizes ? evaluate_part<F, T, true>(from, to, part, late) : evaluate_part<F, T, false>(from, to, part, late);
   });
 }
 

@@ -51,8 +51,8 @@ void PairJumpDisc::build_list()
 {
   const int nlocal = atom->nlocal;
   const int n = nlocal + ring.count();
-  candidates = interior = 0;
-  parts.count = 0;
+  candidates = interior = built = 0;
+  parted = false;
   for (int c = 0; c < 2; c++) moved[c] = moved_here[c] = 0.0;
   first_across.clear();
   second_across.clear();
@@ -103,7 +103,8 @@ void PairJumpDisc::build_list()
     if (sizes) sorted_radius[s] = radii[i];
   }
   // now cell_start[c + 1] is where cell c begins: the discs of cell c are [cell_start[c + 1], cell_start[c + 2])
-  interior = keep_local(find_pairs(n, nx));
+  built = interior = keep_local(find_pairs(n, nx));
+  row = nx;
   candidates = interior + first_across.size();
   make_room(candidates, first, second);
   std::copy(first_across.begin(), first_across.end(), first.begin() + interior);
@@ -181,12 +182,40 @@ size_t PairJumpDisc::keep_local(size_t found)
   return local;
 }
 
+/** Divide the pairs that were found together into parts of the same length, for the threads.
+
+    The discs of a part and of those before it end in the row of cells above its last pair: the next part leaves the sums
+    on these to the end of the step. */
+void PairJumpDisc::divide(int count)
+{
+  if (parted && (int) parts.size() == count) return;
+  parted = true;
+  parts.resize(count);
+  place.resize(disc.size());
+  const int n = (int) sorted.size() - 8;
+  in_parts(n, [&](int from, int to, int) {
+    for (int s = from; s < to; s++) place[sorted[s]] = s;
+  });
+  const auto pair_of = [&](int s) {    // the first pair of the discs from place s on
+    return std::partition_point(first.begin(), first.begin() + built, [&](int i) { return place[i] < s; }) - first.begin();
+  };
+  int taken = 0;
+  for (int c = 0; c < count; c++) {
+    Part &part = parts[c];
+    part.begin = c == 0 ? 0 : parts[c - 1].end;
+    part.own_end = c + 1 == count ? n : place[first[built * (c + 1) / count]];
+    part.end = c + 1 == count ? built : std::max<size_t>(pair_of(part.own_end), part.begin);
+    part.taken = taken;
+    part.border = std::clamp<size_t>(pair_of(taken), part.begin, part.end);
+    if (part.end > part.begin) taken = std::max(taken, cell_start[cell_of[first[part.end - 1]] + row + 3]);
+  }
+}
+
 /** New discs at the end, the others as they were: add the pairs of the new ones. */
 void PairJumpDisc::append_to_list(int from)
 {
   const int n = atom->nlocal;
   check_discs(from, n);
-  parts.count = 0;
   for (int j = from; j < n; j++) {
     make_room(candidates + j + 1, first, second);
     for (int i = 0; i < j; i++) {
