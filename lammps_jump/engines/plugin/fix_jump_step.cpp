@@ -23,6 +23,9 @@ namespace {
 typedef double Vec2 __attribute__((vector_size(16), aligned(8), may_alias));
 
 inline Vec2 &at(double *rows, int i) { return *reinterpret_cast<Vec2 *>(rows + 3 * i); }
+// … and of the plugin's own array of forces (two numbers a disc)
+inline Vec2 &pushed(double *rows, int i) { return *reinterpret_cast<Vec2 *>(rows + 2 * i); }
+inline const Vec2 &pushed(const double *rows, int i) { return *reinterpret_cast<const Vec2 *>(rows + 2 * i); }
 inline const Vec2 &at(const double *rows, int i) { return *reinterpret_cast<const Vec2 *>(rows + 3 * i); }
 }    // namespace
 
@@ -143,7 +146,7 @@ template <bool SIZES, bool STAYS> void FixJumpStep::drift(int from, int to, Rang
 {
   double *const __restrict x = atom->x[0];
   double *const __restrict v = atom->v[0];
-  double *const __restrict f = atom->f[0];
+  double *const __restrict f = pair->pushes.data();
   const double dtv = update->dt, dtf = 0.5 * dtv * force->ftm2v;
   double dtfm = dtf / pair->mass;
   const double *const __restrict inverse_mass = pair->inverse_masses.data();
@@ -152,15 +155,19 @@ template <bool SIZES, bool STAYS> void FixJumpStep::drift(int from, int to, Rang
   Vec2 lo = {1e300, 1e300}, hi = {-1e300, -1e300};
   for (int i = from; i < to; i++) {
     if (SIZES) dtfm = dtf * inverse_mass[i];
-    const Vec2 speed = at(v, i) + (dtfm * at(f, i) + (STAYS && dtfm == 0.0 ? Vec2{} : kick));
+    const Vec2 speed = at(v, i) + (dtfm * pushed(f, i) + (STAYS && dtfm == 0.0 ? Vec2{} : kick));
     const Vec2 place = at(x, i) + dtv * speed;
     at(v, i) = speed;
     at(x, i) = place;
+    pushed(f, i) = Vec2{};    // for the sums of this step
     disc[i] = {place[0], place[1], speed[0], speed[1]};
     lo = speed < lo ? speed : lo;
     hi = speed > hi ? speed : hi;
   }
-  if (pair->spin) turn_discs(from, to);
+  if (pair->spin) {
+    turn_discs(from, to);
+    std::fill(pair->turns.begin() + from, pair->turns.begin() + to, 0.0);
+  }
   range = {{lo[0], lo[1]}, {hi[0], hi[1]}};
 }
 
@@ -176,10 +183,10 @@ double FixJumpStep::spin_rate(int i) const
 void FixJumpStep::turn_discs(int from, int to)
 {
   double *const __restrict omega = atom->omega[0];
-  double *const __restrict torque = atom->torque[0];
+  const double *const __restrict torque = pair->turns.data();
   const double rate = spin_rate(0);
   for (int i = from; i < to; i++) {
-    omega[3 * i + 2] += (pair->sizes ? spin_rate(i) : rate) * torque[3 * i + 2];
+    omega[3 * i + 2] += (pair->sizes ? spin_rate(i) : rate) * torque[i];
     pair->rim[i] = pair->radius_of(i) * omega[3 * i + 2];
   }
 }
@@ -223,17 +230,17 @@ void FixJumpStep::final_integrate()
 void FixJumpStep::kick(int from, int to)
 {
   double *const __restrict v = atom->v[0];
-  const double *const __restrict f = atom->f[0];
+  const double *const __restrict f = pair->pushes.data();
   const double dtv = update->dt, dtf = 0.5 * dtv * force->ftm2v, dtfm = dtf / pair->mass;
   const double *const __restrict inverse_mass = pair->inverse_masses.data();
   const Vec2 kick = {0.5 * dtv * gx, 0.5 * dtv * gy};
   if (pair->any_fixed())
     for (int i = from; i < to; i++)
-      at(v, i) += dtf * inverse_mass[i] * at(f, i) + (inverse_mass[i] > 0.0 ? kick : Vec2{});
+      at(v, i) += dtf * inverse_mass[i] * pushed(f, i) + (inverse_mass[i] > 0.0 ? kick : Vec2{});
   else if (pair->sizes)
-    for (int i = from; i < to; i++) at(v, i) += dtf * inverse_mass[i] * at(f, i) + kick;
+    for (int i = from; i < to; i++) at(v, i) += dtf * inverse_mass[i] * pushed(f, i) + kick;
   else
-    for (int i = from; i < to; i++) at(v, i) += dtfm * at(f, i) + kick;
+    for (int i = from; i < to; i++) at(v, i) += dtfm * pushed(f, i) + kick;
   if (pair->spin) turn_discs(from, to);
 }
 

@@ -8,6 +8,7 @@
 #include "atom.h"
 #include "comm.h"
 #include "error.h"
+#include "output.h"
 #include "update.h"
 
 #include <algorithm>
@@ -215,10 +216,10 @@ void FixJumpStep::touch(const Wall &wall, int i, const Touched &where, const Own
                              (float) (a.y - to_y), (float) out.fx, (float) out.fy, NAN});
     return;
   }
-  double *const f = atom->f[i];
+  double *const f = &pair->pushes[2 * i];
   f[0] += out.fx;
   f[1] += out.fy;
-  if (jump::has_spin(FRICTION)) atom->torque[i][2] -= pair->radius_of(i) * (out.twist - held.resist);
+  if (jump::has_spin(FRICTION)) pair->turns[i] -= pair->radius_of(i) * (out.twist - held.resist);
   on_wall[0] -= out.fx;
   on_wall[1] -= out.fy;
   on_wall[2] -= (a.x - to_x - x0) * out.fy - (a.y - to_y - y0) * out.fx;
@@ -339,6 +340,8 @@ void FixJumpStep::post_force(int)
   if (pair->slots.grows) pair->in_parts(atom->nlocal, [&](int from, int to, int) { pair->slots.end(from, to); });
   if (contacts_every && update->ntimestep % contacts_every == 0) write_contacts();
   push_lids();
+  if (update->setupflag || update->ntimestep == update->laststep || update->ntimestep == output->next)
+    pair->hand_over_forces();
   if (update->setupflag) {
     // the forces of the start belong to no window; they are what a probe shows at the first step
     if (update->ntimestep == 0)

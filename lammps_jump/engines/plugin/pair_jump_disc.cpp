@@ -150,7 +150,9 @@ void PairJumpDisc::reserve(int n)
 {
   if ((size_t) n > disc.size()) {
     disc.resize(n + n / 4 + 64);
+    pushes.resize(2 * disc.size());
     if (spin) rim.resize(disc.size());
+    if (spin) turns.resize(disc.size());
     if (sizes) {
       radii.resize(disc.size());
       inverse_masses.resize(disc.size());
@@ -170,6 +172,18 @@ void PairJumpDisc::pack()
     if (sizes) pack_size(i);
     if (spin) rim[i] = radius_of(i) * atom->omega[i][2];
     if (springs.there) tags[i] = (double) atom->tag[i];
+  }
+  std::fill_n(pushes.begin(), 2 * (size_t) atom->nlocal, 0.0);
+  if (spin) std::fill_n(turns.begin(), atom->nlocal, 0.0);
+}
+
+/** Put the forces of this step where LAMMPS looks for them, before it writes a frame or a run ends. */
+void PairJumpDisc::hand_over_forces()
+{
+  for (int i = 0; i < atom->nlocal; i++) {
+    atom->f[i][0] = pushes[2 * i];
+    atom->f[i][1] = pushes[2 * i + 1];
+    if (spin) atom->torque[i][2] = turns[i];
   }
 }
 

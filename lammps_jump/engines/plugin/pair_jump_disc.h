@@ -67,6 +67,8 @@ class PairJumpDisc : public Pair {
   double largest_speed = 0.0;                        // all ranks, of the last force evaluation, m/s
   std::vector<Disc> disc;                            // local discs, then those of other ranks
   std::vector<double> rim;                           // R omega, with spin
+  // forces (x, y of each disc) and moments; not in LAMMPS' array, which it clears in one thread each step
+  std::vector<double> pushes, turns;
   std::vector<double> radii, inverse_masses;         // with sizes; in the order of the discs
   std::vector<double> tags;                          // ids, with springs
   std::vector<double> bulk;                          // radii that stand for masses, with fixed discs
@@ -83,6 +85,7 @@ class PairJumpDisc : public Pair {
   void pack_size(int);
   double largest_overlap() const;
   template <class Run> int in_parts(int, const Run &);
+  void hand_over_forces();
   double radius_of(int i) const { return sizes ? radii[i] : 0.5 * diameter; }
   double reach_of(int i, int j) const { return sizes ? radii[i] + radii[j] : law.reach; }
 

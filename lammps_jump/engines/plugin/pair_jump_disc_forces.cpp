@@ -89,15 +89,15 @@ void PairJumpDisc::sum_up(int n, const int *one, const int *two, const double (*
 {
   const int *const __restrict at = place.data();
   const int nlocal = atom->nlocal;
-  double *const __restrict f = atom->f[0];
-  double *const __restrict torque = twist_one ? atom->torque[0] : nullptr;
+  double *const __restrict f = pushes.data();
+  double *const __restrict torque = twist_one ? turns.data() : nullptr;
   const auto add = [&](int disc, const Vec2 &push, double moment) {
     if (at[disc] < taken) {
       late.push_back({disc, push[0], push[1], moment});
       return;
     }
-    *reinterpret_cast<Vec2 *>(f + 3 * disc) += push;
-    if (torque) torque[3 * disc + 2] += moment;
+    *reinterpret_cast<Vec2 *>(f + 2 * disc) += push;
+    if (torque) torque[disc] += moment;
   };
   for (int c = 0; c < n; c++) {
     const Vec2 push = *reinterpret_cast<const Vec2 *>(force_on[c]);
@@ -120,8 +120,8 @@ void PairJumpDisc::evaluate_part(size_t from, size_t to, const Part *part, std::
   const jump::Law rule = law;
   const int nlocal = atom->nlocal;
   const double radius = 0.5 * diameter;
-  double *const __restrict f = atom->f ? atom->f[0] : nullptr;
-  double *const __restrict torque = jump::has_spin(FRICTION) && atom->torque ? atom->torque[0] : nullptr;
+  double *const __restrict f = pushes.data();
+  double *const __restrict torque = turns.data();
 
   // a batch of candidates at a time: differences of those that touch, then their forces, then the sums
   alignas(64) double between[BATCH][4];
@@ -259,11 +259,11 @@ void PairJumpDisc::evaluate_part(size_t from, size_t to, const Part *part, std::
     for (int c = 0; c < n; c++) {
       const int i = i_of[c], j = j_of[c];
       const Vec2 push = *reinterpret_cast<const Vec2 *>(force_on[c]);
-      *reinterpret_cast<Vec2 *>(f + 3 * i) += push;
-      if (jump::has_spin(FRICTION)) torque[3 * i + 2] -= twist[c];
+      *reinterpret_cast<Vec2 *>(f + 2 * i) += push;
+      if (jump::has_spin(FRICTION)) torque[i] -= twist[c];
       if (j < nlocal) {
-        *reinterpret_cast<Vec2 *>(f + 3 * j) -= push;
-        if (jump::has_spin(FRICTION)) torque[3 * j + 2] -= DENT ? twist_two[c] : twist[c];
+        *reinterpret_cast<Vec2 *>(f + 2 * j) -= push;
+        if (jump::has_spin(FRICTION)) torque[j] -= DENT ? twist_two[c] : twist[c];
       }
     }
   }
@@ -319,12 +319,11 @@ void PairJumpDisc::evaluate(size_t from, size_t to)
       evaluate_part(part.begin, part.border, &part, &part.late);
       evaluate_part(part.border, part.end, &part, nullptr);
     });
-    double *const *const f = atom->f, *const *const torque = atom->torque;
     for (const auto &part : parts)
       for (const auto &one : part.late) {
-        f[one.disc][0] += one.fx;
-        f[one.disc][1] += one.fy;
-        if (spin) torque[one.disc][2] += one.moment;
+        pushes[2 * one.disc] += one.fx;
+        pushes[2 * one.disc + 1] += one.fy;
+        if (spin) turns[one.disc] += one.moment;
       }
     from = built;
   }
