@@ -17,6 +17,7 @@ os.environ.pop("LAMMPS_JUMP_CACHE", None)
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # else every process compiles the program, every worker the tests
 sys.dont_write_bytecode = False
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command line does: waiting threads cost processor time
+os.environ["LAMMPS_JUMP_THREADS"] = "1"  # the workers of the tests are as many as the cores
 # engines run in processes of their own, which find the hook on their path
 os.environ["PYTHONPATH"] = os.pathsep.join([str(HERE / "hook"), *filter(None, [os.environ.get("PYTHONPATH")])])
 runpy.run_path(str(HERE / "hook" / "sitecustomize.py"))

@@ -113,9 +113,11 @@ class ReadCase:
 
     @cached_property
     def core(self) -> dict[str, Any]:
-        """Plain data of what decides the run: all but name, description, analysis and how often it is saved."""
+        """Plain data of what decides the run: no name, description, analysis, threads, or how often it is saved."""
         data = {key: value for key, value in self._data.items() if key not in NOT_OF_THE_RUN}
-        return {**data, "run": {key: value for key, value in data["run"].items() if key != "checkpoint_interval"}}
+        for group, name in (("run", "checkpoint_interval"), ("engine", "threads")):
+            data[group] = {key: value for key, value in data[group].items() if key != name}
+        return data
 
     @property
     def core_as_written(self) -> dict[str, Any]:

@@ -289,12 +289,17 @@ class Analysis(Strict):
         return bool(self.jump or self.energy or self.layers or self.fields)
 
 
+MOST_THREADS = 64
+"""Of one process; the plugin has as many parts."""
+
+
 class Engine(Strict):
-    """Engine, kernel and ranks."""
+    """Engine, kernel, ranks and threads."""
 
     name: Literal["lammps", "native"] = "lammps"
     kernel: Literal["auto", "stock", "compiled"] = "auto"
     ranks: Annotated[int | Literal["auto"], BeforeValidator(no_truth)] = 1
+    threads: Annotated[int | Literal["auto"], BeforeValidator(no_truth)] = "auto"
     skin: units.Metre | None = Field(default=None, **FINE_LENGTH, description="neighbour skin; default 0.3 d")
 
     @field_validator("ranks")
@@ -302,6 +307,13 @@ class Engine(Strict):
     def _ranks(cls, value: int | str) -> int | str:
         if isinstance(value, int) and value < 1:
             raise ValueError(f"{value} ranks; expected 1 or more, or auto")
+        return value
+
+    @field_validator("threads")
+    @classmethod
+    def _threads(cls, value: int | str) -> int | str:
+        if isinstance(value, int) and not 1 <= value <= MOST_THREADS:
+            raise ValueError(f"{value} threads; expected 1 to {MOST_THREADS}, or auto")
         return value
 
 

@@ -80,10 +80,11 @@ class ProgressLine:
         here = report.step - self.first_step
         left = (self.shown - self.begin) * (report.steps - report.step) / here if here > 0 else float("nan")
         share = report.step / max(report.steps, 1)
+        threads = f"  {report.threads} threads" if report.threads > 1 else ""
         self._show(
             share,
             f"t = {report.time:.3f} of {self.end_time:g} s  {100 * share:3.0f} %  {report.discs - self.fixed} discs  "
-            f"{rate / 1e6:.1f} M disc-steps/s  {_duration(left)} left",
+            f"{rate / 1e6:.1f} M disc-steps/s{threads}  {_duration(left)} left",
         )
 
     def _time_to_show(self, *, at_once: bool = False) -> float:

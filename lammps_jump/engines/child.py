@@ -122,8 +122,8 @@ class Child:
                 result = message["result"]
                 return RunResult(**{**result, "resumed": tuple(result["resumed"])})
             if message.get("report"):
-                step, discs = message["report"]
-                self.last = Progress(step, scene.steps, scene.time(step), discs)
+                step, discs, threads = message["report"]
+                self.last = Progress(step, scene.steps, scene.time(step), discs, threads=threads)
                 if progress is not None:
                     progress(self.last)
             if should_stop is not None and not steady and should_stop():

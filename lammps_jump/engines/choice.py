@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Which engine, kernel and number of MPI ranks a scene gets."""
+"""Which engine, kernel and number of MPI ranks and threads a scene gets."""
 
 from __future__ import annotations
 
 import os
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 
 from lammps_jump.errors import CaseError, SetupError
@@ -17,6 +18,9 @@ from .setting import Setting
 
 KERNELS = ("auto", "stock", "compiled")
 FASTER = "without a compiler `--engine native` is the quickest way: 2 to 7 times as fast as stock (docs/kernels.md)"
+THREADS = "LAMMPS_JUMP_THREADS"
+"""Variable of the environment: most threads that `engine.threads: auto` takes."""
+MOST_THREADS = 64
 DISCS_PER_RANK = 2_500
 """Below this another rank waits for a good part of its time, spinning (docs/scaling.md)."""
 
@@ -68,6 +72,26 @@ def choose(engine: str, kernel: str, ranks: int | str, scene: Scene) -> tuple[Se
             why = f"stock LAMMPS has no {missing}, and the compiled kernel cannot be used: {error}"
             return Setting("native", "numba", scripts=True), [f"the native engine is used: {why}"]
         return Setting(ranks=number), [*notes, f"stock LAMMPS styles are used: {error}; {FASTER}"]
+
+
+def choose_threads(wanted: int | str, setting: Setting) -> tuple[Setting, list[str]]:
+    """The setting with the threads of a process, and notes for the user.
+
+    Parameters
+    ----------
+    wanted : int or 'auto'
+        ``auto``: as many of the cores that this process may use as steps show to be the quickest, one where there
+        are several ranks. The variable `THREADS` in the environment says another most; in members it is 1.
+    setting : Setting
+    """
+    if setting.kernel != "compiled":
+        which = setting.engine if setting.engine == "native" else f"kernel {setting.kernel}"
+        return setting, [] if wanted in ("auto", 1) else [f"engine.threads: {which} runs on one thread"]
+    if wanted != "auto":
+        return replace(setting, threads=str(wanted)), []
+    told = os.environ.get(THREADS, "")
+    most = int(told) if told.isdigit() else usable_cores()
+    return replace(setting, threads="1" if setting.ranks > 1 else f"auto:{max(1, min(most, MOST_THREADS))}"), []
 
 
 def usable_kernels() -> tuple[list[str], list[str]]:

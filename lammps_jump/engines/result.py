@@ -28,6 +28,8 @@ class Progress:
     discs : int
     doing : str
         What is done now that the engine has come to its end; empty while it runs.
+    threads : int
+        Of the engine, now; of the first rank.
     """
 
     step: int
@@ -35,6 +37,7 @@ class Progress:
     time: float
     discs: int
     doing: str = ""
+    threads: int = 1
 
 
 ProgressCallback = Callable[[Progress], None]

@@ -22,6 +22,8 @@ class Setting:
         The first two are of LAMMPS, the last is of the native engine.
     ranks : int
         MPI ranks, LAMMPS only.
+    threads : str
+        Threads of the compiled kernel: a number, or ``auto:MOST``, by which steps show how many are the quickest.
     plugin : Path, optional
         The plugin's shared object, for the compiled kernel.
     dump_format : {'text', 'gz', 'binary'}
@@ -45,6 +47,7 @@ class Setting:
     engine: str = "lammps"
     kernel: str = "stock"
     ranks: int = 1
+    threads: str = "1"
     plugin: Path | None = None
     dump_format: str = "text"
     header: tuple[str, ...] = ()

@@ -50,7 +50,7 @@ def say(**message: object) -> None:
 
 def report(now: Progress | None) -> None:
     """Send a report of progress; None says only that the engine is at work."""
-    say(report=[now.step, now.discs] if now else None)
+    say(report=[now.step, now.discs, now.threads] if now else None)
 
 
 class _Inbox:

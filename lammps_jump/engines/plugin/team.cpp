@@ -27,6 +27,8 @@ inline void pause()
 }
 }    // namespace
 
+std::atomic<int> jump::threads_now{1};
+
 Team::~Team()
 {
   quits = true;
@@ -43,7 +45,7 @@ void Team::wake()
 void Team::resize(int count)
 {
   threads = std::clamp(count, 1, MOST_THREADS);
-  wanted = threads;
+  wanted = threads_now = threads;
   while ((int) helpers.size() < threads - 1) helpers.emplace_back(&Team::help, this, (int) helpers.size() + 1);
 }
 

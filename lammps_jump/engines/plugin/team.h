@@ -19,6 +19,7 @@
 namespace jump {
 
 constexpr int MOST_THREADS = 64;
+extern std::atomic<int> threads_now;    // of the run of this process, for who looks on
 
 class Team {
  public:
