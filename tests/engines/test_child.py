@@ -67,7 +67,7 @@ class FakeProcess:
 
 
 def fake_child(monkeypatch, reports=9, ends=True) -> Child:
-    lines = [f"{MARK}{dumps({'report': [100 * (k + 1), 7]})}\n" for k in range(reports)]
+    lines = [f"{MARK}{dumps({'report': [100 * (k + 1), 7, 2]})}\n" for k in range(reports)]
     lines = [f"{MARK}{dumps({'report': None})}\n", "words of the engine\n", f"{MARK}torn", *lines]
     if ends:
         lines.append(f"{MARK}{dumps({'result': asdict(RESULT)})}\n")
@@ -85,7 +85,7 @@ def job(scene, folder=Path("nowhere")) -> Job:
 def test_reports_and_result_come_through(scene, monkeypatch):
     child, seen = fake_child(monkeypatch), []
     assert child.run(job(scene), seen.append, None) == RESULT
-    assert seen == [Progress(100 * k, scene.steps, scene.time(100 * k), 7) for k in range(1, 10)]
+    assert seen == [Progress(100 * k, scene.steps, scene.time(100 * k), 7, threads=2) for k in range(1, 10)]
     assert child.output == ["words of the engine"] and child.process.told() == []
 
 
