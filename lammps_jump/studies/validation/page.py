@@ -39,7 +39,9 @@ def distance_text(row: Data) -> str:
     if not row["published"]:
         return number(row["distance"])
     share = 100 * row["distance"]
-    return f"{share:+.{1 if abs(share) >= 0.1 else 2 if abs(share) >= 0.01 else 4}f} %".replace("-", "−")  # noqa: RUF001
+    if abs(share) < 1e-3:
+        return "below 0.001 %"
+    return f"{share:+.{1 if abs(share) >= 0.1 else 2 if abs(share) >= 0.01 else 3}f} %".replace("-", "−")  # noqa: RUF001
 
 
 def limits_text(row: Data) -> str:
