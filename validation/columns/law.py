@@ -105,10 +105,11 @@ def rows(found: Found) -> list[Row]:
     outs, tops = [one["bulk"] for one in middle], [one["top"] for one in middle]
     a = float(np.mean([one["aspect"] for one in middle]))
     made += [
-        Row("a 1.39: run-out of the bulk / L", run_out_of_rods(a), LOOKED_UP, RODS, *mean_of(outs),
+        Row("a 1.39: run-out of the bulk / L, rods", run_out_of_rods(a), LOOKED_UP, RODS, *mean_of(outs),
             around(run_out_of_rods(a), 0.25), WIDE, "rods run out farther: their friction is not in the abstract"),
-        Row("a 1.39: top / L", height_of_rods(a), LOOKED_UP, RODS, *mean_of(tops), around(height_of_rods(a), 0.25), WIDE),
-        Row("a 1.39: run-out of the bulk / L", run_out_of_sand(a), SECOND_HAND, LUBE, *mean_of(outs),
+        Row("a 1.39: top / L, rods", height_of_rods(a), LOOKED_UP, RODS, *mean_of(tops),
+            around(height_of_rods(a), 0.25), WIDE),
+        Row("a 1.39: run-out of the bulk / L, sand", run_out_of_sand(a), SECOND_HAND, LUBE, *mean_of(outs),
             reason="sand is not two-dimensional: discs run out twice as far, whoever computes them"),
     ]  # fmt: skip
     for name, ones in found.items():
@@ -145,6 +146,7 @@ def figure(found: Found) -> Figure:
         right.plot(a, [run_out_of_rods(v) for v in a], "--", color=GOLD, label="aluminium rods")
         right.plot(a, [run_out_of_sand(v) for v in a], ":", color=RED, label="sand")
         right.set(xscale="log", yscale="log", xlabel="aspect a = H/L [1]", ylabel="run-out / L [1]", title="run-out")
+        right.set_yticks([0.5, 1, 2, 5, 10, 20], ["0.5", "1", "2", "5", "10", "20"])
         right.set_xticks([0.5, 1, 2, 5, 10], ["0.5", "1", "2", "5", "10"])
         right.minorticks_off()
         right.legend()
@@ -158,8 +160,8 @@ LAW = Law(
     rows,
     figure,
     (
-        "About 1,500 discs of ± 20 %, μ 0.5, e 0.5, spin, springs along contacts, no rolling springs; rough bed, smooth "
-        "wall behind (the middle of a column that falls to both sides). L is the base of the column, a = H/L.",
+        "About 1,500 discs of ± 20 %, μ 0.5, e 0.5, spin, springs along contacts, no rolling springs; rough bed, "
+        "smooth wall behind (the middle of a column that falls to both sides). L is the base of the column, a = H/L.",
         "Two fronts: the bulk ends before the first gap of two diameters between neighbours; the other one is where "
         "the heap is 1.5 diameters deep. A heap is measured at rest: median speed below 0.01 √(g d), top constant.",
     ),
