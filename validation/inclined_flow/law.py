@@ -128,7 +128,7 @@ def rows(found: Found) -> list[Row]:
         for name, value, theirs in zip(("μ_s", "μ_2", "I_0"), fitted, GLASS, strict=True):
             made.append(
                 Row(f"{name} of μ(I)", theirs, SECOND_HAND, "glass beads, three-dimensional: Jop et al. 2006", value,
-                    reason="spheres are no discs: shown beside, not held against")
+                    reason="spheres are no discs; up to I 0.25 ours is nearly straight, which leaves μ_2 and I_0 open")
             )  # fmt: skip
     angle, half = stops_at(found)
     made.append(

@@ -25,13 +25,6 @@ def surface_of(y: np.ndarray, packing: np.ndarray) -> float:
     return float(np.interp(DENSE, [packing[after], packing[after - 1]], [y[after], y[after - 1]]))
 
 
-def exponent_of_profile(depth: np.ndarray, velocity: np.ndarray) -> float:
-    """Exponent n of u(surface) - u(y) = A (h - y)^n, a straight line of logarithms; `depth` is h - y."""
-    top = np.interp(0.0, depth[::-1], velocity[::-1])
-    chosen = (depth > 0) & (top - velocity > 0)
-    return float(np.polyfit(np.log(depth[chosen]), np.log(top - velocity[chosen]), 1)[0])
-
-
 def layer(run: Run) -> dict:
     """Thickness over d; mean velocity over sqrt(g d); inner means of I, mu and packing; profiles over height."""
     d, g = run.scene.diameter, 9.81
