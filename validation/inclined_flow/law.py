@@ -16,7 +16,7 @@ from lammps_jump.studies.validation import DERIVED, LOOKED_UP, SECOND_HAND, Foun
 ANGLES = (18, 20, 22, 24, 26)
 THICK, STEEP = (10, 15, 20, 25), 22
 """Thicknesses in diameters whose mean velocities are compared, and their slope, degrees."""
-STILL = (11, 12, 13, 14, 15, 16)
+STILL = (14, 15, 16, 17)
 """Slopes among which a layer of 15 diameters stops."""
 STOPPED = 0.01
 """Mean velocity over sqrt(g d) below which a layer has stopped."""
@@ -41,7 +41,7 @@ def points(quick: bool) -> list[Point]:
     """Slopes, thicknesses, and slopes at which it stops; quick: two slopes and thicknesses, too short to be steady."""
     if quick:
         return [point(20, 15, 1, 1.5), point(STEEP, 15, 1, 1.5), point(STEEP, 10, 1, 1.5), point(12, 15, 1, 1.5)]
-    found = [point(angle, 15, 3 if angle == STEEP else 2, 9.0) for angle in ANGLES]
+    found = [point(angle, 15, 3, 9.0) for angle in ANGLES]
     found += [point(STEEP, thick, 3, 12.0 if thick > 15 else 9.0) for thick in THICK if thick != 15]
     return found + [point(angle, 15, 1, 6.0) for angle in STILL]
 
@@ -71,9 +71,15 @@ def bagnold(found: Found) -> list[float]:
     return fits
 
 
-def line_of(found: Found, key: str) -> tuple[float, float]:
+def by_start(found: Found) -> list[dict[float, Any]]:
+    """Layers of 15 d that flow, by slope: a mapping for each start."""
+    some = flows(found)
+    return [dict(zip(some, ones, strict=True)) for ones in zip(*some.values(), strict=False)]
+
+
+def line_of(layers: dict[float, Any], key: str) -> tuple[float, float]:
     """Straight line of a number over I: slope and value at I = 0."""
-    ones = [one for some in flows(found).values() for one in some]
+    ones = list(layers.values())
     slope, offset = np.polyfit([one["inertial"] for one in ones], [one[key] for one in ones], 1)
     return float(slope), float(offset)
 
@@ -83,10 +89,10 @@ def friction_of(inertial: Any, still: float, fast: float, middle: float) -> Any:
     return still + (fast - still) / (middle / np.maximum(inertial, 1e-9) + 1)
 
 
-def fit_of(found: Found) -> tuple[float, ...] | None:
+def fit_of(layers: dict[float, Any]) -> tuple[float, ...] | None:
     """Fitted mu_s, mu_2 and I0; None where fewer than four slopes flow."""
-    ones = [(one["inertial"], tan(radians(angle))) for angle, some in flows(found).items() for one in some]
-    if len(flows(found)) < 4:
+    ones = [(one["inertial"], tan(radians(angle))) for angle, one in layers.items()]
+    if len(ones) < 4:
         return None
     limits = ([0.05, 0.2, 0.01], [0.6, 3.0, 10.0])
     fitted, _ = curve_fit(friction_of, *zip(*ones, strict=True), p0=GLASS, bounds=limits)
@@ -116,18 +122,20 @@ def rows(found: Found) -> list[Row]:
             *mean_of([one["spread"] for ones in some.values() for one in ones]), (0.0, 0.15),
             "without 3 d at the bed and 3 d at the surface"),
     ]  # fmt: skip
-    (rise, still), (dilates, densest) = line_of(found, "friction"), line_of(found, "packing")
-    made += [
-        Row("growth of μ with I", "above 0", LOOKED_UP, da_cruz, rise, limits=(1e-9, np.inf), reason="sign"),
-        Row("growth of packing with I", "below 0", LOOKED_UP, da_cruz, dilates, limits=(-np.inf, -1e-9), reason="sign"),
-        Row("μ at I = 0, straight line", None, "", "", still, reason="no number for discs was found"),
-        Row("packing at I = 0, straight line", None, "", "", densest, reason="no number for discs was found"),
-    ]  # fmt: skip
-    fitted = fit_of(found)
-    if fitted is not None:
-        for name, value, theirs in zip(("μ_s", "μ_2", "I_0"), fitted, GLASS, strict=True):
+    starts = by_start(found)
+    signs = {"friction": ("μ", "above 0", (0.0, np.inf)), "packing": ("packing", "below 0", (-np.inf, 0.0))}
+    for key, (name, sign, limits) in signs.items():
+        slopes, offsets = zip(*(line_of(layers, key) for layers in starts), strict=True)
+        made += [
+            Row(f"growth of {name} with I", sign, LOOKED_UP, da_cruz, *mean_of(slopes), limits, "sign"),
+            Row(f"{name} at I = 0, straight line", None, "", "", *mean_of(offsets),
+                reason="no number for discs was found"),
+        ]  # fmt: skip
+    fits = [fitted for layers in starts if (fitted := fit_of(layers)) is not None]
+    if fits:
+        for name, values, theirs in zip(("μ_s", "μ_2", "I_0"), zip(*fits, strict=True), GLASS, strict=True):
             made.append(
-                Row(f"{name} of μ(I)", theirs, SECOND_HAND, "glass beads, three-dimensional: Jop et al. 2006", value,
+                Row(f"{name} of μ(I)", theirs, SECOND_HAND, "glass beads, in 3-D: Jop et al. 2006", *mean_of(values),
                     reason="spheres are no discs; up to I 0.25 ours is nearly straight, which leaves μ_2 and I_0 open")
             )  # fmt: skip
     angle, half = stops_at(found)
@@ -160,9 +168,9 @@ def figure(found: Found) -> Figure:
                 two.plot(start["inertial"], start["packing"], "s", color=GOLD, mfc="white")
         inertial = np.linspace(0, 0.4, 100)
         two.plot(inertial, friction_of(inertial, *GLASS), ":", color=GREY, label="μ(I), glass beads")
-        if (fitted := fit_of(found)) is not None:
+        if (fitted := fit_of(by_start(found)[0])) is not None:
             two.plot(inertial, friction_of(inertial, *fitted), color=BLUE, label="μ(I), fit to ours")
-        rise, offset = line_of(found, "packing")
+        rise, offset = line_of(by_start(found)[0], "packing")
         two.plot(inertial, offset + rise * inertial, "--", color=GOLD, label="packing, fit to ours")
         two.set(xlabel="inertial number I [1]", ylabel="μ, packing [1]", ylim=(0, 1), title="friction and packing")
         two.legend(loc="lower right")

@@ -123,7 +123,8 @@ def explained(row: Data) -> str:
     parts = [f"{row['quantity']}: {ours_text(row)}, {row['verdict']}."]
     if row["published"] is not None:
         parts.append(f"Published: {published_text(row)}, {row['source']}.")
-    parts.append(f"Accepted: {limits_text(row)}: {row['reason'].rstrip('.')}.")
+    accepted = "No gate" if row["limits"] is None else f"Accepted: {limits_text(row)}"
+    parts.append(f"{accepted}: {row['reason'].rstrip('.')}.")
     if row["verdict"] in ("near", "not met") and row["why"]:
         parts.append(f"Why: {row['why'].rstrip('.')}.")
     return " ".join(parts)
