@@ -59,11 +59,11 @@ def test_front_of_a_heap():
 
 
 def test_outflow_is_the_fall_of_mass():
-    time = np.linspace(0, 4, 41)
+    time = np.linspace(0, 4, 401)
     mass = 100.0 - 5.0 * np.maximum(time - 1.0, 0.0)
     assert measure("silo").discharge(time, mass, 2.0, 4.0) == pytest.approx(5.0)
     law = load_module(LAWS / "silo", "law")
-    even = {"time": time, "level": np.linspace(2.5, 1.0, 41), "mass": mass}
+    even = {"time": time, "level": np.linspace(2.5, 1.0, 401), "mass": mass}
     assert law.change_with_fill(even) == pytest.approx(0.0, abs=1e-9)
     slower = even | {"mass": 100.0 - 5.0 * time + 0.3 * time**2}
     assert law.change_with_fill(slower) < -0.05
