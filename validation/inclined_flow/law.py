@@ -13,7 +13,8 @@ from scipy.optimize import curve_fit
 from lammps_jump.analysis.draw.style import BLUE, GOLD, GREY, drawing
 from lammps_jump.studies.validation import DERIVED, LOOKED_UP, SECOND_HAND, Found, Law, Point, Row, mean_of
 
-ANGLES = (18, 20, 22, 24, 26)
+ANGLES = {18: 9.0, 20: 9.0, 22: 9.0, 24: 12.0, 26: 15.0}
+"""Slopes, degrees, and times until layers are steady, s."""
 THICK, STEEP = (10, 15, 20, 25), 22
 """Thicknesses in diameters whose mean velocities are compared, and their slope, degrees."""
 STILL = (14, 15, 16, 17)
@@ -41,7 +42,7 @@ def points(quick: bool) -> list[Point]:
     """Slopes, thicknesses, and slopes at which it stops; quick: two slopes and thicknesses, too short to be steady."""
     if quick:
         return [point(20, 15, 1, 1.5), point(STEEP, 15, 1, 1.5), point(STEEP, 10, 1, 1.5), point(12, 15, 1, 1.5)]
-    found = [point(angle, 15, 3, 9.0) for angle in ANGLES]
+    found = [point(angle, 15, 3, duration) for angle, duration in ANGLES.items()]
     found += [point(STEEP, thick, 3, 12.0 if thick > 15 else 9.0) for thick in THICK if thick != 15]
     return found + [point(angle, 15, 1, 6.0) for angle in STILL]
 
