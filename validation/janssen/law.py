@@ -3,16 +3,22 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import exp
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from lammps_jump.analysis.draw.style import BLACK, BLUE, GOLD, GREY, drawing
+from lammps_jump.analysis.draw.style import BLACK, BLUE, GOLD, GREY, RED, drawing
 from lammps_jump.studies.validation import DERIVED, SECOND_HAND, Found, Law, Point, Row, mean_of
 
-BINS = {"12 d wide": (1.2, 0.5), "20 d wide": (2.0, 0.5), "12 d wide, wall friction 0.25": (1.2, 0.25)}
+BINS = {
+    "12 d wide": (1.2, 0.5),
+    "20 d wide": (2.0, 0.5),
+    "12 d wide, wall friction 0.25": (1.2, 0.25),
+    "12 d wide, wall friction 0.125": (1.2, 0.125),
+}
 """Width (m) and friction of the walls."""
 SOURCE = "Janssen 1895 as in Sperl 2006, in two dimensions: λ = W/(2 μ_w K)"
 
@@ -68,13 +74,17 @@ def rows(found: Found) -> list[Row]:
             Row("λ/W, 20 d wide over 12 d wide", 1.0, DERIVED, SOURCE, *mean_of([one / other for one, other in pairs]),
                 (0.8, 1.25), "K scatters by a tenth between packings")
         )  # fmt: skip
-        lower = "12 d wide, wall friction 0.25"
-        pairs = zip(lengths(found, lower), lengths(found, first), strict=False)
-        made.append(
-            Row("λ, wall friction 0.25 over 0.5", 2.0, DERIVED, SOURCE, *mean_of([one / other for one, other in pairs]),
-                (1.5, 2.5), "K is not the same: walls that carry less turn the stresses less",
-                "with rough walls the discs at the wall roll instead of sliding, and friction is not used up")
-        )  # fmt: skip
+        names = [first, "12 d wide, wall friction 0.25", "12 d wide, wall friction 0.125"]
+        for rough, smooth in pairwise(names):
+            pairs = zip(lengths(found, smooth), lengths(found, rough), strict=False)
+            ratio = mean_of([one / other for one, other in pairs])
+            frictions = f"{BINS[smooth][1]:g} over {BINS[rough][1]:g}"
+            made.append(
+                Row(f"λ, wall friction {frictions}", 2.0, DERIVED, SOURCE, *ratio,
+                    (1.5, 2.5), "K is not the same: walls that carry less turn the stresses less",
+                    "the wall carries no more shear than the grains beside it, whose friction at rest is below 0.3 "
+                    "(flow down a slope): a wall friction of 0.5 is not used up")
+            )  # fmt: skip
     for name in found:
         made.append(
             Row(f"K of the walls, {name}", None, "", "", *mean_of(side_share(found, name)),
@@ -89,7 +99,7 @@ def rows(found: Found) -> list[Row]:
 
 def figure(found: Found) -> Figure:
     """Draw stress against depth, with Janssen's curves."""
-    looks = ((BLUE, "o", "-"), (GOLD, "s", "--"), (BLACK, "^", "-."))
+    looks = ((BLUE, "o", "-"), (GOLD, "s", "--"), (BLACK, "^", "-."), (RED, "D", (0, (5, 1))))
     with drawing(6.6, 4.2) as (made, axes):
         deep = 0.0
         for (name, ones), (colour, mark, dash) in zip(found.items(), looks, strict=False):
