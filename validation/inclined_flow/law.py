@@ -13,7 +13,7 @@ from scipy.optimize import curve_fit
 from lammps_jump.analysis.draw.style import BLUE, GOLD, GREY, drawing
 from lammps_jump.studies.validation import DERIVED, LOOKED_UP, SECOND_HAND, Found, Law, Point, Row, mean_of
 
-ANGLES = {18: 9.0, 20: 9.0, 22: 9.0, 24: 12.0, 26: 15.0}
+ANGLES = {18: 9.0, 20: 9.0, 22: 9.0, 24: 12.0, 26: 13.0}
 """Slopes, degrees, and times until layers are steady, s."""
 THICK, STEEP = (10, 15, 20, 25), 22
 """Thicknesses in diameters whose mean velocities are compared, and their slope, degrees."""
@@ -32,7 +32,7 @@ def point(angle: float, thick: float, starts: int, duration: float) -> Point:
         "initial.0.y": [0.012, 0.012 + 0.01 * thick],
         "run.duration": duration,
         "analysis.window": [round(duration * 2 / 3, 3), duration],
-        "contact.impact_speed": round(max(1.0, (thick / 15) ** 0.5), 3),
+        "contact.impact_speed": round(max(1.0, (thick / 15) ** 0.5, 1.6 if angle > 25 else 1.0), 3),
     }
     name = f"{angle:g} degrees" + ("" if thick == 15 else f", {thick:g} d")
     return Point(name, "layer", "layer.yaml", changes, starts, seconds=0.06 * duration * thick)
