@@ -73,8 +73,10 @@ def bagnold(found: Found) -> list[float]:
 
 
 def by_start(found: Found) -> list[dict[float, Any]]:
-    """Layers of 15 d that flow, by slope: a mapping for each start."""
-    some = flows(found)
+    """Layers of 15 d that flow steadily, by slope: a mapping for each start."""
+    every = flows(found)
+    most = max(map(len, every.values()), default=0)
+    some = {angle: ones for angle, ones in every.items() if len(ones) == most}
     return [dict(zip(some, ones, strict=True)) for ones in zip(*some.values(), strict=False)]
 
 
@@ -111,7 +113,7 @@ def stops_at(found: Found) -> tuple[float, float]:
 
 def rows(found: Found) -> list[Row]:
     """Balance of forces, Bagnold's exponent, and fits."""
-    some = flows(found)
+    some = {angle: [layers[angle] for layers in by_start(found)] for angle in by_start(found)[0]}
     ratios = [one["friction"] / tan(radians(angle)) for angle, ones in some.items() for one in ones]
     da_cruz = "da Cruz et al. 2005, Phys. Rev. E 72: both are linear; their numbers were not found"
     made = [
@@ -149,7 +151,7 @@ def rows(found: Found) -> list[Row]:
 
 def figure(found: Found) -> Figure:
     """Draw a profile of velocity, friction and packing against I, and velocity against thickness."""
-    some = flows(found)
+    some = {angle: [layers[angle] for layers in by_start(found)] for angle in by_start(found)[0]}
     with drawing(10.2, 3.7, 1, 3) as (made, (one, two, three)):
         for (angle, ones), look in zip(some.items(), ("-", "--", "-.", ":", (0, (5, 1))), strict=False):
             y, u = np.array(ones[0]["y"]), np.array(ones[0]["u"])

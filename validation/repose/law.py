@@ -99,9 +99,9 @@ def figure(found: Found) -> Figure:
                 x, depth = np.array(one["x"]), np.array(one["depth"])
                 right.plot(x, depth, look, color=colour, lw=1.2, label=name)
         right.axhline(LETHE, color=RED, ls=":", label="height in Lethe's documentation")
-        right.set(xlabel="x [m]", ylabel="height [m]", title="sandpile", xlim=(-0.9, 0.9), ylim=(0, 0.33))
+        right.set(xlabel="x [m]", ylabel="height [m]", title="sandpile", xlim=(-0.9, 0.9), ylim=(0, 0.4))
         right.axvline(0, color=GREY, lw=0.5)
-        right.legend(loc="upper left")
+        right.legend(loc="upper right")
     return made
 
 
