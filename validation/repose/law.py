@@ -41,31 +41,40 @@ def points(quick: bool) -> list[Point]:
     return found
 
 
-def angles(found: Found, pairs: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Mean angle and interval at each pair of coefficients that was run."""
+def means(found: Found, pairs: Sequence[tuple[float, float]], key: str = "angle") -> list[tuple[float, float]]:
+    """Mean of a number and its interval at each pair of coefficients that was run."""
     named = [f"sliding {sliding:g}, rolling {rolling:g}" for sliding, rolling in pairs]
-    return [mean_of([one["angle"] for one in found[name]]) for name in named if name in found]
+    return [mean_of([one[key] for one in found[name]]) for name in named if name in found]
 
 
 def least_rise(values: Sequence[tuple[float, float]]) -> tuple[float, float]:
     """The smallest rise from one value to the next, and its interval."""
-    rises = [(b - a, float(np.hypot(x, y))) for (a, x), (b, y) in pairwise(values)]
-    return min(rises)
+    return min(rise(*pair) for pair in pairwise(values))
+
+
+def rise(low: tuple[float, float], high: tuple[float, float]) -> tuple[float, float]:
+    """Rise from one mean to another, and its interval."""
+    return high[0] - low[0], float(np.hypot(low[1], high[1]))
 
 
 def rows(found: Found) -> list[Row]:
     """Rises of the angle, and heights of the sandpile."""
     series = {
-        "sliding": angles(found, [(mu, MIDDLE[1]) for mu in SLIDING]),
-        "rolling": angles(found, [(MIDDLE[0], rolling) for rolling in ROLLING]),
+        "sliding": [(mu, MIDDLE[1]) for mu in SLIDING],
+        "rolling": [(MIDDLE[0], rolling) for rolling in ROLLING],
     }
     made = []
-    for name, values in series.items():
-        if len(values) > 1:
-            made.append(
-                Row(f"angle of repose, least rise from one {name} friction to the next, degrees", "rises", LOOKED_UP,
-                    ZHOU, *least_rise(values), (0.0, inf), "their numbers are of spheres: the sign alone")
-            )  # fmt: skip
+    for name, pairs in series.items():
+        angles, heights = means(found, pairs), means(found, pairs, "height")
+        if len(angles) < 2:
+            continue
+        told = "their numbers are of spheres: the sign alone; where an interval holds 0, three starts do not tell"
+        for quantity, found_rise in (
+            (f"angle of repose, rise over all {name} friction, degrees", rise(angles[0], angles[-1])),
+            (f"angle of repose, least rise from one {name} friction to the next, degrees", least_rise(angles)),
+            (f"height of the heap, least rise from one {name} friction to the next, m", least_rise(heights)),
+        ):
+            made.append(Row(quantity, "rises", LOOKED_UP, ZHOU, *found_rise, (0.0, inf), told))
     if PILE in found:
         source = "Lethe's documentation after Ai et al. 2011, read from a figure"
         made += [
@@ -86,9 +95,9 @@ def figure(found: Found) -> Figure:
         for name, values, look, colour in looks:
             pairs = [(v, MIDDLE[1]) if name == "sliding" else (MIDDLE[0], v) for v in values]
             here = [v for v, (a, b) in zip(values, pairs, strict=True) if f"sliding {a:g}, rolling {b:g}" in found]
-            means, halves = zip(*angles(found, pairs), strict=True)
+            centres, halves = zip(*means(found, pairs), strict=True)
             fixed = f"rolling {MIDDLE[1]:g}" if name == "sliding" else f"sliding {MIDDLE[0]:g}"
-            left.errorbar(here, means, yerr=np.nan_to_num(halves), fmt=look, color=colour, capsize=2,
+            left.errorbar(here, centres, yerr=np.nan_to_num(halves), fmt=look, color=colour, capsize=2,
                           label=f"{name} friction varied, {fixed}")  # fmt: skip
         left.set(xlabel="coefficient of friction [1]", ylabel="angle of the flanks [degrees]", ylim=(0, None))
         left.set_title("small heaps")
