@@ -95,6 +95,8 @@ def figure(found: Found) -> Figure:
         for name, values, look, colour in looks:
             pairs = [(v, MIDDLE[1]) if name == "sliding" else (MIDDLE[0], v) for v in values]
             here = [v for v, (a, b) in zip(values, pairs, strict=True) if f"sliding {a:g}, rolling {b:g}" in found]
+            if not here:
+                continue
             centres, halves = zip(*means(found, pairs), strict=True)
             fixed = f"rolling {MIDDLE[1]:g}" if name == "sliding" else f"sliding {MIDDLE[0]:g}"
             left.errorbar(here, centres, yerr=np.nan_to_num(halves), fmt=look, color=colour, capsize=2,
