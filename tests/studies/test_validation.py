@@ -11,6 +11,7 @@ from lammps_jump.cli.app import main
 from lammps_jump.errors import CaseError, SetupError
 from lammps_jump.studies import validation
 from lammps_jump.studies.validation import LOOKED_UP, Row, around, mean_of
+from lammps_jump.sweeps.pool import Outcome
 
 MEASURE = """
 import numpy as np
@@ -79,6 +80,44 @@ def command(monkeypatch, *words):
     return stop.value.code or 0
 
 
+class Here:
+    """A pool without processes."""
+
+    def __init__(self, jobs):
+        pass
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        pass
+
+    def run(self, calls, *, done, **_):
+        for number, call in enumerate(calls):
+            try:
+                done(number, Outcome("done", call()))
+            except RuntimeError as error:
+                done(number, Outcome("bug", f"RuntimeError: {error}"))
+
+
+NUMBERS = LAW.replace("[case, ", "[").replace(
+    'found["disc"]', '[{"depth": [0.0, 4.905], "time": [0.0, 1.0]}, {"depth": [0.0, 4.91], "time": [0.0, 1.0]}]'
+)
+"""The law without its case: what a run would have given stands there."""
+
+
+def test_what_was_measured_is_kept_and_shown(laws, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("lammps_jump.studies.validation.study.Pool", Here)
+    (laws / "fall" / "law.py").write_text(NUMBERS)
+    words = ("fall", "--laws", laws, "--out", tmp_path / "out", "--quiet")
+    assert command(monkeypatch, *words) == 0
+    text = capsys.readouterr().out
+    assert "| fall | fall, m | 4.905 (derived here) |" in text and "1 met, 1 fit" in text
+    monkeypatch.setattr(Here, "run", lambda self, calls, **_: calls and pytest.fail("it was measured again"))
+    assert command(monkeypatch, *words) == 0
+
+
+@pytest.mark.long
 def test_a_law_is_run_once_and_shown(laws, tmp_path, monkeypatch, capsys):
     out = tmp_path / "out"
     words = ("fall", "--laws", laws, "--out", out, "--quick", "--jobs", "1")
@@ -98,12 +137,15 @@ def test_a_law_is_run_once_and_shown(laws, tmp_path, monkeypatch, capsys):
 
 
 def test_what_fails_is_told_and_tried_again(laws, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("lammps_jump.studies.validation.study.Pool", Here)
     law = laws / "fall" / "law.py"
     law.write_text(LAW.replace('[case, Point("number", "twice", options={"value": 4})]', '[Point("number", "broken")]'))
     words = ("--laws", laws, "--out", tmp_path / "out", "--jobs", "1", "--quiet")
     assert command(monkeypatch, *words) == 1
     assert "fall: number: bug: RuntimeError: as it must" in capsys.readouterr().out
     assert not (tmp_path / "out" / "figures").exists()
+    assert command(monkeypatch, *words) == 1
+    assert capsys.readouterr().out.count("as it must") == 1
 
 
 def test_laws_are_listed_and_what_is_not_there_is_named(laws, tmp_path, monkeypatch, capsys):
