@@ -1,0 +1,229 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A box of discs without walls, periodic along x and y: sheared, compressed, or left to itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import sqrt
+
+import numpy as np
+
+from lammps_jump import Case
+from lammps_jump.case.packing import disc_sizes
+from lammps_jump.case.to_scene import TOUCH_STEPS, contact_of
+from lammps_jump.engines.native.loops import Memory
+from lammps_jump.errors import RunError
+from lammps_jump.physics.contact import Coefficients, derive
+from lammps_jump.physics.slip import FRICTION_LAWS, Springs, slots_of
+from lammps_jump.physics.slots import Slots
+from lammps_jump.scene.sizes import Sizes
+
+from . import loops
+
+SKIN = 0.3
+"""Skin of the list, mean diameters."""
+SLOWNESS, CAP = 50.0, 1e-3
+"""Time in which the box follows its pressure, and largest rate at which it grows, in sqrt(m/k) and its inverse."""
+LOOSE = 0.6
+"""Packing at the start, before the pressure closes the box."""
+CLOSING = 1000
+"""Parts of 20 sqrt(m/k) in which a loose box closes."""
+ROOM = 12
+"""Listed pairs a disc at most."""
+
+
+@dataclass(frozen=True)
+class Discs:
+    """What the discs of a case are, without the flow they are in.
+
+    Attributes
+    ----------
+    diameter, density : float
+        m, kg/m^3.
+    sizes : Sizes or None
+        None: equal discs.
+    coefficients : Coefficients
+        For LAMMPS' order of operations.
+    friction_law : str
+    springs : Springs or None
+    rotation : bool
+    touch : float or None
+        Width of a smooth touch, m.
+    slip_speed : float
+        m/s: eps of the thesis' sign law, 0.01 of the case's impact speed.
+    impact_speed : float
+        v0 of thesis (3.20), m/s.
+    """
+
+    diameter: float
+    density: float
+    sizes: Sizes | None
+    coefficients: Coefficients
+    friction_law: str
+    springs: Springs | None
+    rotation: bool
+    touch: float | None
+    slip_speed: float
+    impact_speed: float
+
+    @property
+    def root_time(self) -> float:
+        """Unit of time of a contact, sqrt(m/k), s."""
+        return sqrt(self.coefficients.mass / self.coefficients.stiffness)
+
+    @property
+    def signal_speed(self) -> float:
+        """Speed along a row of touching discs, d sqrt(k/m) = n v0, m/s."""
+        return self.diameter / self.root_time
+
+    def radii(self, count: int) -> np.ndarray:
+        """Radii of a number of discs, m."""
+        if self.sizes is None:
+            return np.full(count, 0.5 * self.diameter)
+        return 0.5 * self.sizes.diameters(np.arange(1, count + 1))
+
+
+def discs_of(case: Case) -> Discs:
+    """The discs of a case; its step is the case's share of 2/omega."""
+    fields = case.fields
+    law, sizes = fields.contact, disc_sizes(fields)
+    stated = contact_of(fields, "velocity_verlet", sizes)
+    coefficients, impact_speed = derive(stated), stated.impact_speed
+    touch = law.touch_width or TOUCH_STEPS * impact_speed * coefficients.time_step
+    return Discs(
+        diameter=fields.discs.diameter,
+        density=fields.discs.density,
+        sizes=sizes,
+        coefficients=coefficients,
+        friction_law=law.friction_law,
+        springs=law.springs if law.friction > 0 else None,
+        rotation=law.rotation and law.friction > 0,
+        touch=touch if law.touch == "smooth" else None,
+        slip_speed=(FRICTION_LAWS[law.friction_law].ramp or 0.0) * impact_speed,
+        impact_speed=impact_speed,
+    )
+
+
+class Cell:
+    """A box of discs: where they are, how they move, how the box is sheared and pressed.
+
+    Parameters
+    ----------
+    discs : Discs
+    count : int
+    seed : int
+        Of the start: places on a grid, moved by chance, with small velocities.
+    packing : float
+        Share of the area that the discs cover at the start.
+    aspect : float
+        Length over height of the box.
+    """
+
+    def __init__(self, discs: Discs, count: int, seed: int, *, packing: float = LOOSE, aspect: float = 1.0):
+        self.discs = discs
+        random = np.random.default_rng(seed)
+        radius = random.permutation(discs.radii(count))
+        self.covered = float(np.pi * np.sum(radius**2))
+        height = sqrt(self.covered / packing / aspect)
+        self.box = np.array([aspect * height, height, 0.0, 0.0, 0.0])
+        rows = max(1, round(sqrt(count / aspect)))
+        columns = -(-count // rows)
+        cells = random.permutation(rows * columns)[:count]
+        shape = self.box[:2] / (columns, rows)
+        x, y = ((np.stack([cells % columns, cells // columns]) + 0.5).T * shape).T
+        speed = 0.01 * discs.diameter / discs.root_time
+        vx, vy = random.normal(0.0, speed, (2, count))
+        empty = [np.zeros(count) for _ in range(4)]
+        self.swarm = loops.Swarm(x, y, vx, vy, *empty, radius, np.zeros((count, 2)))
+        self.stop()
+        self._pairs = np.empty((ROOM * count + count, 2), np.int32)
+        self._memory = self._springs(count)
+
+    @property
+    def packing(self) -> float:
+        """Share of the area that the discs cover."""
+        return self.covered / (self.box[loops.LX] * self.box[loops.LY])
+
+    @property
+    def mass(self) -> np.ndarray:
+        """Masses, kg/m."""
+        return 4.0 * self.discs.density * self.swarm.radius**2
+
+    def stop(self) -> None:
+        """Take away the mean velocity."""
+        mass = self.mass
+        for v in (self.swarm.vx, self.swarm.vy):
+            v -= np.sum(mass * v) / np.sum(mass)
+
+    def shear(self, old: float, new: float) -> None:
+        """Go over from one rate of shear to another (1/s), with the velocities against the shear as they are."""
+        self.swarm.vx[:] += (new - old) * (self.swarm.y - 0.5 * self.box[loops.LY])
+
+    def close(self, pressure: float) -> None:
+        """Press the loose box together until its discs carry half of a pressure (Pa)."""
+        for _ in range(CLOSING):
+            if self.advance(20.0 * self.discs.root_time, 1, pressure=pressure, haste=50.0)[0, :2].mean() > 0.5 * pressure:
+                return
+        raise RunError(f"the box of {self.swarm.x.size} discs does not come to {pressure:.3g} Pa")
+
+    def advance(
+        self, time: float, rows: int, *, rate: float = 0.0, pressure: float | None = None, haste: float = 1.0
+    ) -> np.ndarray:
+        """Go on for a time (s); the means of each of a number of equal parts, shape (rows, 6) (`loops.SXX` …).
+
+        Parameters
+        ----------
+        time : float
+            s; rounded to whole steps of each part.
+        rows : int
+        rate : float
+            Of shear, 1/s.
+        pressure : float, optional
+            Held by the box, Pa; without it the box stays.
+        haste : float
+            How much faster than `SLOWNESS` the box follows its pressure.
+
+        Raises
+        ------
+        RunError
+            Discs so deep in each other that the list has no room.
+        """
+        discs, c = self.discs, self.discs.coefficients
+        unit = discs.root_time
+        law = sqrt(c.mass) / (0.5 * discs.diameter) * c.damping_by_root_mass
+        square = (0.5 * discs.diameter) ** 2
+        spins = discs.rotation and c.friction > 0
+        control = loops.Control(
+            rate, pressure or 0.0, 0.0 if pressure is None else haste / (SLOWNESS * unit), CAP / unit, c.time_step,
+            SKIN * discs.diameter, c.stiffness, law, c.tangential_ratio * law if c.friction else 0.0, c.mass / square,
+            square**2 / (c.inertia * square) if spins else 0.0,
+        )  # fmt: skip
+        record = np.empty((rows, 6))
+        slope = 1.0 / discs.slip_speed if discs.slip_speed else None
+        every = max(1, round(time / rows / c.time_step))
+        friction = c.friction if c.friction else None
+        fits = loops.advance(
+            self.swarm, self.box, control, self._pairs, record, every, friction, slope, discs.touch, self._memory
+        )
+        if not fits or not np.isfinite(record).all():
+            raise RunError(
+                f"the box of {self.swarm.x.size} discs at {pressure or 0.0:.3g} Pa blew up: lower run.time_step_fraction"
+            )
+        return record
+
+    def _springs(self, count: int) -> Memory | None:
+        springs, c = self.discs.springs, self.discs.coefficients
+        if springs is None:
+            return None
+        room = slots_of(2.0 * self.swarm.radius.min(), 2.0 * self.swarm.radius.max())
+        partner, used = np.zeros((count, room), np.int64), np.zeros((count, room), np.int8)
+        slots = Slots(partner, *np.zeros((3, count, room)), used)
+        roll = springs.rolling
+        numbers = (0.0, 0.0, 0.0)
+        if roll is not None:
+            numbers = roll.stiffness_ratio * c.stiffness, roll.damping * 0.5 * c.mass * c.gamma_normal, roll.friction
+        nothing = np.zeros((0, 3))
+        return Memory(
+            slots, np.arange(1, count + 1), np.zeros(0, np.int64), np.zeros(0), np.zeros(1, np.int64), c.time_step,
+            springs.tangential_ratio, springs.tangential_damping_ratio, numbers, nothing,
+        )  # fmt: skip
