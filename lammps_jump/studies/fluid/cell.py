@@ -20,14 +20,21 @@ from lammps_jump.scene.sizes import Sizes
 
 from . import loops
 
-SKIN = 0.3
+SKIN = 0.15
 """Skin of the list, mean diameters."""
 SLOWNESS, CAP = 50.0, 1e-3
 """Time in which the box follows its pressure, and largest rate at which it grows, in sqrt(m/k) and its inverse."""
 LOOSE = 0.6
 """Packing at the start, before the pressure closes the box."""
+FOLLOW = 0.02
+"""Of a sheared box: rate at which it grows at twice its pressure, over the rate of shear. It then follows its pressure
+within a strain of 1, and slower than sound crosses it (measured)."""
+HASTE, STEADY = 50.0, 0.02
+"""How much faster a loose box closes than a closed one follows its pressure, and what a steady one may miss of it."""
 CLOSING = 1000
 """Parts of 20 sqrt(m/k) in which a loose box closes."""
+AGITATED = 1e-3
+"""Speed of the discs at the start over d sqrt(k/m)."""
 ROOM = 12
 """Listed pairs a disc at most."""
 
@@ -131,12 +138,12 @@ class Cell:
         cells = random.permutation(rows * columns)[:count]
         shape = self.box[:2] / (columns, rows)
         x, y = ((np.stack([cells % columns, cells // columns]) + 0.5).T * shape).T
-        speed = 0.01 * discs.diameter / discs.root_time
+        speed = AGITATED * discs.signal_speed
         vx, vy = random.normal(0.0, speed, (2, count))
         empty = [np.zeros(count) for _ in range(4)]
         self.swarm = loops.Swarm(x, y, vx, vy, *empty, radius, np.zeros((count, 2)))
         self.stop()
-        self._pairs = np.empty((ROOM * count + count, 2), np.int32)
+        self._pairs = np.empty((ROOM * count + count, 4), np.int32)
         self._memory = self._springs(count)
 
     @property
@@ -160,9 +167,14 @@ class Cell:
         self.swarm.vx[:] += (new - old) * (self.swarm.y - 0.5 * self.box[loops.LY])
 
     def close(self, pressure: float) -> None:
-        """Press the loose box together until its discs carry half of a pressure (Pa)."""
+        """Press the loose box together until its discs carry a pressure (Pa), and go on until it is steady."""
+        part = 20.0 * self.discs.root_time
         for _ in range(CLOSING):
-            if self.advance(20.0 * self.discs.root_time, 1, pressure=pressure, haste=50.0)[0, :2].mean() > 0.5 * pressure:
+            if self.advance(part, 1, pressure=pressure, haste=HASTE)[0, :2].mean() > pressure:
+                break
+        for _ in range(CLOSING):
+            held = self.advance(10.0 * part, 1, pressure=pressure)[0, :2].mean()
+            if abs(held - pressure) < STEADY * pressure:
                 return
         raise RunError(f"the box of {self.swarm.x.size} discs does not come to {pressure:.3g} Pa")
 
@@ -193,8 +205,11 @@ class Cell:
         law = sqrt(c.mass) / (0.5 * discs.diameter) * c.damping_by_root_mass
         square = (0.5 * discs.diameter) ** 2
         spins = discs.rotation and c.friction > 0
+        gain = 0.0
+        if pressure is not None:
+            gain = FOLLOW * abs(rate) * c.stiffness / pressure if rate else haste / (SLOWNESS * unit)
         control = loops.Control(
-            rate, pressure or 0.0, 0.0 if pressure is None else haste / (SLOWNESS * unit), CAP / unit, c.time_step,
+            rate, pressure or 0.0, gain, CAP / unit, c.time_step,
             SKIN * discs.diameter, c.stiffness, law, c.tangential_ratio * law if c.friction else 0.0, c.mass / square,
             square**2 / (c.inertia * square) if spins else 0.0,
         )  # fmt: skip

@@ -87,25 +87,35 @@ def _wrap_py(swarm, box, rate):
         swarm.x[i] -= level * box[OFFSET]
         swarm.x[i] -= lx * np.floor(swarm.x[i] / lx)
         swarm.way[i, 0] = swarm.way[i, 1] = 0.0
+    box[OFFSET] -= lx * np.floor(box[OFFSET] / lx)
 
 
 def _list_py(swarm, box, skin, pairs):
-    """List all pairs closer than the skin, surface to surface; their number, or -1 where `pairs` is short."""
+    """List all pairs closer than the skin, surface to surface; their number, or -1 where `pairs` is short.
+
+    A row has both discs and the image of the second: boxes up, and along. Discs are taken by their height, each with
+    those above it, so that the box must be higher than twice the reach.
+    """
     lx, ly, offset = box[LX], box[LY], box[OFFSET]
     x, y, radius = swarm.x, swarm.y, swarm.radius
+    widest, order, number = radius.max() + skin, np.argsort(y), x.size
     count = 0
-    for i in range(x.size):
-        xi, yi, reach = x[i], y[i], radius[i] + skin
-        if count + x.size > pairs.shape[0]:
+    for first in range(number):
+        i = order[first]
+        reach = radius[i] + skin
+        if count + number > pairs.shape[0]:
             return -1
-        for j in range(i):
-            dx, dy = xi - x[j], yi - y[j]
-            level = np.rint(dy / ly)
-            dy -= level * ly
-            dx -= level * offset
-            dx -= lx * np.rint(dx / lx)
+        for further in range(first + 1, first + number):
+            level = further // number
+            j = order[further - level * number]
+            dy = y[i] - y[j] - level * ly
+            if dy < -(radius[i] + widest):
+                break
+            dx = x[i] - x[j] - level * offset
+            column = np.rint(dx / lx)
+            dx -= column * lx
             far = reach + radius[j]
-            pairs[count, 0], pairs[count, 1] = i, j
+            pairs[count, 0], pairs[count, 1], pairs[count, 2], pairs[count, 3] = i, j, level, column
             count += dx * dx + dy * dy < far * far
     return count
 
@@ -118,12 +128,9 @@ def _forces_py(swarm, box, control, pairs, count, sums, friction, slope, touch, 
     for i in range(swarm.x.size):
         swarm.fx[i] = swarm.fy[i] = swarm.torque[i] = 0.0
     for p in range(count):
-        i, j = pairs[p, 0], pairs[p, 1]
-        dx, dy = swarm.x[i] - swarm.x[j], swarm.y[i] - swarm.y[j]
-        level = np.rint(dy / ly)
-        dy -= level * ly
-        dx -= level * offset
-        dx -= lx * np.rint(dx / lx)
+        i, j, level, column = pairs[p, 0], pairs[p, 1], pairs[p, 2], pairs[p, 3]
+        dx = swarm.x[i] - swarm.x[j] - level * offset - column * lx
+        dy = swarm.y[i] - swarm.y[j] - level * ly
         a, b = swarm.radius[i], swarm.radius[j]
         r2 = dx * dx + dy * dy
         if r2 >= (a + b) * (a + b):
@@ -173,7 +180,7 @@ def _advance_py(swarm, box, control, pairs, record, every, friction, slope, touc
     kick, count = dt / control.mass, 0
     widest = 2.0 * swarm.radius.max() + control.skin
     sums = np.zeros(3)
-    bent = np.inf  # the first step lists
+    bent, grown = np.inf, 0.0  # the first step lists
     for row in range(record.shape[0]):
         for c in range(6):
             record[row, c] = 0.0
@@ -201,20 +208,20 @@ def _advance_py(swarm, box, control, pairs, record, every, friction, slope, touc
                 far = max(far, swarm.way[i, 0] ** 2 + swarm.way[i, 1] ** 2)
             box[STRAIN] += rate * dt
             box[OFFSET] += rate * ly * dt
-            bent += abs(rate) * dt + abs(grow)
+            bent += rate * dt
+            grown += grow
             if grow != 0.0:
                 for i in range(swarm.x.size):
                     swarm.x[i] *= 1.0 + grow
                     swarm.y[i] *= 1.0 + grow
                 for c in range(3):
                     box[c] *= 1.0 + grow
-            box[OFFSET] -= box[LX] * np.floor(box[OFFSET] / box[LX])
-            if not (2.0 * sqrt(far) + bent * widest <= control.skin):
+            if not (2.0 * sqrt(far) + (abs(bent) + abs(grown)) * widest <= control.skin):
                 _wrap(swarm, box, rate)
                 count = _list(swarm, box, control.skin, pairs)
                 if count < 0:
                     return False
-                bent = 0.0
+                bent = grown = 0.0
             sums[SXX], sums[SYY], sums[SXY] = kxx, kyy, kxy
             _forces(swarm, box, control, pairs, count, sums, friction, slope, touch, memory)
             if memory is not None:
