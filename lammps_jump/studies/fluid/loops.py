@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from lammps_jump.engines.native.loops import Memory, pair_size, pair_springs
+from lammps_jump.engines.native.loops import pair_size, pair_springs
 from lammps_jump.physics.law import contact_force, watching_law
 from lammps_jump.physics.slots import end_step
 

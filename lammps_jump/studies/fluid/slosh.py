@@ -12,7 +12,8 @@ import numpy as np
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.scene import Plane, Scene
 
-from .cell import SKIN, Discs
+from .cell import SKIN
+from .discs import Discs
 from .sound import damped_cosine
 
 SLOPE = 0.37

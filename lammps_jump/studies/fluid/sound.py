@@ -9,7 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from . import loops
-from .cell import Cell, Discs
+from .cell import Cell
+from .discs import Discs
 
 LENGTH, HEIGHT = 104, 10
 """Discs along the wave and across it."""
