@@ -257,6 +257,6 @@ def fluid(
 ) -> None:
     """Viscosity, yield and speed of sound of the discs of a case; Reynolds and Mach number of its flow."""
     read = lj.load_case(case, set_)
-    given = {"quick": quick, "fresh": fresh, "depth": depth, "speed": speed}
-    found = studies.fluid.fluid(read, out, **given, say=options.sayer(quiet))
+    study, say = studies.fluid.fluid, options.sayer(quiet)
+    found = study(read, out, quick=quick, fresh=fresh, depth=depth, speed=speed, say=say)
     studies.table.show(found["text"])

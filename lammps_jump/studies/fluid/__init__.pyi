@@ -19,4 +19,5 @@ from .sound import damped_cosine as damped_cosine
 from .sound import sound_speed as sound_speed
 from .store import numbers_at as numbers_at
 from .store import stored as stored
+from .store import told as told
 from .study import fluid as fluid

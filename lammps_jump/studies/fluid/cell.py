@@ -145,7 +145,8 @@ class Cell:
         )
         if not fits or not np.isfinite(record).all():
             raise RunError(
-                f"the box of {self.swarm.x.size} discs at {pressure or 0.0:.3g} Pa blew up: lower run.time_step_fraction"
+                f"the box of {self.swarm.x.size} discs at {pressure or 0.0:.3g} Pa has blown up: lower "
+                "run.time_step_fraction"
             )
         return record
 

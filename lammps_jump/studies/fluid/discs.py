@@ -8,7 +8,7 @@ from math import sqrt
 
 import numpy as np
 
-from lammps_jump import Case
+from lammps_jump.case import ReadCase
 from lammps_jump.case.packing import disc_sizes
 from lammps_jump.case.to_scene import TOUCH_STEPS, contact_of
 from lammps_jump.physics.contact import Coefficients, derive
@@ -67,7 +67,7 @@ class Discs:
         return 0.5 * self.sizes.diameters(np.arange(1, count + 1))
 
 
-def discs_of(case: Case) -> Discs:
+def discs_of(case: ReadCase) -> Discs:
     """The discs of a case; its step is the case's share of 2/omega."""
     fields = case.fields
     law, sizes = fields.contact, disc_sizes(fields)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Depth and speed of the flow of a case, for its numbers: those of Reynolds, Mach and Froude, and the inertial number."""
+"""Depth and speed of the flow of a case, from which its Reynolds, Mach, Froude and inertial number follow."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from math import sqrt
 
 import numpy as np
 
-from lammps_jump import Case
+from lammps_jump.case import ReadCase
 from lammps_jump.case.fields import Column
 from lammps_jump.case.parts.inflow import RowsInflow
 from lammps_jump.errors import CaseError
@@ -54,7 +54,7 @@ class Flow:
         return self.speed / sqrt(self.gravity * self.thinnest)
 
 
-def flow_of(case: Case, *, depth: float | None = None, speed: float | None = None) -> Flow:
+def flow_of(case: ReadCase, *, depth: float | None = None, speed: float | None = None) -> Flow:
     """Scales of the flow of a case; a depth (m) and a speed (m/s) that are given take the place of its own.
 
     Raises
@@ -79,7 +79,7 @@ def flow_of(case: Case, *, depth: float | None = None, speed: float | None = Non
     return Flow(h, u, u * (thinnest or h), thinnest or h, g)
 
 
-def _height(case: Case) -> float:
+def _height(case: ReadCase) -> float:
     """Height of the highest column, or of all discs at the start, m; 0 where there are none."""
     columns = [item.y[1] - item.y[0] for item in case.fields.initial if isinstance(item, Column)]
     if columns:

@@ -29,11 +29,11 @@ from lammps_jump.physics.slots import end_step
 LX, LY, OFFSET, STRAIN, PRESSURE = range(5)
 """Numbers of the box: length, height and shift of the images above (m), strain since the start, pressure (Pa)."""
 SXX, SYY, SXY, AREA, KINETIC, WAVE = range(6)
-"""Means of a row of the record: stress (Pa), area (m^2), energy of u (J per m of width); first mode at its end (m/s)."""
+"""A row of the record: means of stress (Pa), area (m^2), energy of u (J per m); the first mode at its end (m/s)."""
 
 
 class Swarm(NamedTuple):
-    """The discs of a box: place, velocity, spin, force, torque, radius, and way since the list against the shear (m)."""
+    """The discs of a box: place, velocity, spin, force, torque, radius; way against the shear since the list (m)."""
 
     x: np.ndarray
     y: np.ndarray

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Page and figure of ``lammps-jump fluid``."""
 
+# ruff: noqa: RUF001  (Greek letters are meant for readers)
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
@@ -67,19 +68,20 @@ def text_of(found: Numbers, discs: Discs, flow: Flow) -> str:
         "packing φ:": lambda row: pm(row["packing"]),
     }
     sheared = markdown(columns, summary["shear"])
-    depths = [{"depth (m):": f"{h:.3g}", **{f"{rate:g} /s:": nu(h, rate) for rate in RATES}} for h in deep]
-    viscosities = markdown(dict.fromkeys(depths[0], ""), depths)
+    depths = [{"depth (m)": f"{h:.3g}", **{f"{rate:g} /s": nu(h, rate) for rate in RATES}} for h in deep]
+    viscosities = markdown({f"{title}:": "" for title in depths[0]}, depths)
     numbers = [
         f"- Reynolds number q/ν: **{at['reynolds']:.2g}** (water: {flow.discharge / WATER['viscosity']:.1e})",
         f"- Mach number U/c: **{at['mach']:.2g}**",
-        f"- inertial number I: {at['inertial']:.2g}; friction μ there: {at['friction']:.2g}; ν {at['viscosity']:.2g} m²/s",
+        f"- inertial number I: {at['inertial']:.2g}; there μ = {at['friction']:.2g}, ν = {at['viscosity']:.2g} m²/s",
         f"- Froude number: {at['froude']:.3g}; depth over diameter: {at['discs_deep']:.3g}",
         f"- a wave lower than {at['least_swing']:.2g} m at the wall dies in one swing (2.5 μ h)",
     ]
     warned = [f"- {text}" for text in found["warnings"]] or ["- none"]
     parts = [
         f"# What fluid the discs of {found['case']} are",
-        f"The flow: U {flow.speed:.3g} m/s, h {flow.depth:.3g} m, rate U/h {flow.rate:.3g} /s; numbers at half the depth.",
+        f"The flow: U = {flow.speed:.3g} m/s, h = {flow.depth:.3g} m. The numbers hold at half the depth and the rate "
+        f"U/h = {flow.rate:.3g} /s.",
         "\n".join(numbers),
         "## Doubts",
         "\n".join(warned),
@@ -98,28 +100,24 @@ def draw(found: Numbers, discs: Discs, flow: Flow, path: Path) -> None:
     """Draw mu(I), packing(I), viscosity over depth and the swing."""
     summary, law = found["summary"], law_of(found["summary"])
     inertial = np.array([row["inertial"][0] for row in summary["shear"]])
+
+    def at_depth(depth: float, rate: float) -> float:
+        return viscosity(law, discs.density * flow.gravity * depth, rate, discs.diameter, discs.density)
+
     fine = np.geomspace(inertial.min(), inertial.max(), 60)
     with drawing(8.4, 6.0, 2, 2) as (figure, ((mu, phi), (nu, swing))):
         for axes, name in ((mu, "friction"), (phi, "packing")):
             pairs = np.array([row[name] for row in summary["shear"]], float)
             axes.errorbar(inertial, pairs[:, 0], np.nan_to_num(pairs[:, 1]), fmt="o", ms=4, color=BLUE, capsize=2)
             axes.set(xscale="log", xlabel="inertial number I")
-        mu.plot(
-            fine,
-            law.at(fine),
-            color=RED,
-            ls=(0, (5, 2)),
-            label=f"{law.static:.3f} + {law.slope:.3f} I^{law.exponent:.2f}",
-        )
+        words = f"{law.static:.3f} + {law.slope:.3f} I^{law.exponent:.2f}"
+        mu.plot(fine, law.static + law.slope * fine**law.exponent, color=RED, ls=(0, (5, 2)), label=words)
         mu.set(title="Friction: shear stress over pressure", ylim=(0, None))
         mu.legend()
         phi.set(title="Packing: share of the area")
         depths = np.linspace(0.02, 1.0, 60) * flow.depth
         for rate, colour, dash in zip(RATES, (BLUE, GOLD, GREY), ("-", "--", "-."), strict=True):
-            line = [
-                viscosity(law, discs.density * flow.gravity * h, rate, discs.diameter, discs.density) for h in depths
-            ]
-            nu.plot(depths, line, color=colour, ls=dash, label=f"{rate:g} /s")
+            nu.plot(depths, [at_depth(h, rate) for h in depths], color=colour, ls=dash, label=f"{rate:g} /s")
         nu.set(title="Kinematic viscosity (m²/s)", xlabel="depth below the surface (m)", yscale="log")
         nu.legend(title="rate of shear")
         for one in summary["swings"]:

@@ -101,7 +101,7 @@ def box_of(discs: Discs, depth: float, gravity: float, seed: int) -> Scene:
 
 
 def swing_of(discs: Discs, depth: float, gravity: float, seed: int) -> tuple[np.ndarray, np.ndarray, float]:
-    """Swing of the surface against time: times in periods of water, swing over its start, and that start at the wall, m.
+    """Swing of the surface: times in periods of water, the swing over its start, and that start at the wall, m.
 
     The swing is the mean, by mass, of cos(pi x/length) over the discs. A surface a cos(pi x/length) has a/(2 h).
     """

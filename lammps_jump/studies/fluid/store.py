@@ -7,7 +7,7 @@ from math import sqrt
 from pathlib import Path
 from typing import Any
 
-from lammps_jump import Case
+from lammps_jump.case import ReadCase
 from lammps_jump.engines import plugin
 from lammps_jump.errors import CaseError
 from lammps_jump.files import plain, read_json
@@ -65,7 +65,7 @@ def numbers_at(found: Numbers, discs: Discs, flow: Flow) -> Numbers:
     }
 
 
-def stored(case: Case) -> Numbers | None:
+def stored(case: ReadCase) -> Numbers | None:
     """Numbers of the flow of a case (`numbers_at`) where its discs have been measured; None elsewhere."""
     try:
         flow, discs = flow_of(case), discs_of(case)
@@ -73,3 +73,16 @@ def stored(case: Case) -> Numbers | None:
         return numbers_at(found, discs, flow)
     except (CaseError, OSError, ValueError, KeyError, TypeError):
         return None
+
+
+def told(at: Numbers) -> str:
+    """The numbers of a flow (`numbers_at`) as a group of `check`."""
+    rows = [
+        ("Reynolds number q/nu", at["reynolds"], ""),
+        ("Mach number U/c", at["mach"], ""),
+        ("viscosity nu", at["viscosity"], "m^2/s"),
+        ("inertial number I", at["inertial"], ""),
+    ]
+    width = max(len(label) for label, _, _ in rows)
+    lines = [f"  {label:<{width}}  {value:>12.3g} {unit}".rstrip() for label, value, unit in rows]
+    return "\n".join(["fluid (of its discs, measured by `lammps-jump fluid`)", *lines])

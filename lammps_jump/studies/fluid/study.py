@@ -63,9 +63,8 @@ def summary_of(sheared: list[list[Numbers]], sounds: list[Numbers], sloshes: lis
     if common < 3:
         raise CaseError("fluid: the discs expand under shear for ever: they are a gas, whose viscosity is not measured")
     rows = [{name: interval([start[i][name] for start in sheared]) for name in sheared[0][i]} for i in range(common)]
-    columns = [
-        np.array([[one[name] for one in start[:common]] for start in sheared]) for name in ("inertial", "friction")
-    ]
+    both = ("inertial", "friction")
+    columns = [np.array([[one[name] for one in start[:common]] for start in sheared]) for name in both]
     pooled = fit_friction(columns[0].ravel(), columns[1].ravel())
     laws = [fit_friction(i, mu, pooled.exponent) for i, mu in zip(*columns, strict=True)]
     names = ("frequency", "damping", "opposite", "rest", "amplitude", "friction")
@@ -101,7 +100,7 @@ def warnings_of(discs: Discs, flow: Flow, at: Numbers) -> list[str]:
         found.append(
             f"contact.friction is {mu:g}: the discs hold a slope at rest, which water does not; set it to 0 for water"
         )
-    if 0.5 * flow.depth < at["least_swing"]:
+    if flow.thinnest == flow.depth and 0.5 * flow.depth < at["least_swing"]:
         found.append(
             f"a wave lower than {at['least_swing']:.2g} m dies in one swing, and half the depth is less; take smaller "
             "discs for waves"
@@ -176,7 +175,5 @@ def _told(piece: Any) -> str:
     if isinstance(piece, list):
         return "shear: " + ", ".join(f"mu {one['friction']:.3f} at I {one['inertial']:.2g}" for one in piece)
     if "swing" in piece:
-        return (
-            f"slosh: first opposite swing {_number(piece['opposite']):.2f} of the start, rests at {piece['rest']:.2f}"
-        )
+        return f"slosh: first opposite swing {_number(piece['opposite']):.2f} of the start, at rest {piece['rest']:.2f}"
     return f"sound: {piece['speed']:.1f} m/s, packing {piece['packing']:.3f}"
