@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Commands of many runs: sweep, cross-validate, validate, bench, stress, sensitivity, calibrate."""
+"""Commands of many runs: sweep, cross-validate, validate, bench, stress, sensitivity, calibrate, fluid."""
 
 from __future__ import annotations
 
@@ -273,3 +273,25 @@ def calibrate(
 ) -> None:
     """Contact coefficients that make discs behave most like water; the distances are printed."""
     studies.table.show(studies.run_calibration(out, quick=quick, fresh=fresh, say=options.sayer(quiet)))
+
+
+@app.command()
+def fluid(
+    case: options.CaseFile,
+    out: Annotated[Path | None, options.place("Folder (default: runs/<name>_fluid).")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Two starts and three rates of shear.")] = False,
+    depth: Annotated[
+        float | None, typer.Option(min=1e-9, help="Depth of the flow, m; default: behind the jump, or of the column.")
+    ] = None,
+    speed: Annotated[
+        float | None, typer.Option(min=1e-9, help="Speed of the flow, m/s; default: of the inflow, or sqrt(g depth).")
+    ] = None,
+    set_: options.Sets = None,
+    fresh: options.Fresh = False,
+    quiet: options.QuietStudy = False,
+) -> None:
+    """Viscosity, yield and speed of sound of the discs of a case; Reynolds and Mach number of its flow."""
+    read = lj.load_case(case, set_)
+    study, say = studies.fluid.fluid, options.sayer(quiet)
+    found = study(read, out, quick=quick, fresh=fresh, depth=depth, speed=speed, say=say)
+    studies.table.show(found["text"])

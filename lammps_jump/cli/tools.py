@@ -12,7 +12,7 @@ from typing import Annotated
 import typer
 
 import lammps_jump.case as cases
-from lammps_jump import cli, engines, runs
+from lammps_jump import cli, engines, files, runs, studies
 
 from .options import Accuracy, CaseFile, Commands, EngineName, Kernel, Sets, assignments, place
 
@@ -36,7 +36,12 @@ def check(
     resolved, chosen = engines.accuracy.with_accuracy(loaded)
     found = resolved.check()
     found = replace(found, scene=replace(found.scene, warnings=(*found.warnings, *chosen)))
-    print(json.dumps(found.as_data(), indent=2, allow_nan=False) if as_json else found)
+    measured = studies.fluid.stored(resolved)
+    if as_json:
+        data = found.as_data() | ({"fluid": files.plain(measured)} if measured else {})
+        print(json.dumps(data, indent=2, allow_nan=False))
+    else:
+        print(found, *([studies.fluid.told(measured)] if measured else []), sep="\n\n")
     if picture:
         written = runs.view.write_preview(resolved)
         print(*written, sep="\n", file=sys.stderr if as_json else sys.stdout)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 from . import bench as bench
 from . import cross_validation as cross_validation
+from . import fluid as fluid
 from . import stress as stress
 from . import table as table
 from . import validation as validation

@@ -999,6 +999,7 @@ _wall_forces = watching_law(njit(cache=True, _nrt=False)(_wall_forces_py), touch
 _cell_pairs = njit(cache=True)(_cell_pairs_py)
 advance = watching_law(njit(cache=True)(_advance_py), touching, pose, slot_of)
 cell_pairs = _cell_pairs
+pair_size, pair_springs = _pair_size, _pair_springs
 place_walls = _place_walls
 elastic = watching_law(njit(cache=True)(_elastic_py), touching)
 _put = njit(cache=True)(_put_py)

@@ -1,0 +1,23 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+from .cell import Cell as Cell
+from .discs import Discs as Discs
+from .discs import discs_of as discs_of
+from .flow import Flow as Flow
+from .flow import flow_of as flow_of
+from .law import Friction as Friction
+from .law import fit_friction as fit_friction
+from .law import shear_rate as shear_rate
+from .law import viscosity as viscosity
+from .shear import Sheared as Sheared
+from .shear import sheared as sheared
+from .slosh import Slosh as Slosh
+from .slosh import slosh_of as slosh_of
+from .slosh import swing_of as swing_of
+from .slosh import water_frequency as water_frequency
+from .sound import Sound as Sound
+from .sound import damped_cosine as damped_cosine
+from .sound import sound_speed as sound_speed
+from .store import numbers_at as numbers_at
+from .store import stored as stored
+from .store import told as told
+from .study import fluid as fluid

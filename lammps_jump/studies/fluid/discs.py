@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The discs of a case, without the flow they are in."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import sqrt
+
+import numpy as np
+
+from lammps_jump.case import ReadCase
+from lammps_jump.case.packing import disc_sizes
+from lammps_jump.case.to_scene import TOUCH_STEPS, contact_of
+from lammps_jump.physics.contact import Coefficients, derive
+from lammps_jump.physics.slip import FRICTION_LAWS, Springs
+from lammps_jump.scene.sizes import Sizes
+
+
+@dataclass(frozen=True)
+class Discs:
+    """What the discs of a case are, without the flow they are in.
+
+    Attributes
+    ----------
+    diameter, density : float
+        m, kg/m^3.
+    sizes : Sizes or None
+        None: equal discs.
+    coefficients : Coefficients
+        For LAMMPS' order of operations.
+    friction_law : str
+    springs : Springs or None
+    rotation : bool
+    touch : float or None
+        Width of a smooth touch, m.
+    slip_speed : float
+        m/s: eps of the thesis' sign law, 0.01 of the case's impact speed.
+    impact_speed : float
+        v0 of thesis (3.20), m/s.
+    """
+
+    diameter: float
+    density: float
+    sizes: Sizes | None
+    coefficients: Coefficients
+    friction_law: str
+    springs: Springs | None
+    rotation: bool
+    touch: float | None
+    slip_speed: float
+    impact_speed: float
+
+    @property
+    def root_time(self) -> float:
+        """Unit of time of a contact, sqrt(m/k), s."""
+        return sqrt(self.coefficients.mass / self.coefficients.stiffness)
+
+    @property
+    def signal_speed(self) -> float:
+        """Speed along a row of touching discs, d sqrt(k/m) = n v0, m/s."""
+        return self.diameter / self.root_time
+
+    def radii(self, count: int) -> np.ndarray:
+        """Radii of a number of discs, m."""
+        if self.sizes is None:
+            return np.full(count, 0.5 * self.diameter)
+        return 0.5 * self.sizes.diameters(np.arange(1, count + 1))
+
+
+def discs_of(case: ReadCase) -> Discs:
+    """The discs of a case; its step is the case's share of 2/omega."""
+    fields = case.fields
+    law, sizes = fields.contact, disc_sizes(fields)
+    stated = contact_of(fields, "velocity_verlet", sizes)
+    coefficients, impact_speed = derive(stated), stated.impact_speed
+    touch = law.touch_width or TOUCH_STEPS * impact_speed * coefficients.time_step
+    return Discs(
+        diameter=fields.discs.diameter,
+        density=fields.discs.density,
+        sizes=sizes and replace(sizes, seed=1),
+        coefficients=coefficients,
+        friction_law=law.friction_law,
+        springs=law.springs if law.friction > 0 else None,
+        rotation=law.rotation and law.friction > 0,
+        touch=touch if law.touch == "smooth" else None,
+        slip_speed=(FRICTION_LAWS[law.friction_law].ramp or 0.0) * impact_speed,
+        impact_speed=impact_speed,
+    )

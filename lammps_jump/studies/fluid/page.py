@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Page and figure of ``lammps-jump fluid``."""
+
+# ruff: noqa: RUF001  (Greek letters are meant for readers)
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lammps_jump.analysis.draw.style import BLACK, BLUE, GOLD, GREY, RED, drawing, save
+from lammps_jump.studies.table import markdown
+
+from .discs import Discs
+from .flow import Flow
+from .law import Friction, viscosity
+
+WATER = {"viscosity": 1e-6, "sound": 1480.0}
+"""Water at 20 degrees Celsius: kinematic viscosity, m^2/s, and speed of sound, m/s."""
+RATES = (1.0, 3.0, 10.0)
+"""Rates of shear of the table of viscosities, 1/s."""
+
+Numbers = Mapping[str, Any]
+
+
+def pm(pair: Sequence[float | None], digits: int = 3) -> str:
+    """A mean with half its interval, ± where there is one; ``-`` where nothing was measured."""
+    mean, half = pair
+    if mean is None or not isfinite(mean):
+        return "-"
+    return f"{mean:.{digits}g}" + (f" ± {half:.1g}" if half is not None and isfinite(half) else "")
+
+
+def law_of(summary: Numbers) -> Friction:
+    """Friction law of a summary."""
+    return Friction(summary["static"][0], summary["slope"][0], summary["exponent"])
+
+
+def text_of(found: Numbers, discs: Discs, flow: Flow) -> str:
+    """The page in Markdown."""
+    summary, at = found["summary"], found["flow"]
+    law, sound, swing = law_of(summary), summary["sound"], summary["slosh"]
+    deep = [0.25 * flow.depth, flow.depth]
+
+    def nu(depth: float, rate: float) -> str:
+        pressure = discs.density * flow.gravity * depth
+        return f"{viscosity(law, pressure, rate, discs.diameter, discs.density):.2g}"
+
+    least, most = nu(deep[0], RATES[-1]), nu(deep[1], RATES[0])
+    rows = [
+        ("viscosity, m²/s", "1e-6", f"{least} to {most}", "pressure over rate of shear, diameter"),
+        ("friction at rest (yield) μs", "0", pm(summary["static"]), "friction and sizes of the discs"),
+        ("speed of sound, m/s", "1480", pm(sound["speed"]), "stiffness: k/m"),
+        ("the same over n v0 = d √(k/m)", "", pm(sound["ratio"]), "packing, pressure"),
+        ("bulk density over ρ, at rest", "1", f"{4 * sound['packing'][0] / np.pi:.3f}", "packing 4φ/π, ρd² a disc"),
+        ("damping of a swing over the critical", "below 0.01", pm(swing["damping"]), "μ h over the swing"),
+        ("frequency of a swing over theory", "1", pm(swing["frequency"]), "damping"),
+        ("where the swing rests, share of its start", "0", pm(swing["rest"]), "yield"),
+    ]
+    titles = ("property", "water", "discs", "set by")
+    table = markdown(dict.fromkeys(titles, ""), [dict(zip(titles, row, strict=True)) for row in rows])
+    columns = {
+        "I:": lambda row: pm(row["inertial"]),
+        "μ:": lambda row: pm(row["friction"]),
+        "packing φ:": lambda row: pm(row["packing"]),
+    }
+    sheared = markdown(columns, summary["shear"])
+    depths = [{"depth (m)": f"{h:.3g}", **{f"{rate:g} /s": nu(h, rate) for rate in RATES}} for h in deep]
+    viscosities = markdown({f"{title}:": "" for title in depths[0]}, depths)
+    numbers = [
+        f"- Reynolds number q/ν: **{at['reynolds']:.2g}** (water: {flow.discharge / WATER['viscosity']:.1e})",
+        f"- Mach number U/c: **{at['mach']:.2g}**",
+        f"- inertial number I: {at['inertial']:.2g}; there μ = {at['friction']:.2g}, ν = {at['viscosity']:.2g} m²/s",
+        f"- Froude number: {at['froude']:.3g}; depth over diameter: {at['discs_deep']:.3g}",
+        f"- a wave lower than {at['least_swing']:.2g} m at the wall dies in one swing (2.5 μ h)",
+    ]
+    warned = [f"- {text}" for text in found["warnings"]] or ["- none"]
+    parts = [
+        f"# What fluid the discs of {found['case']} are",
+        f"The flow: U = {flow.speed:.3g} m/s, h = {flow.depth:.3g} m. The numbers hold at half the depth and the rate "
+        f"U/h = {flow.rate:.3g} /s.",
+        "\n".join(numbers),
+        "## Doubts",
+        "\n".join(warned),
+        "## Water and these discs",
+        table,
+        f"## Shear at {flow.pressure(discs.density) / 1e3:.3g} kPa",
+        sheared,
+        f"μ = {pm(summary['static'])} + {pm(summary['slope'])} I^{law.exponent:.2f}; ν = μ(I) p/(ρ rate), m²/s:",
+        viscosities,
+        f"± is the 95 % interval of the mean over {summary['starts']} starts. The figure is fluid.png.",
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def draw(found: Numbers, discs: Discs, flow: Flow, path: Path) -> None:
+    """Draw mu(I), packing(I), viscosity over depth and the swing."""
+    summary, law = found["summary"], law_of(found["summary"])
+    inertial = np.array([row["inertial"][0] for row in summary["shear"]])
+
+    def at_depth(depth: float, rate: float) -> float:
+        return viscosity(law, discs.density * flow.gravity * depth, rate, discs.diameter, discs.density)
+
+    fine = np.geomspace(inertial.min(), inertial.max(), 60)
+    with drawing(8.4, 6.0, 2, 2) as (figure, ((mu, phi), (nu, swing))):
+        for axes, name in ((mu, "friction"), (phi, "packing")):
+            pairs = np.array([row[name] for row in summary["shear"]], float)
+            axes.errorbar(inertial, pairs[:, 0], np.nan_to_num(pairs[:, 1]), fmt="o", ms=4, color=BLUE, capsize=2)
+            axes.set(xscale="log", xlabel="inertial number I")
+        words = f"{law.static:.3f} + {law.slope:.3f} I^{law.exponent:.2f}"
+        mu.plot(fine, law.static + law.slope * fine**law.exponent, color=RED, ls=(0, (5, 2)), label=words)
+        mu.set(title="Friction: shear stress over pressure", ylim=(0, None))
+        mu.legend()
+        phi.set(title="Packing: share of the area")
+        depths = np.linspace(0.02, 1.0, 60) * flow.depth
+        for rate, colour, dash in zip(RATES, (BLUE, GOLD, GREY), ("-", "--", "-."), strict=True):
+            nu.plot(depths, [at_depth(h, rate) for h in depths], color=colour, ls=dash, label=f"{rate:g} /s")
+        nu.set(title="Kinematic viscosity (m²/s)", xlabel="depth below the surface (m)", yscale="log")
+        nu.legend(title="rate of shear")
+        for one in summary["swings"]:
+            swing.plot(one["times"], one["swing"], color=BLUE, lw=1.0)
+        times = np.linspace(0.0, max(summary["swings"][0]["times"]), 200)
+        swing.plot(times, np.cos(2.0 * np.pi * times), color=RED, ls=(0, (5, 2)), lw=1.0, label="water")
+        swing.plot([], [], color=BLUE, label=f"discs, {summary['starts']} starts")
+        swing.axhline(0.0, color=BLACK, lw=0.6)
+        swing.set(title="Swing of a box over its start", xlabel="time over the period of water", ylim=(-1.1, 1.1))
+        swing.legend()
+        save(figure, path)

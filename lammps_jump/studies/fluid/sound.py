@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Speed of sound in packed discs at rest, from a standing wave as long as a box without walls."""
+
+from __future__ import annotations
+
+from math import hypot, pi
+from typing import NamedTuple
+
+import numpy as np
+
+from . import loops
+from .cell import Cell
+from .discs import Discs
+
+LENGTH, HEIGHT = 104, 10
+"""Discs along the wave and across it."""
+SETTLE = 1500.0
+"""Time for which the box is held at its pressure before, sqrt(m/k)."""
+STRAIN = 0.02
+"""Speed of the wave over that of sound, as a share of pressure over stiffness: no contact opens."""
+EXPECTED = 0.6
+"""Speed of sound over d sqrt(k/m), measured in packed discs of several sizes; sets how long is recorded."""
+PERIODS, SAMPLES = 3.0, 300
+
+
+class Swing(NamedTuple):
+    """A damped cosine, a exp(-decay t) cos(frequency t + phase) + rest: frequency (rad/s), decay (1/s)."""
+
+    frequency: float
+    decay: float
+    rest: float
+
+    @property
+    def undamped(self) -> float:
+        """Frequency without damping, rad/s: sqrt(frequency^2 + decay^2)."""
+        return hypot(self.frequency, self.decay)
+
+    @property
+    def damping(self) -> float:
+        """Damping over the critical one."""
+        return self.decay / self.undamped
+
+
+def damped_cosine(times: np.ndarray, values: np.ndarray, expected: float) -> Swing:
+    """Fit of a damped cosine.
+
+    Parameters
+    ----------
+    times, values : ndarray, shape (n,)
+        s, and any unit.
+    expected : float
+        Frequency to begin with, rad/s.
+    """
+    from scipy.optimize import least_squares  # 0.2 s
+
+    def parts(shape: np.ndarray) -> np.ndarray:
+        wave = np.exp(-shape[1] * times)
+        phase = shape[0] * times
+        return np.stack([wave * np.cos(phase), wave * np.sin(phase), np.ones_like(times)], axis=1)
+
+    def misses(shape: np.ndarray) -> np.ndarray:
+        basis = parts(shape)
+        return basis @ np.linalg.lstsq(basis, values, rcond=None)[0] - values
+
+    tries = [least_squares(misses, [factor * expected, 0.1 * expected]) for factor in (0.8, 1.0, 1.25)]
+    best = min(tries, key=lambda one: one.cost).x
+    rest = np.linalg.lstsq(parts(best), values, rcond=None)[0][2]
+    return Swing(abs(float(best[0])), float(best[1]), float(rest))
+
+
+class Sound(NamedTuple):
+    """Of discs at rest: speed of sound (m/s), the same over d sqrt(k/m) = n v0, and packing."""
+
+    speed: float
+    ratio: float
+    packing: float
+
+
+def sound_speed(discs: Discs, pressure: float, seed: int, *, length: int = LENGTH) -> Sound:
+    """Speed of a standing longitudinal wave, c = omega length/(2 pi).
+
+    Parameters
+    ----------
+    discs : Discs
+    pressure : float
+        At which they are packed, Pa.
+    seed : int
+    length : int
+        Of the wave, discs.
+    """
+    cell = Cell(discs, length * HEIGHT, seed, aspect=length / HEIGHT)
+    cell.close(pressure)
+    cell.advance(SETTLE * discs.root_time, 1, pressure=pressure)
+    cell.stop()
+    long, guess = cell.box[loops.LX], EXPECTED * discs.signal_speed
+    speed = STRAIN * guess * pressure / (EXPECTED**2 * discs.coefficients.stiffness)
+    cell.swarm.vx[:] = speed * np.sin(2.0 * pi * cell.swarm.x / long)
+    cell.swarm.vy[:] = 0.0
+    time = PERIODS * long / guess
+    mode = cell.advance(time, SAMPLES)[:, loops.WAVE]
+    every = max(1, round(time / SAMPLES / discs.coefficients.time_step)) * discs.coefficients.time_step
+    swing = damped_cosine(every * np.arange(1, SAMPLES + 1), mode / speed, 2.0 * pi * guess / long)
+    found = swing.undamped * long / (2.0 * pi)
+    return Sound(found, found / discs.signal_speed, cell.packing)

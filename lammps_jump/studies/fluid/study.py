@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""``lammps-jump fluid``: what fluid the discs of a case are, measured in three small flows of the same discs.
+
+Shear at a held pressure gives friction, packing and viscosity (`shear`), a standing wave the speed of sound (`sound`),
+a box that sloshes frequency and damping (`slosh`). What is measured depends on the discs, the pressure at the depth of
+the flow, and that depth alone. It is kept in the cache under their key, where `check` and other cases find it.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from math import nan
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from lammps_jump import Case
+from lammps_jump.engines import usable_cores
+from lammps_jump.errors import CaseError
+from lammps_jump.files import write_json, write_text
+from lammps_jump.sweeps import Pool, Say, Store, table
+
+from . import page, shear, slosh, sound
+from .discs import Discs, discs_of
+from .flow import Flow, flow_of
+from .law import fit_friction
+from .store import Numbers, measured_key, numbers_at, slosh_depth, store_of
+
+STARTS, QUICK_STARTS = 3, 2
+QUICK_NUMBERS = (0.3, 0.1, 0.03)
+COMPRESSIBLE = 0.2
+"""Mach number above which a flow is told to be compressible."""
+
+
+def interval(values: list[float]) -> list[float]:
+    """Mean and half of its 95 % interval (Student); NaN values are left out."""
+    if not np.isfinite(np.asarray(values, float)).any():
+        return [nan, nan]
+    found = table.statistics(values, np.full(len(values), nan), 0.95)
+    return [found["mean"], found["high"] - found["mean"]]
+
+
+def shear_start(discs: Discs, pressure: float, seed: int, numbers: tuple[float, ...]) -> list[Numbers]:
+    """`shear.sheared` as plain data, for a worker."""
+    return [one._asdict() for one in shear.sheared(discs, pressure, seed, numbers=numbers)]
+
+
+def sound_start(discs: Discs, pressure: float, seed: int) -> Numbers:
+    """`sound.sound_speed` as plain data, for a worker."""
+    return sound.sound_speed(discs, pressure, seed)._asdict()
+
+
+def slosh_start(discs: Discs, depth: float, gravity: float, seed: int) -> Numbers:
+    """`slosh.slosh_of` as plain data with the swing it is from, for a worker."""
+    times, swing, amplitude = slosh.swing_of(discs, depth, gravity, seed)
+    return slosh.slosh_of(times, swing, amplitude, depth)._asdict() | {"times": times, "swing": swing}
+
+
+def summary_of(sheared: list[list[Numbers]], sounds: list[Numbers], sloshes: list[Numbers]) -> Numbers:
+    """Means over the starts with the halves of their 95 % intervals, [mean, half]."""
+    common = min(map(len, sheared))
+    if common < 3:
+        raise CaseError("fluid: the discs expand under shear for ever: they are a gas, whose viscosity is not measured")
+    rows = [{name: interval([start[i][name] for start in sheared]) for name in sheared[0][i]} for i in range(common)]
+    both = ("inertial", "friction")
+    columns = [np.array([[one[name] for one in start[:common]] for start in sheared]) for name in both]
+    pooled = fit_friction(columns[0].ravel(), columns[1].ravel())
+    laws = [fit_friction(i, mu, pooled.exponent) for i, mu in zip(*columns, strict=True)]
+    names = ("frequency", "damping", "opposite", "rest", "amplitude", "friction")
+    return {
+        "starts": len(sheared),
+        "shear": rows,
+        "static": interval([law.static for law in laws]),
+        "slope": interval([law.slope for law in laws]),
+        "exponent": pooled.exponent,
+        "sound": {name: interval([one[name] for one in sounds]) for name in ("speed", "ratio", "packing")},
+        "slosh": {name: interval([_number(one[name]) for one in sloshes]) for name in names},
+        "swings": [{name: one[name] for name in ("times", "swing")} for one in sloshes],
+    }
+
+
+def _number(value: float | None) -> float:
+    """NaN for None, as JSON has it."""
+    return nan if value is None else value
+
+
+def warnings_of(discs: Discs, flow: Flow, at: Numbers) -> list[str]:
+    """What these discs cannot say of water, in sentences."""
+    found, mu = [], discs.coefficients.friction
+    if at["mach"] > COMPRESSIBLE:
+        softer = at["mach"] / COMPRESSIBLE
+        found.append(
+            f"the Mach number is {at['mach']:.2g}, above {COMPRESSIBLE}: the flow is compressible; make the discs "
+            f"{softer:.2g} times as stiff against their speed (a smaller contact.largest_overlap)"
+        )
+    if discs.sizes is None:
+        found.append("the discs are equal and pack into crystals: friction is up to twice as large; set discs.sizes")
+    if mu > 0:
+        found.append(
+            f"contact.friction is {mu:g}: the discs hold a slope at rest, which water does not; set it to 0 for water"
+        )
+    if flow.thinnest == flow.depth and 0.5 * flow.depth < at["least_swing"]:
+        found.append(
+            f"a wave lower than {at['least_swing']:.2g} m dies in one swing, and half the depth is less; take smaller "
+            "discs for waves"
+        )
+    return found
+
+
+def default_folder(case: Case) -> Path:
+    """Folder of the results, ``runs/<name>_fluid``."""
+    return Path("runs") / f"{case.name}_fluid"
+
+
+def fluid(
+    case: Case,
+    out: Path | None = None,
+    *,
+    quick: bool = False,
+    fresh: bool = False,
+    depth: float | None = None,
+    speed: float | None = None,
+    say: Say = print,
+) -> Numbers:
+    """Measure the discs of a case as a fluid; writes ``fluid.json``, ``fluid.md`` and ``fluid.png``.
+
+    Parameters
+    ----------
+    case : Case
+    out : Path, optional
+        Folder; default ``runs/<name>_fluid``.
+    quick : bool
+        Two starts in place of three, and three inertial numbers. Nothing of it is found by `store.stored`.
+    fresh : bool
+        Measure again what is stored.
+    depth, speed : float, optional
+        Of the flow (m, m/s) in place of what the case says (`flow.flow_of`).
+    say : callable
+
+    Returns
+    -------
+    dict
+        ``summary`` (`summary_of`), ``flow`` (`store.numbers_at`), ``warnings`` and ``text``, the page in Markdown.
+    """
+    discs, flow = discs_of(case), flow_of(case, depth=depth, speed=speed)
+    store = Store(store_of(measured_key(discs, flow)), fresh=fresh)
+    pressure, h = flow.pressure(discs.density), slosh_depth(discs, flow)
+    seeds = range(1, (QUICK_STARTS if quick else STARTS) + 1)
+    numbers = QUICK_NUMBERS if quick else shear.INERTIAL
+    calls = [partial(shear_start, discs, pressure, seed, numbers) for seed in seeds]
+    calls += [partial(slosh_start, discs, h, flow.gravity, seed) for seed in seeds]
+    calls += [partial(sound_start, discs, pressure, seed) for seed in seeds]
+    say(f"{case.name}: {len(calls)} small flows of its discs at {pressure / 1e3:.3g} kPa, {h:.3g} m deep")
+    with Pool(usable_cores()) as pool:
+        pieces = store.call(calls, pool, said=lambda piece: say(f"  {_told(piece)}"))
+    n = len(seeds)
+    summary = summary_of(pieces[:n], pieces[2 * n :], pieces[n : 2 * n])
+    if not quick:
+        store.data["summary"] = summary
+        write_json(store.path, store.data)
+    at = numbers_at(summary, discs, flow)
+    found = {"case": case.name, "flow": at, "warnings": warnings_of(discs, flow, at), "summary": summary}
+    folder = Path(out) if out else default_folder(case)
+    folder.mkdir(parents=True, exist_ok=True)
+    found["text"] = page.text_of(found, discs, flow)
+    write_json(folder / "fluid.json", {name: found[name] for name in ("case", "flow", "warnings", "summary")})
+    write_text(folder / "fluid.md", found["text"])
+    page.draw(found, discs, flow, folder / "fluid.png")
+    return found
+
+
+def _told(piece: Any) -> str:
+    """What a piece has found, in a line."""
+    if isinstance(piece, list):
+        return "shear: " + ", ".join(f"mu {one['friction']:.3f} at I {one['inertial']:.2g}" for one in piece)
+    if "swing" in piece:
+        return f"slosh: first opposite swing {_number(piece['opposite']):.2f} of the start, at rest {piece['rest']:.2f}"
+    return f"sound: {piece['speed']:.1f} m/s, packing {piece['packing']:.3f}"
