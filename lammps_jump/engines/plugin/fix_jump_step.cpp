@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <map>
 
 using namespace LAMMPS_NS;
@@ -132,12 +133,17 @@ void FixJumpStep::init()
     pair->springs.put(wall.law, wall.rolling < 0.0 ? pair->springs.rolling_friction : wall.rolling);
   }
   if (pair->springs.there && !array_atom) error->all(FLERR, "fix jump/step needs slots for the law history");
+  const auto &fixes = modify->get_fix_list();
+  others_push = std::any_of(fixes.begin(), fixes.end(), [](Fix *fix) {    // fix external only looks on
+    return fix->setmask() & POST_FORCE && strcmp(fix->style, "jump/step") != 0 && strcmp(fix->style, "external") != 0;
+  });
   pair->slots.rows = &array_atom;
   pair->slots.count = array_atom ? size_peratom_cols / SLOT : 0;
 }
 
 void FixJumpStep::setup(int vflag)
 {
+  starts = true;
   post_force(vflag);
 }
 
@@ -195,6 +201,8 @@ void FixJumpStep::initial_integrate(int)
 {
   for (auto &wall : walls) wall.motion.drift(update->ntimestep, update->dt);
   pair->pace.begin_step(atom->nlocal);
+  if (others_push && starts) pair->take_forces();
+  starts = false;
   if (pair->team.size() != pair->pace.threads()) pair->team.resize(pair->pace.threads());
   if (atom->nlocal == 0) {
     pair->range_lo[0] = pair->range_lo[1] = 1e300;    // discs of other ranks may widen it
@@ -221,6 +229,7 @@ void FixJumpStep::initial_integrate(int)
 
 void FixJumpStep::final_integrate()
 {
+  if (others_push) pair->take_forces();
   if (atom->nlocal > 0) pair->in_parts(atom->nlocal, [this](int from, int to, int) { kick(from, to); });
   pair->pace.end_step(paced_order != pair->order);
   paced_order = pair->order;

@@ -110,6 +110,8 @@ class FixJumpStep : public Fix {
   std::vector<Piece> pieces;
   tagint sized = 0;           // discs up to this id have their own size
   bigint near_order = -1;
+  bool others_push = false;     // other fixes add forces: fix gravity, which pours need
+  bool starts = false;          // the next step is the first of a run
   bigint paced_order = -1;    // of the discs in the step before
   double near_margin = 0.0;    // way of a disc in x or y that lists of near discs allow
   double near_moved = 0.0;    // bound of a disc's displacement in x or y since the lists of near discs

@@ -340,7 +340,7 @@ void FixJumpStep::post_force(int)
   if (pair->slots.grows) pair->in_parts(atom->nlocal, [&](int from, int to, int) { pair->slots.end(from, to); });
   if (contacts_every && update->ntimestep % contacts_every == 0) write_contacts();
   push_lids();
-  if (update->setupflag || update->ntimestep == update->laststep || update->ntimestep == output->next)
+  if (others_push || update->setupflag || update->ntimestep == update->laststep || update->ntimestep == output->next)
     pair->hand_over_forces();
   if (update->setupflag) {
     // the forces of the start belong to no window; they are what a probe shows at the first step

@@ -177,13 +177,23 @@ void PairJumpDisc::pack()
   if (spin) std::fill_n(turns.begin(), atom->nlocal, 0.0);
 }
 
-/** Put the forces of this step where LAMMPS looks for them, before it writes a frame or a run ends. */
+/** Add the forces of this step to those in LAMMPS' array, which it has cleared at the begin of the step. */
 void PairJumpDisc::hand_over_forces()
 {
   for (int i = 0; i < atom->nlocal; i++) {
-    atom->f[i][0] = pushes[2 * i];
-    atom->f[i][1] = pushes[2 * i + 1];
-    if (spin) atom->torque[i][2] = turns[i];
+    atom->f[i][0] += pushes[2 * i];
+    atom->f[i][1] += pushes[2 * i + 1];
+    if (spin) atom->torque[i][2] += turns[i];
+  }
+}
+
+/** Take the forces of this step from LAMMPS' array, to which other fixes may have added theirs. */
+void PairJumpDisc::take_forces()
+{
+  for (int i = 0; i < atom->nlocal; i++) {
+    pushes[2 * i] = atom->f[i][0];
+    pushes[2 * i + 1] = atom->f[i][1];
+    if (spin) turns[i] = atom->torque[i][2];
   }
 }
 

@@ -86,6 +86,7 @@ class PairJumpDisc : public Pair {
   double largest_overlap() const;
   template <class Run> int in_parts(int, const Run &);
   void hand_over_forces();
+  void take_forces();
   double radius_of(int i) const { return sizes ? radii[i] : 0.5 * diameter; }
   double reach_of(int i, int j) const { return sizes ? radii[i] + radii[j] : law.reach; }
 
