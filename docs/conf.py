@@ -37,6 +37,7 @@ napoleon_google_docstring = False
 html_theme = "furo"
 html_title = f"lammps-jump {version}"
 html_static_path: list[str] = []
+html_extra_path = ["_made/extra"]
 html_copy_source = False
 html_show_sphinx = False
 copybutton_prompt_text = "$ "

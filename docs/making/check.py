@@ -38,7 +38,11 @@ class Page(HTMLParser):
 
 def faults(site: Path) -> list[str]:
     """What is wrong with a built site, a line each."""
-    pages = {path: Page(path.read_text()) for path in sorted(site.rglob("*.html")) if "_static" not in path.parts}
+    pages = {
+        path: Page(path.read_text())
+        for path in sorted(site.rglob("*.html"))
+        if not {"_static", "reports"} & set(path.parts)
+    }
     found = []
     for path, page in pages.items():
         name = path.relative_to(site)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from . import commands, fields, folder
+from . import commands, fields, folder, gallery, measured
 
 PAGES = {"fields": fields.page, "commands": commands.page, "folder": folder.page}
 
@@ -15,6 +15,9 @@ def make(docs: Path) -> None:
     made = docs / "_made"
     for name, page in PAGES.items():
         write(made / f"{name}.md", page())
+    for path in sorted(measured.FOLDER.glob("*.json")):
+        write(made / "measured" / f"{path.stem}.md", measured.fragment(path.stem))
+    gallery.make(docs)
     inputs = docs / "notebooks" / "inputs"  # where the notebook looks for its case
     if not inputs.exists():
         inputs.symlink_to(docs.parent / "inputs", target_is_directory=True)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Commands, Python and numbers of tutorials and how-to pages, and the notebook; run with ``make docs-test``.
 
-Blocks are run in their order in one folder for each page: ``sh`` by the shell, ``python`` in one namespace, ``yaml`` whose
-first line is a comment with a name is written to that file. A ``text`` block is what the block before it prints: each
-of its lines is found there, with numbers within 3 %. Blocks of another language, as ``console``, are not run.
+Blocks of a page are run in their order in one folder: ``sh`` by the shell, ``python`` in one namespace. ``yaml`` whose
+first line is a comment with a name is written to that file. A ``text`` block is what the block before it prints:
+each of its lines is found there, with numbers within 3 %. Blocks of another language, as ``console``, are not run.
 """
 
 import contextlib
