@@ -14,8 +14,8 @@ QUICK = ("quick_jump", "dam_break", "dam_break_triangle", "sluice_gate", "drum",
 HEAD = """\
 # Gallery
 
-Every scene of `inputs/`. `lammps-jump new SCENE` prints its case. Pictures of the short scenes are moments of their run,
-and their report plays it. The other pictures show the case before it is run.
+Every scene of `inputs/`. `lammps-jump new SCENE` prints its case. Pictures of the short scenes are moments of their
+run, and their report plays it. The other pictures show the case before it is run.
 """
 
 
