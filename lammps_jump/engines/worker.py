@@ -78,11 +78,14 @@ class _Inbox:
 
 
 def _lines() -> Iterator[bytes]:
-    """Lines of standard input, without their ends."""
-    left = b""
+    """Lines of standard input, without their ends; a job of many discs comes in thousands of pieces."""
+    pieces: list[bytes] = []
     while new := os.read(0, 1 << 20):
-        *lines, left = (left + new).split(b"\n")
-        yield from lines
+        *ended, left = new.split(b"\n")
+        for end in ended:
+            yield b"".join([*pieces, end])
+            pieces.clear()
+        pieces.append(left)
 
 
 def run_job(job: Job) -> RunResult:

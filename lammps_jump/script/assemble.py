@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import ModuleType
@@ -21,6 +22,8 @@ Section = tuple[str, list[str]]
 STOP_FILE = "stop.request"
 """File in the run folder at which a run of several ranks pauses."""
 STOP_STEPS = 100
+PART = 100_000
+"""Discs whose lines of the data file are in memory at one time."""
 SCRIPTS = {"stock": "in.lammps", "compiled": "in.plugin.lammps"}
 """Name of the script, by its kernel; the first is always there, for a machine without the plugin."""
 
@@ -125,8 +128,8 @@ def stop_at(scene: Scene, step: int) -> tuple[int, list[str]]:
     ]
 
 
-def data_text(scene: Scene) -> str:
-    """Data file with the discs at the start (full precision)."""
+def data_text(scene: Scene) -> Iterator[str]:
+    """Parts of the data file with the discs at the start, full precision; one text would take 100 B a disc."""
     (xlo, xhi), (ylo, yhi) = scene.domain
     half = number(stock.half_depth(scene))
     name = lammps_comment(scene.name)
@@ -143,14 +146,18 @@ def data_text(scene: Scene) -> str:
         "Atoms # sphere",
         "",
     ]
-    density = number(scene.density)
-    diameters = scene.diameters(np.arange(1, len(scene.positions) + 1))
-    discs = enumerate(zip(diameters, scene.positions, strict=True), 1)
-    lines += [f"{i} 1 {number(d)} {density} {number(x)} {number(y)} 0" for i, (d, (x, y)) in discs]
+    yield "\n".join(lines) + "\n"
+    density, parts = number(scene.density), range(0, len(scene.positions), PART)
+    for first in parts:
+        xy = scene.positions[first : first + PART]
+        diameters = scene.diameters(np.arange(first + 1, first + 1 + len(xy))).tolist()
+        discs = enumerate(zip(diameters, *xy.T.tolist(), strict=True), first + 1)
+        yield "".join([f"{i} 1 {d!r} {density} {x!r} {y!r} 0\n" for i, (d, x, y) in discs])
     if scene.velocities.any():
-        lines += ["", "Velocities", ""]
-        lines += [f"{i} {number(vx)} {number(vy)} 0 0 0 0" for i, (vx, vy) in enumerate(scene.velocities, 1)]
-    return "\n".join(lines) + "\n"
+        yield "\nVelocities\n\n"
+        for first in parts:
+            discs = enumerate(scene.velocities[first : first + PART].tolist(), first + 1)
+            yield "".join([f"{i} {vx!r} {vy!r} 0 0 0 0\n" for i, (vx, vy) in discs])
 
 
 def molecule_text(scene: Scene) -> str:
@@ -169,7 +176,8 @@ def write_script(scene: Scene, folder: Path, **options) -> Path:
     """
     folder.mkdir(parents=True, exist_ok=True)
     if len(scene.positions):
-        (folder / stock.DATA_FILE).write_text(data_text(scene))
+        with (folder / stock.DATA_FILE).open("w") as file:
+            file.writelines(data_text(scene))
     if scene.inlets or scene.pours:
         (folder / stock.MOLECULE_FILE).write_text(molecule_text(scene))
     for kernel in dict.fromkeys(("stock", Options(**options).kernel)):

