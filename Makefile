@@ -7,7 +7,7 @@ CASE   ?= inputs/stable_jump.yaml
 # README and CONTRIBUTING say the same; a test compares them
 TEST_TIME = 2 minutes on two free cores (3 the first time), 5 and more on busy ones
 
-.PHONY: run test check browser bench stress cross-validation sensitivity calibrate figures docs docs-test measured lint doctor wheel test-repeat faults slurm clean
+.PHONY: run test check browser bench stress cross-validation validate sensitivity calibrate figures docs docs-test measured lint doctor wheel test-repeat faults slurm clean
 
 # a stamp, so that the environment is made once and again when the dependencies change
 $(VENV)/.ready: pyproject.toml
@@ -54,6 +54,10 @@ stress: $(VENV)/.ready
 
 cross-validation: $(VENV)/.ready
 	for scene in energy_box_16 dam_break quick_jump hydraulic_jump_frictionless hydraulic_jump; do $(BIN)/lammps-jump cross-validate inputs/$$scene.yaml || exit 1; done
+
+# the laws of validation/; VALIDATE="columns silo" runs those
+validate: $(VENV)/.ready
+	$(BIN)/lammps-jump validate $(VALIDATE)
 
 sensitivity: $(VENV)/.ready
 	$(BIN)/lammps-jump sensitivity

@@ -307,7 +307,7 @@ COMMENT = {".py": "#", ".pyi": "#", ".cpp": "//", ".h": "//"}
 
 
 def test_the_first_line_of_every_source_file_names_its_licence():
-    folders = ("lammps_jump", "analysis", "tests", "benchmarks")
+    folders = ("lammps_jump", "analysis", "tests", "benchmarks", "validation")
     files = [path for folder in folders for path in (ROOT / folder).rglob("*") if path.suffix in COMMENT]
     first = {str(path): path.read_text(encoding="utf-8").partition("\n")[0] for path in files}
     bare = sorted(path for path, line in first.items() if line != f"{COMMENT[Path(path).suffix]} {LICENCE}")

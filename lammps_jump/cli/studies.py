@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Commands of many runs: sweep, cross-validate, bench, stress, sensitivity, calibrate."""
+"""Commands of many runs: sweep, cross-validate, validate, bench, stress, sensitivity, calibrate."""
 
 from __future__ import annotations
 
@@ -148,6 +148,41 @@ def cross_validate(
         print(f"look at {(out or study.default_folder(report['name'])) / study.REPORT_FILE}")
     if not report["passed"]:
         raise typer.Exit(1)
+
+
+@app.command()
+def validate(
+    laws: Annotated[
+        list[str] | None, typer.Argument(metavar="[LAW]…", help="Names of laws; default all.", show_default=False)
+    ] = None,
+    out: Annotated[
+        Path | None, options.place("Folder (default: runs/validate, with --quick runs/validate_quick).")
+    ] = None,
+    list_: Annotated[bool, typer.Option("--list", help="List the laws; run nothing.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer and shorter runs: seconds a law.")] = False,
+    jobs: options.Jobs = None,
+    place: Annotated[
+        Path | None, typer.Option("--laws", help="Folder of the laws (default: validation/ of the source tree).")
+    ] = None,
+    keep_dumps: Annotated[bool, typer.Option("--keep-dumps", help="Leave the dumps in the run folders.")] = False,
+    fresh: options.Fresh = False,
+    quiet: options.QuietStudy = False,
+) -> None:
+    """Hold results against published laws; table and page. Exit status 1 if a run fails. Continues where it stopped."""
+    study = studies.validation
+    if list_:
+        return print(study.listing(place))
+    line, folder = StudyLine(quiet=quiet), out or study.default_folder(quick)
+    how: dict[str, Any] = {"quick": quick, "jobs": jobs, "fresh": fresh, "keep_dumps": keep_dumps}
+    try:
+        report = study.validate(laws or (), folder, laws=place, progress=line, **how)
+    finally:
+        line.finish()
+    studies.table.show(study.summary_text(report))
+    print(f"page: {folder / study.PAGE_FILE}")
+    if any(law["failures"] for law in report["laws"].values()):
+        raise typer.Exit(1)
+    return None
 
 
 @app.command()

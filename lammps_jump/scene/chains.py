@@ -348,8 +348,12 @@ def grounds(faces: Faces, x: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     tops, bottoms = (_stacked(len(flat), *found) for found in _crossings(faces, flat))
     solids = []
     below = np.full(flat.shape, -inf)
+    corners = faces.shape[:, [X0, Y0, X1, Y1]]
+    # the two faces of a sheet lie upon each other, but for round-off
+    tiny = 1e-12 * abs(corners[np.isfinite(corners)]).max(initial=0.0)
     for top in tops:
-        under = np.where((bottoms <= top) & (bottoms >= below), bottoms, -inf).max(axis=0, initial=-inf)
+        under = np.where((bottoms <= top + tiny) & (bottoms >= below), bottoms, -inf).max(axis=0, initial=-inf)
+        under = np.minimum(under, top)
         solids.append((np.where(np.isnan(top), np.nan, under).reshape(x.shape), top.reshape(x.shape)))
         below = np.where(np.isnan(top), below, top)
     return solids

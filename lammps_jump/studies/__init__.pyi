@@ -3,5 +3,6 @@ from . import bench as bench
 from . import cross_validation as cross_validation
 from . import stress as stress
 from . import table as table
+from . import validation as validation
 from .calibration import run_calibration as run_calibration
 from .sensitivity import run_sensitivity as run_sensitivity

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from lammps_jump.engines.lammps.loader import wheel_version
 from lammps_jump.files import plain, read_json, write_json, write_text
@@ -25,6 +25,21 @@ def all_versions() -> dict[str, str]:
     """Versions that the numbers of a study depend on."""
     wheel = wheel_version()
     return {**versions(), **({"lammps_wheel": wheel} if wheel else {})}
+
+
+class Watch(Protocol):
+    """Follows calls: hears what a call tells by `worker.tell`, and the piece that it made."""
+
+    def heard(self, key: str, news: Any) -> None:
+        """Take in what the call of a piece tells."""
+
+    def ended(self, key: str, piece: Any) -> None:
+        """Take in a piece."""
+
+
+def key_of(call: partial[Any]) -> str:
+    """Key of a piece: the name of its function, and a hash of the arguments."""
+    return f"{call.func.__name__} {short_hash({'arguments': plain([call.args, call.keywords])})}"
 
 
 class Store:
@@ -64,7 +79,9 @@ class Store:
         calls: Sequence[partial[Any]],
         pool: Pool,
         *,
+        keys: Sequence[str] = (),
         said: Callable[[Any], None] = lambda piece: None,
+        watch: Watch | None = None,
         otherwise: Callable[[Outcome], object] | None = None,
         patience: float = float("inf"),
     ) -> list[Any]:
@@ -75,14 +92,18 @@ class Store:
         calls : sequence of functools.partial
             The name of the function and its arguments, which are plain data, are the key of a piece.
         pool : Pool
+        keys : sequence of str
+            Keys of the pieces, in place of those.
         said : callable
             Called with the piece of every call, when it is made.
+        watch : Watch, optional
+            Told how far the calls are.
         otherwise : callable, optional
             Makes the piece of a call that did not return; without it such a call is an error.
         patience : float
             s that a call may take.
         """
-        keys = [f"{one.func.__name__} {short_hash({'arguments': plain([one.args, one.keywords])})}" for one in calls]
+        keys = keys or [key_of(one) for one in calls]
         left = {key: one for key, one in zip(keys, calls, strict=True) if key not in self.pieces}
         names = list(left)
         wrong: list[Outcome] = []
@@ -96,8 +117,14 @@ class Store:
                 wrong.append(outcome)
                 return
             said(self.pieces[names[number]])
+            if watch is not None:
+                watch.ended(names[number], self.pieces[names[number]])
 
-        pool.run(list(left.values()), done=done, patience=patience)
+        def news(number: int, told: Any) -> None:
+            if watch is not None:
+                watch.heard(names[number], told)
+
+        pool.run(list(left.values()), done=done, news=news, patience=patience)
         if wrong:
             raise wrong[0].error()
         return [self.pieces[key] for key in keys]

@@ -195,3 +195,12 @@ def test_a_sheet_at_any_angle_pushes_to_the_side_of_the_disc():
         count = touching(sheet.faces.codes, sheet.faces.shape, 0, near, 0, 2, x, y, 0.1, found, which)
         wrong += count != 1 or found[0, 1] * -s + found[0, 2] * c < 0.999 or at(sheet, x, y) < 0
     assert wrong == 0
+
+
+@pytest.mark.parametrize("way", [1, -1])
+def test_a_sheet_that_leans_is_no_ground(way):
+    """Its faces lie upon each other, but for round-off: it is as thick as nothing, and hangs in the air."""
+    points = tuple((way * x, y) for x, y in ((0.3, 1.65), (0.3, 0.6715), (0.035, 0.35)))
+    x = way * np.linspace(0.036, 0.299, 501)
+    ((underside, top),) = Line("side", points=points, sheet=True).grounds(x)
+    np.testing.assert_allclose(underside, top, atol=1e-12)

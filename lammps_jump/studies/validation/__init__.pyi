@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+from . import find as find
+from .find import find_laws as find_laws
+from .find import laws_folder as laws_folder
+from .find import load_law as load_law
+from .law import DERIVED as DERIVED
+from .law import LOOKED_UP as LOOKED_UP
+from .law import MEASURED as MEASURED
+from .law import SECOND_HAND as SECOND_HAND
+from .law import Found as Found
+from .law import Law as Law
+from .law import Point as Point
+from .law import Row as Row
+from .law import around as around
+from .law import mean_of as mean_of
+from .page import summary_text as summary_text
+from .study import PAGE_FILE as PAGE_FILE
+from .study import default_folder as default_folder
+from .study import listing as listing
+from .study import validate as validate

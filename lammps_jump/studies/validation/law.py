@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What a law is: points that are run or computed, rows that hold them against published values, a figure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from math import isfinite, nan
+from typing import Any, Literal
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from lammps_jump.sweeps.table import statistics
+
+LOOKED_UP, SECOND_HAND, DERIVED, MEASURED = "looked up", "second hand", "derived here", "measured by us"
+KINDS = (LOOKED_UP, SECOND_HAND, DERIVED, MEASURED)
+"""Where a published value comes from: read at its source, quoted by another text, derived in our documents, measured
+with this program before."""
+Verdict = Literal["met", "near", "not met", "fit"]
+Found = Mapping[str, Sequence[Mapping[str, Any]]]
+"""What was measured: by the name of a point, what the measuring function returned for each of its starts."""
+
+
+@dataclass(frozen=True)
+class Point:
+    """One set of values, at which a law is measured.
+
+    Attributes
+    ----------
+    name : str
+        Unique in its law.
+    measure : str
+        Name of a function in ``measure.py`` of the law's folder. With a case it is called ``measure(run, **options)``,
+        else ``measure(**options)``. It returns a dict of plain data.
+    case : str or None
+        Case file, relative to the law's folder; None for a function without a run.
+    changes : mapping
+        Values of the case that this point changes, as ``--set``.
+    starts : int
+        Runs with their discs moved by 1e-6 diameters, seeds 1 and up; 1 for a function.
+    options : mapping
+        Plain data, handed to the function by name.
+    seconds : float
+        Processor time of one start, about; weighs the line of progress.
+    """
+
+    name: str
+    measure: str
+    case: str | None = None
+    changes: Mapping[str, Any] = field(default_factory=dict)
+    starts: int = 1
+    options: Mapping[str, Any] = field(default_factory=dict)
+    seconds: float = 1.0
+
+
+@dataclass(frozen=True)
+class Row:
+    """One quantity: the published value, ours, and what is accepted.
+
+    Attributes
+    ----------
+    quantity : str
+        With its unit.
+    published : float, str or None
+        A number, or words (``rises``); None where no number was found, and then there are no limits.
+    kind : str
+        Of `KINDS`; empty without a published value.
+    source : str
+        Where the published value stands.
+    ours, interval : float
+        Mean over the starts, and half of its 95 % interval (NaN where there is one start), as `mean_of` gives them.
+    limits : (float, float) or None
+        Values of ours that meet the law, as `around` gives them; None: no gate, the row is a fit.
+    reason : str
+        Why these limits, or why there is no gate.
+    why : str
+        What explains a value outside; shown where the law is not met.
+    """
+
+    quantity: str
+    published: float | str | None
+    kind: str
+    source: str
+    ours: float
+    interval: float = nan
+    limits: tuple[float, float] | None = None
+    reason: str = ""
+    why: str = ""
+
+    def __post_init__(self) -> None:
+        if self.published is None and self.limits is not None:
+            raise ValueError(f"{self.quantity}: limits without a published value; leave both out, or give both")
+        if self.published is not None and self.kind not in KINDS:
+            raise ValueError(f"{self.quantity}: kind is {self.kind!r}; allowed are {', '.join(KINDS)}")
+        if not self.reason:
+            raise ValueError(f"{self.quantity}: reason is empty; say why these limits, or why none")
+
+    @property
+    def verdict(self) -> Verdict:
+        """'met' inside the limits, 'near' where only the interval reaches them, 'fit' without limits."""
+        if self.limits is None:
+            return "fit"
+        low, high = self.limits
+        if not isfinite(self.ours):
+            return "not met"
+        if low <= self.ours <= high:
+            return "met"
+        half = self.interval if isfinite(self.interval) else 0.0
+        return "near" if self.ours + half >= low and self.ours - half <= high else "not met"
+
+    @property
+    def distance(self) -> float:
+        """Ours over the published value minus 1; the plain difference from 0; NaN where it is no number."""
+        if not isinstance(self.published, int | float):
+            return nan
+        return self.ours / self.published - 1 if self.published else self.ours
+
+
+@dataclass(frozen=True)
+class Law:
+    """A law: ``LAW`` in ``law.py`` of its folder.
+
+    Attributes
+    ----------
+    title : str
+    question : str
+        One sentence.
+    points : callable
+        ``points(quick)``: what is run. Quick: fewer or shorter runs, seconds in all.
+    rows : callable
+        ``rows(found)``: what was measured, held against what is published. Pure.
+    figure : callable
+        ``figure(found)``: a matplotlib figure without pyplot, readable in grey, with units. Pure.
+    notes : tuple of str
+        Paragraphs for the page: what is stated, what is left out and why.
+    """
+
+    title: str
+    question: str
+    points: Callable[[bool], Sequence[Point]]
+    rows: Callable[[Found], Sequence[Row]]
+    figure: Callable[[Found], Figure]
+    notes: tuple[str, ...] = ()
+
+
+def mean_of(values: Sequence[float]) -> tuple[float, float]:
+    """Mean over starts and half of its 95 % interval (Student's t); values that are NaN or None are left out."""
+    known = np.array([nan if value is None else value for value in values], float)
+    found = statistics(known, np.full(len(known), nan), 0.95)
+    return found["mean"], found["high"] - found["mean"]
+
+
+def around(value: float, share: float = 0.0, *, by: float = 0.0) -> tuple[float, float]:
+    """Limits around a value: a share of its size, and `by` in its unit."""
+    half = abs(value) * share + by
+    return value - half, value + half
