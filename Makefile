@@ -7,7 +7,7 @@ CASE   ?= inputs/stable_jump.yaml
 # README and CONTRIBUTING say the same; a test compares them
 TEST_TIME = 2 minutes on two free cores (3 the first time), 5 and more on busy ones
 
-.PHONY: run test check browser bench stress cross-validation validate sensitivity calibrate figures lint doctor wheel test-repeat faults slurm clean
+.PHONY: run test check browser bench stress cross-validation validate sensitivity calibrate figures docs docs-test measured lint doctor wheel test-repeat faults slurm clean
 
 # a stamp, so that the environment is made once and again when the dependencies change
 $(VENV)/.ready: pyproject.toml
@@ -69,6 +69,23 @@ calibrate: $(VENV)/.ready
 figures: $(VENV)/.ready
 	$(BIN)/python docs/figures/make.py
 
+# the documentation site, docs/_build/html/index.html; its packages are the extra `docs`, about 240 MB
+$(VENV)/.docs: $(VENV)/.ready
+	$(BIN)/pip install --editable '.[docs]'
+	touch $@
+
+docs: $(VENV)/.docs
+	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
+	$(BIN)/python docs/making/check.py docs/_build/html
+
+# commands and numbers of tutorials and how-to pages, some minutes
+docs-test: $(VENV)/.ready
+	$(BIN)/python -m pytest -m docs
+
+# measures a table of the site again: make measured X=stability; without X, the list
+measured: $(VENV)/.ready
+	$(BIN)/python docs/making/measured.py $(X)
+
 lint: $(VENV)/.ready
 	$(BIN)/ruff check . && $(BIN)/ruff format --check . && $(BIN)/mypy
 
@@ -83,4 +100,4 @@ doctor: $(VENV)/.ready
 	$(BIN)/lammps-jump doctor
 
 clean:
-	rm -rf $(VENV) build dist *.egg-info
+	rm -rf $(VENV) build dist *.egg-info docs/_build docs/_made docs/notebooks/inputs docs/notebooks/runs

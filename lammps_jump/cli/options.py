@@ -86,7 +86,8 @@ Ranks = Annotated[str | None, typer.Option("--ranks", help="Number of MPI ranks,
 Accuracy = Annotated[
     str | None,
     typer.Option(
-        "--accuracy", help="Use the cheapest setting shown to be that accurate, such as 1% (docs/benchmark.md)."
+        "--accuracy",
+        help="Use the cheapest setting shown to be that accurate, such as 1% (page 'Run time against error').",
     ),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no notes; errors only.")]
@@ -103,7 +104,7 @@ Jobs = Annotated[
     int | None, typer.Option("--jobs", min=1, help="Runs at once (default: one for each core that may be used).")
 ]
 SlurmSite = Annotated[
-    Path | None, typer.Argument(help="Site file for --slurm (YAML; docs/scaling.md).", show_default=False)
+    Path | None, typer.Argument(help="Site file for --slurm (YAML; page 'On a cluster').", show_default=False)
 ]
 Slurm = Annotated[
     bool, typer.Option("--slurm", help="Submit what is left as one array job; --jobs limits its tasks at once.")

@@ -71,7 +71,8 @@ def build(
     set_: options.Sets = None,
     slurm: Annotated[bool, typer.Option("--slurm", help="Also write a job file for a Slurm cluster.")] = False,
     site: Annotated[
-        Path | None, typer.Option("--site", help="Partition, account and modules for --slurm (YAML; docs/scaling.md).")
+        Path | None,
+        typer.Option("--site", help="Partition, account and modules for --slurm (YAML; page 'On a cluster')."),
     ] = None,
     force: options.Force = False,
 ) -> None:

@@ -16,6 +16,12 @@ from lammps_jump import cli, engines, files, runs, studies
 
 from .options import Accuracy, CaseFile, Commands, EngineName, Kernel, Sets, assignments, place
 
+SCHEMA_LINE = """\
+# yaml-language-server: $schema=lammps-jump.schema.json
+# editors check the fields where that file is: lammps-jump schema > lammps-jump.schema.json
+"""
+"""Head of a starting case, for editors that know the language server of YAML."""
+
 app = typer.Typer(rich_markup_mode=None)
 kernels = typer.Typer(cls=Commands, help="The compiled plugin for LAMMPS.", no_args_is_help=True, rich_markup_mode=None)
 app.add_typer(kernels, name="kernels")
@@ -60,7 +66,7 @@ def preview(
 @app.command()
 def new(scene: Annotated[str, typer.Argument(help="Scene to start from; without it, the list.")] = "") -> None:
     """Print a starting case of a scene, as in `lammps-jump new dam_break > my_case.yaml`."""
-    print(cases.scene_text(scene) if scene else "\n".join(cases.scene_names()), end="" if scene else "\n")
+    print(SCHEMA_LINE + cases.scene_text(scene) if scene else "\n".join(cases.scene_names()), end="" if scene else "\n")
 
 
 @app.command()

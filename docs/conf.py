@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Settings of the documentation site; ``make docs`` builds it."""
+
+import sys
+from pathlib import Path
+
+from pygments.lexers.special import TextLexer
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE))
+
+from making import pages  # noqa: E402
+
+from lammps_jump import __version__  # noqa: E402
+
+project = "lammps-jump"
+author = "The lammps-jump developers"
+copyright = author
+version = release = __version__
+
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx_copybutton", "sphinx_design"]
+exclude_patterns = ["_build", "_made", "figures", "making", "notebooks/inputs", "notebooks/runs"]
+myst_enable_extensions = ["colon_fence", "deflist"]
+myst_heading_anchors = 4
+suppress_warnings = ["mystnb.unknown_mime_type"]
+
+nb_execution_mode = "force"  # the notebook is run by each build
+nb_output_stderr = "remove"  # progress lines
+nb_execution_raise_on_error = True
+nb_execution_timeout = 300
+nb_execution_show_tb = True
+
+autodoc_typehints = "none"  # the docstrings tell the types
+autodoc_member_order = "bysource"
+napoleon_google_docstring = False
+
+html_theme = "furo"
+html_title = f"lammps-jump {version}"
+html_static_path: list[str] = []
+html_extra_path = ["_made/extra"]
+html_copy_source = False
+html_show_sphinx = False
+copybutton_prompt_text = "$ "
+
+
+def setup(app: object) -> None:
+    """Make the generated pages before Sphinx looks for files."""
+    app.add_lexer("csv", TextLexer)
+    app.connect("config-inited", lambda *_: pages.make(HERE))

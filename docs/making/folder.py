@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The page of files and numbers of a run folder, read from where the program defines them."""
+
+from __future__ import annotations
+
+from lammps_jump.analysis.quantities import BESIDE_FORCES, QUANTITIES
+from lammps_jump.files import FIGURES, RESULT_FILES, RUN_FILES
+from lammps_jump.units import numbers_of
+
+from . import NONE
+
+HEAD = """\
+# Files and numbers of a run folder
+
+A run folder holds what the engine read and wrote, and what the analyses made of it.
+The lists are made from the program.
+"""
+FILES = {
+    "case.yaml": "the case, with the values of `--set` and every default of a wall's file filled in",
+    "in.lammps": "script for LAMMPS with its own styles",
+    "in.plugin.lammps": "script for LAMMPS with the compiled styles",
+    "discs.data": "discs at the start",
+    "disk.mol": "shape that poured discs have in LAMMPS",
+    "log.lammps": "log of LAMMPS",
+    "dump.lammpstrj": "the frames: places, velocities and other values of all discs",
+    "dump.lammpstrj.gz": "the same, compressed (`run.dump_format: gz`)",
+    "dump.lammpsbin": "the same, binary (`run.dump_format: binary`)",
+    "forces.csv": "force and moment on each probed wall against time",
+    "contacts.bin": "contacts of each frame, with their forces",
+    "walls.csv": "where walls are that the discs push",
+    "job.slurm": "job file for a cluster",
+    "forces_*.raw": "forces as LAMMPS writes them",
+    "checkpoint.json": "where `--resume` goes on",
+    "checkpoint_previous.json": "the checkpoint before it",
+    "checkpoint-[0-9]*.npz": "state of the native engine at a checkpoint",
+    "checkpoint-[0-9]*.restart": "state of LAMMPS at a checkpoint",
+    "in.resume.lammps": "script of the part that goes on",
+    "dump.resume.lammpsbin": "binary frames of the part that goes on",
+    "stop.request": "asks the engine to stop",
+    ".ranks.job": "the job of several ranks, deleted at the end",
+    "profiles.nc": "depth, velocity, discharge, momentum flux and packing over time and distance",
+    "summary.json": "all numbers of the run; its keys are below",
+    "curves.json": "the curves that the report draws",
+    "player.json": "the frames that the page of a study plays",
+    "animation.mp4": "film",
+    "animation.gif": "film, where ffmpeg is missing",
+    "report.html": "the report",
+    "live.png": "picture of the run while it goes on (`--live`)",
+    "energy.csv": "energies against time",
+    "gauges.csv": "depth at the gauges against time",
+    "drum.csv": "angle of the surface in a drum against time",
+    "hopper.csv": "discs above the slot against time",
+    "layers.csv": "profiles over the height",
+    "heap.csv": "surface of the heap at the last frame",
+    "rest.csv": "how fast the discs still move, against time",
+    "front.csv": "front and column against time",
+    "jump_track.csv": "front and toe of the jump against time",
+    "jump_frame.csv": "mean profile in the frame of the front",
+    "jump_stream.csv": "the stream before the jump",
+    "reflected_wave.csv": "front of the reflected wave against time",
+    "fields.nc": "coarse-grained density, velocity and stress",
+    "profiles.csv": "`profiles.nc` as a table (`export --csv`)",
+    "profiles_mean.csv": "its means over the window (`export --csv`)",
+    "discs[0-9].vtp": "discs of a frame, for ParaView (`export --vtk`)",
+    "discs.pvd": "list of these files with their times",
+    "fields.vti": "fields, for ParaView",
+    "walls.vtp": "walls that stand, for ParaView",
+    "walls[0-9].vtp": "walls of a frame, where they move",
+    "walls.pvd": "list of these files with their times",
+    "picture[0-9].dat": "pictures of the thesis' program (`export --pictures`)",
+}
+"""What each file holds; a name of the program that is missing here stops the build."""
+
+
+def page() -> str:
+    """The page, Markdown."""
+    return "\n".join([HEAD, *_files(), *_numbers()])
+
+
+def _files() -> list[str]:
+    lines = []
+    for title, names in (("Files of the engine", RUN_FILES), ("Files of the analyses", RESULT_FILES)):
+        lines += [f"## {title}\n", "| file | content |", "|---|---|"]
+        lines += [f"| `{name}` | {FILES[name]} |" for name in names if not name.startswith("figures/")]
+        lines.append("")
+    lines += ["## Figures\n", "PNG files; `lammps-jump figures --format` draws them as PDF or SVG.\n"]
+    lines += ["| file in `figures/` | picture |", "|---|---|"]
+    return [*lines, *(f"| `{name}` | {text} |" for name, text in FIGURES.items()), ""]
+
+
+def _numbers() -> list[str]:
+    lines = ["## Numbers of `summary.json`\n", "A number that was not measured is `null`.\n"]
+    beside = {f"force.{key}": kind for key, kind in BESIDE_FORCES.items()}
+    quantities = {key: quantity.result for key, quantity in QUANTITIES.items()}
+    quantities["force.structures.<wall>"] = quantities.pop("force")
+    for key, result in {**quantities, **beside}.items():
+        lines += [f"### {key}\n", "| key | unit | meaning |", "|---|---|---|"]
+        for name, number in numbers_of(result).items():
+            lines.append(f"| `{name}` | {number.unit or NONE} | {number.meaning.replace('|', chr(92) + '|')} |")
+        lines.append("")
+    return lines

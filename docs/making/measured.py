@@ -1,0 +1,213 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Tables of the site that were measured: made by ``make measured X=…``, kept in ``docs/measured``, shown by the build.
+
+Each file holds the rows of a study, the command, the minutes, commit, versions, machine, and the keys of what was
+measured. ``tests/docs/test_measured.py`` compares these keys with those of today.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Mapping
+from functools import partial
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import lammps_jump as lj
+from lammps_jump.identity import scene_key
+from lammps_jump.provenance import machine, versions
+from lammps_jump.studies import sensitivity
+from lammps_jump.studies.bench import collision, page
+from lammps_jump.studies.stress import limits
+from lammps_jump.studies.table import markdown
+
+ROOT = Path(__file__).parents[2]
+FOLDER = ROOT / "docs" / "measured"
+RUNS = ROOT / "runs" / "measured"
+Keys = dict[str, str]
+Data = Mapping[str, Any]
+
+
+class Measure(NamedTuple):
+    """A table that is measured.
+
+    Attributes
+    ----------
+    command : str
+        What measures it, without ``lammps-jump``; ``--out`` is set by `make`.
+    keys : callable
+        Hash of each case or scene that it measures, as it is today.
+    rows : callable
+        From the folder of the study to what the table needs.
+    table : callable
+        Markdown of it.
+    """
+
+    command: str
+    keys: Callable[[], Keys]
+    rows: Callable[[Path], Data]
+    table: Callable[[Data], str]
+
+
+def make(name: str) -> None:
+    """Measure one table and write its file."""
+    measure = MEASURES[name]
+    command = [*measure.command.split(), "--out", str(RUNS / name)]
+    begin = time.monotonic()
+    subprocess.run([sys.executable, "-m", "lammps_jump", *command], cwd=ROOT, check=True)
+    minutes = (time.monotonic() - begin) / 60
+    write(name, measure.rows(Path(command[-1])), minutes)
+
+
+def write(name: str, rows: Data, minutes: float) -> None:
+    """Write the file of a table that has just been measured."""
+    measure = MEASURES[name]
+    commit = subprocess.run(["git", "rev-parse", "--short=12", "HEAD"], cwd=ROOT, capture_output=True, text=True)
+    data = {
+        "command": f"lammps-jump {measure.command}",
+        "minutes": round(minutes, 1),
+        "commit": commit.stdout.strip(),
+        "versions": versions("lammps"),
+        "machine": machine(),
+        "keys": measure.keys(),
+        **rows,
+    }
+    FOLDER.mkdir(exist_ok=True)
+    (FOLDER / f"{name}.json").write_text(json.dumps(data, indent=1, ensure_ascii=False) + "\n")
+
+
+def fragment(name: str, folder: Path = FOLDER) -> str:
+    """The table of a file, and below it what measured it, Markdown."""
+    data = json.loads((folder / f"{name}.json").read_text())
+    told = ", ".join(f"{key.replace('_', '-')} {text}" for key, text in data["versions"].items())
+    about = f"`{data['command']}` · commit `{data['commit']}` · {told} · {data['machine']['processor']}"
+    return f"{MEASURES[name].table(data)}\n\n```{{admonition}} Measured\n:class: dropdown\n{about}\n```\n"
+
+
+def stale(name: str, folder: Path = FOLDER) -> list[str]:
+    """Cases of a file that are not those of today."""
+    stored, today = json.loads((folder / f"{name}.json").read_text())["keys"], MEASURES[name].keys()
+    return sorted(case for case in stored.keys() | today.keys() if stored.get(case) != today.get(case))
+
+
+def case_keys(*changes: Mapping[str, object], scene: str = "quick_jump") -> Keys:
+    """Hash of a scene of ``inputs/`` with each of these changes."""
+    case = lj.load_case(ROOT / "inputs" / f"{scene}.yaml")
+    return {f"{scene} {json.dumps(one)}" if one else scene: case.replace(one).hash for one in changes}
+
+
+def _sensitivity(name: str) -> Measure:
+    study = sensitivity.STUDIES[name]
+    return Measure(
+        f"sensitivity --only {name}",
+        lambda: case_keys(*(study.changes(value) for value in study.values)),
+        lambda folder: {"rows": json.loads((folder / "sensitivity.json").read_text())["studies"][name]},
+        lambda data: markdown(sensitivity.COLUMNS, data["rows"]),
+    )
+
+
+def _bench(scene: str, options: str = "") -> Measure:
+    return Measure(
+        f"bench inputs/{scene}.yaml {options}".strip(),
+        lambda: case_keys({}, scene=scene),
+        _bench_rows,
+        lambda data: page.page(data).partition("\n\n")[2].strip(),
+    )
+
+
+def _bench_rows(folder: Path) -> Data:
+    """What the page of a benchmark shows; the rest of its file is megabytes of single runs."""
+    data = json.loads((folder / "bench.json").read_text())
+    rows = [
+        {key: row.get(key) for key in ("label", "failed", "seconds", "disc_steps_per_second", "errors")}
+        for row in data["rows"]
+    ]
+    quantities = {name: {"cheapest": found["cheapest"]} for name, found in data["quantities"].items()}
+    kept = {key: data[key] for key in ("case", "duration", "members", "reference", "time")}
+    return {**kept, "quantities": quantities, "rows": rows}
+
+
+FEW_STEPS = (0.01, 0.05, 0.1, 0.2)
+
+
+def _collision_table(data: Data) -> str:
+    shown = [row for row in data["rows"] if row["restitution"] == 0.2 and row["fraction"] in FEW_STEPS]
+
+    def error(row: Data, name: str) -> str:
+        return f"{100 * row[f'{name}_error']:+.2f} ± {100 * row[f'{name}_scatter']:.2f} %"
+
+    columns = {"way": "", "f:": "{fraction:g}"}
+    return markdown(columns | {f"{name}:": partial(error, name=name) for name in collision.QUANTITIES}, shown)
+
+
+def _collision_keys() -> Keys:
+    return {f"e = 0.2, f = {f:g}": scene_key(collision.collision_scene(f, 0.2)) for f in FEW_STEPS}
+
+
+PACKED = ("pair", "wall", "square")
+"""Arrangements whose scenes cost nothing to make."""
+LIMITS_OF = {
+    "pair": "pair",
+    "wall": "disc on a wall",
+    "square": "square packing",
+    "hexagonal": "hexagonal packing",
+    "column": "deep column",
+}
+
+
+def _stability_rows(folder: Path) -> Data:
+    data = json.loads((folder / "stress.json").read_text())
+    keys = ("arrangement", "restitution", "friction", "rotation", "engine", "predicted", "measured", "deviation")
+    rows = [{key: row[key] for key in keys} for row in data["limits"]]
+    return {"rows": rows, "growth": data["growth"]}
+
+
+def _stability_table(data: Data) -> str:
+    """Limits without friction, an arrangement and restitution a row, the engines side by side."""
+    found: dict[tuple, dict[str, Any]] = {}
+    for row in data["rows"]:
+        if row["friction"]:
+            continue
+        line = found.setdefault((row["arrangement"], row["restitution"]), {})
+        line |= {"arrangement": LIMITS_OF[row["arrangement"]], "e": row["restitution"], row["engine"]: row["measured"]}
+        line[limits.integrator_of(row["engine"])] = row["predicted"]
+    columns = {
+        "arrangement": "",
+        "e:": "{e:g}",
+        "Verlet, closed form:": "{velocity_verlet:.4f}",
+        "stock:": "{stock:.3f}",
+        "compiled:": "{compiled:.3f}",
+        "native:": "{native velocity_verlet:.3f}",
+        "leap-frog, closed form:": "{leapfrog_extrapolated:.4f}",
+        "native leap-frog:": "{native leapfrog_extrapolated:.3f}",
+    }
+    return markdown(columns, found.values())
+
+
+def _stability_keys() -> Keys:
+    return {name: scene_key(limits.arrangement_scene(name, 0.2, 0.2, "velocity_verlet")) for name in PACKED}
+
+
+MEASURES: dict[str, Measure] = {
+    **{f"sensitivity_{name}": _sensitivity(name) for name in sensitivity.STUDIES},
+    "collision": Measure(
+        "bench collision",
+        _collision_keys,
+        lambda folder: {"rows": json.loads((folder / "collision.json").read_text())["rows"]},
+        _collision_table,
+    ),
+    "stability": Measure("stress --random 0", _stability_keys, _stability_rows, _stability_table),
+    "bench_energy_box_16": _bench("energy_box_16", "--members 7"),
+    "bench_dam_break": _bench("dam_break", "--axes f,touch,kernel,correction --fractions 0.02,0.05,0.1,0.2"),
+    "bench_quick_jump": _bench("quick_jump", "--axes f,touch,kernel --fractions 0.05,0.1,0.2 --members 8"),
+}
+"""By the name of the file in ``docs/measured``."""
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 2 or sys.argv[1] not in MEASURES:
+        sys.exit("make measured X=NAME, NAME one of " + ", ".join(MEASURES))
+    make(sys.argv[1])

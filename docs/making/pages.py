@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""All generated parts of the site, written to ``docs/_made``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from . import commands, fields, folder, gallery, measured
+
+PAGES = {"fields": fields.page, "commands": commands.page, "folder": folder.page}
+
+
+def make(docs: Path) -> None:
+    """Write what is new or has changed, so that Sphinx reads only that again."""
+    made = docs / "_made"
+    for name, page in PAGES.items():
+        write(made / f"{name}.md", page())
+    for path in sorted(measured.FOLDER.glob("*.json")):
+        write(made / "measured" / f"{path.stem}.md", measured.fragment(path.stem))
+    gallery.make(docs)
+    inputs = docs / "notebooks" / "inputs"  # where the notebook looks for its case
+    if not inputs.exists():
+        inputs.symlink_to(docs.parent / "inputs", target_is_directory=True)
+
+
+def write(path: Path, text: str) -> None:
+    """Write a text where it is not there yet."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if not path.exists() or path.read_text() != text:
+        path.write_text(text)

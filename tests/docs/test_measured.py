@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Measured tables of the site are of today's cases, and each has a page that shows it."""
+
+import json
+import shutil
+import sys
+from pathlib import Path
+
+import pytest
+
+DOCS = Path(__file__).parents[2] / "docs"
+sys.path.insert(0, str(DOCS))
+
+from making import measured  # noqa: E402
+
+FILES = sorted(path.stem for path in measured.FOLDER.glob("*.json"))
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_measured_cases_are_those_of_today(name):
+    assert not measured.stale(name), f"make measured X={name} measures them again"
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_fragment_has_a_row_for_each_measurement(name):
+    text = measured.fragment(name)
+    assert text.count("|---") > 1
+    assert "commit `" in text
+    assert text.count("\n|") > 3
+
+
+def test_a_stale_table_is_found(tmp_path):
+    shutil.copy(measured.FOLDER / "sensitivity_restitution.json", tmp_path)
+    path = tmp_path / "sensitivity_restitution.json"
+    assert not measured.stale(path.stem, tmp_path)
+    data = json.loads(path.read_text())
+    first, *_, last = data["keys"]
+    data["keys"] |= {first: "0" * 12}
+    del data["keys"][last]
+    data["keys"]["a case that is gone"] = "1" * 12
+    path.write_text(json.dumps(data))
+    assert measured.stale(path.stem, tmp_path) == sorted([first, last, "a case that is gone"])
+
+
+def test_each_file_is_shown_on_a_page_and_known():
+    shown = {line for page in DOCS.glob("*.md") for line in page.read_text().splitlines() if "_made/measured/" in line}
+    assert {line.split("_made/measured/")[1].removesuffix(".md") for line in shown} == set(FILES)
+    assert set(FILES) <= set(measured.MEASURES)
