@@ -62,6 +62,8 @@ LONG_CALLS = {
     "lammps_jump/engines/native/loops.py:_power_py": 9,
     "lammps_jump/engines/native/loops.py:_put_py": 12,
     "lammps_jump/engines/native/loops.py:_wall_forces_py": 24,
+    "lammps_jump/studies/fluid/loops.py:_advance_py": 10,
+    "lammps_jump/studies/fluid/loops.py:_forces_py": 10,
     "lammps_jump/scene/faces.py:_behind_py": 10,
     "lammps_jump/scene/faces.py:_select_py": 10,
     "lammps_jump/scene/faces.py:_touching_py": 11,
