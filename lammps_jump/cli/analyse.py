@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal
 import typer
 
 import lammps_jump as lj
-from lammps_jump import dump, runs, sweeps
+from lammps_jump import dump, runs, studies, sweeps
 from lammps_jump.errors import CaseError
 
 from .options import Quiet, Sets, Verbose, diameters, place, quantity, told
@@ -111,10 +111,27 @@ def show(
 @app.command()
 def compare(
     first: Annotated[Path, typer.Argument(help=FOLDER, show_default=False)],
-    second: Annotated[Path, typer.Argument(help="Another one.", show_default=False)],
-    out: Annotated[Path | None, place("Page to write (default: <first>_and_<second>.html).")] = None,
+    second: Annotated[Path, typer.Argument(help="Another one, or a CSV file of your own.", show_default=False)],
+    columns: Annotated[
+        str | None,
+        typer.Option(metavar="AXIS=COLUMN,TABLE.COLUMN=COLUMN", help="Columns of the run and of your file, SI."),
+    ] = None,
+    out: Annotated[
+        Path | None, place("Page to write (default: <first>_and_<second>.html), or folder for data.")
+    ] = None,
 ) -> None:
-    """Write a page of two runs side by side, with one time for both, and open it in the browser."""
+    """Write a page of two runs side by side, or hold curves of a run against measured ones of your own.
+
+    With a file: `compare runs/tank gauge.csv --columns time=t,gauges.depth_5=h`.
+    """
+    if second.suffix == ".csv" or columns is not None:
+        with told(quiet=False):
+            if columns is None:
+                raise CaseError(f"{second}: say with --columns which column is what, such as time=t,gauges.depth_5=h")
+            found, folder = studies.compare_with_data(first, second, columns, out)
+            print(studies.own_data.page(found, first, second))
+            print(folder)
+        return
     path = out or Path(f"{first.absolute().name}_and_{second.absolute().name}.html")
     with told(quiet=False):
         _open(runs.compare_folders(first, second, path))
