@@ -5,7 +5,7 @@ BIN     = $(VENV)/bin
 CASE   ?= inputs/stable_jump.yaml
 
 # README and CONTRIBUTING say the same; a test compares them
-TEST_TIME = 2 minutes on two free cores (3 the first time), 5 and more on busy ones
+TEST_TIME = 2 minutes on two free cores (7 the first time), 5 and more on busy ones
 
 .PHONY: run test check browser bench stress cross-validation validate sensitivity calibrate figures docs docs-test measured lint doctor wheel test-repeat faults slurm clean
 
