@@ -13,7 +13,7 @@ from lammps_jump.studies.validation import DERIVED, LOOKED_UP, Found, Law, Point
 
 DEPTH, GRAVITY = 0.6, 9.81
 """Of the jet, m; m/s²."""
-SPEEDS = (8.0, 10.0, 13.0, 17.0, 21.0)
+SPEEDS = (8.0, 10.0, 13.0, 17.0)
 """Of the jet, m/s."""
 
 
@@ -89,5 +89,8 @@ LAW = Law(
     points,
     rows,
     figure,
-    ("Jumps of grains on a slope are not held here yet: strong to diffuse, stagnant zone, Méjean, Faug & Einav 2017.",),
+    (
+        "Faster jets are left out: at 21 m/s the front walks to the inlet of this short channel.",
+        "Jumps of grains on a slope are not held here yet: strong to diffuse, stagnant zone, Méjean, Faug & Einav 2017.",
+    ),
 )
