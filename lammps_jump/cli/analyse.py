@@ -114,16 +114,16 @@ def compare(
     second: Annotated[Path, typer.Argument(help="Another one, or a CSV file of your own.", show_default=False)],
     columns: Annotated[
         str | None,
-        typer.Option(metavar="AXIS=COLUMN,TABLE.COLUMN=COLUMN", help="Columns of the run and of your file, SI."),
+        typer.Option(
+            metavar="AXIS=COLUMN,TABLE.COLUMN=COLUMN",
+            help="Columns of the run and of your file, SI: time=t,gauges.depth_5=h.",
+        ),
     ] = None,
     out: Annotated[
         Path | None, place("Page to write (default: <first>_and_<second>.html), or folder for data.")
     ] = None,
 ) -> None:
-    """Write a page of two runs side by side, or hold curves of a run against measured ones of your own.
-
-    With a file: `compare runs/tank gauge.csv --columns time=t,gauges.depth_5=h`.
-    """
+    """Write a page of two runs side by side, or hold curves of a run against measured ones of your own."""
     if second.suffix == ".csv" or columns is not None:
         with told(quiet=False):
             if columns is None:

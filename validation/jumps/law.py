@@ -91,6 +91,6 @@ LAW = Law(
     figure,
     (
         "Faster jets are left out: at 21 m/s the front walks to the inlet of this short channel.",
-        "Jumps of grains on a slope are not held here yet: strong to diffuse, stagnant zone, Méjean, Faug & Einav 2017.",
+        "Jumps of grains on a slope are not held here yet: strong to diffuse, stagnant zone (Méjean et al. 2017).",
     ),
 )
