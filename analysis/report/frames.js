@@ -232,10 +232,14 @@ function entering(run, row, until, found) {
 }
 
 // Mass depth of each bin at an instant, m: the share of each disc's area that lies in the bin counts, as in profiles.nc.
+// Discs of rough beds do not count.
 function massDepth(run, found, depth) {
   const { low, width, count } = run.bins, scale = run.area / run.share / width;
+  const [first, last] = run.fixed || [1, 0];
   depth.fill(0);
   for (let k = 0; k < found.count; k++) {
+    const id = run.ids[found.disc[k]];
+    if (id >= first && id <= last) continue;
     const r = run.radii[run.shade[found.disc[k]]], x = found.x[k], mass = scale * r * r;
     let bin = Math.max(Math.floor((x - r - low) / width), -1), done = 0;
     for (; done < 1 && bin < count; bin++) {

@@ -98,6 +98,7 @@ class _Header(_Part):
     inlets: Annotated[list[tuple[Number, Number]], Field(max_length=MOST_SHAPES)]
     outlets: Annotated[list[tuple[Literal["x", "y"], Number, Literal["above", "below"]]], Field(max_length=MOST_SHAPES)]
     bins: _Bins
+    fixed: tuple[Number, Number] | None = None
     area: Above
     bed: Number
     sequent: list[tuple[Number | None, Number | None, Number | None] | None]
