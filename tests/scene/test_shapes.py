@@ -6,7 +6,7 @@ from math import cos, hypot, pi, radians, sin
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from lammps_jump.scene.faces import MOST, touching
@@ -22,12 +22,17 @@ def at(wall, x, y):
 
 
 @given(x=COORDINATE, y=COORDINATE, turned=st.booleans())
+@example(x=1e-300, y=1e-179, turned=True)
 def test_a_polygon_of_a_rectangle_is_a_block_or_its_hole(x, y, turned):
     points = SQUARE[::-1] if turned else SQUARE
-    assert at(Polygon("p", points), x, y) == at(Block("b", (0, 2), (0, 1)), x, y)
+
+    def same(one, other):  # of two faces at the same distance but for round-off, the first counts
+        assert at(one, x, y) == pytest.approx(at(other, x, y), rel=1e-15, abs=1e-15)
+
+    same(Polygon("p", points), Block("b", (0, 2), (0, 1)))
     # a box has its sign from the nearest face, and outside of it a corner is in front of none: the same inside
     if 0 < x < 2 and 0 < y < 1:
-        assert at(Polygon("p", points, discs="inside"), x, y) == at(Box("b", (0, 2), (0, 1)), x, y)
+        same(Polygon("p", points, discs="inside"), Box("b", (0, 2), (0, 1)))
 
 
 @given(x=COORDINATE, y=COORDINATE, inside=st.booleans())
