@@ -155,10 +155,10 @@ function mostRows(start) {
   return most;
 }
 
-// Room for the discs of one instant: places (m), velocities (m/s), numbers of the discs.
+// Room for the discs of one instant and their images: places (m), velocities (m/s), numbers of the discs.
 function roomFor(run) {
-  const [x, y, u, v] = [0, 1, 2, 3].map(() => new Float64Array(2 * run.most));
-  return { count: 0, x, y, u, v, disc: new Uint32Array(2 * run.most) };
+  const size = (run.seam ? 4 : 2) * run.most, [x, y, u, v] = [0, 1, 2, 3].map(() => new Float64Array(size));
+  return { count: 0, own: 0, x, y, u, v, disc: new Uint32Array(size) };
 }
 
 // Last frame at or before a time.
@@ -174,6 +174,7 @@ function frameBefore(times, time) {
 
 // The discs at an instant, into `found`. At a stored time they are the stored ones; between two, each moves on the
 // cubic through both places with both velocities. A disc that comes or goes between them moves on straight, or falls.
+// The first `own` of `count` are the discs; the others are images of those that lie across the seam of a channel.
 function discsAt(run, time, found) {
   const frame = frameBefore(run.times, time), t0 = run.times[frame], t1 = run.times[frame + 1];
   const s = time > t0 && t1 > t0 ? (time - t0) / (t1 - t0) : 0;
@@ -187,7 +188,20 @@ function discsAt(run, time, found) {
     else if (left < right) leaving(run, a++, time - t0, found);
     else entering(run, b++, t1 - time, found);
   }
+  found.own = found.count;
+  if (run.seam) addImages(run, found);
   return found;
+}
+
+// Put the discs into a periodic channel, and an image of each that lies across its seam at the other end.
+function addImages({ seam: [low, high], radii, shade }, found) {
+  const period = high - low, { x, y, u, v, disc, own } = found;
+  for (let k = 0; k < own; k++) {
+    if (x[k] < low || x[k] > high) x[k] -= period * Math.floor((x[k] - low) / period);
+    const r = radii[shade[disc[k]]];
+    if (x[k] - r < low) put(found, disc[k], x[k] + period, y[k], u[k], v[k]);
+    if (x[k] + r > high) put(found, disc[k], x[k] - period, y[k], u[k], v[k]);
+  }
 }
 
 function put(found, disc, x, y, u, v) {
@@ -209,9 +223,16 @@ function between(run, a, b, s, step, found) {
   const fromA = r * r * (1 + 2 * s) * q, fromB = s * s * (3 - 2 * s) * q;
   const slopeA = s * r * r * step * qv, slopeB = -s * s * r * step * qv;
   put(found, run.disc[a],
-    fromA * x[a] + fromB * x[b] + slopeA * u[a] + slopeB * u[b],
+    fromA * x[a] + fromB * (x[b] + around(run, a, b, step)) + slopeA * u[a] + slopeB * u[b],
     fromA * y[a] + fromB * y[b] + slopeA * v[a] + slopeB * v[b],
     (r * u[a] + s * u[b]) * qv, (r * v[a] + s * v[b]) * qv);
+}
+
+// What takes x of a disc in the later of two rows to where it has gone over the seam of a channel, in q.
+function around({ seam, q, qv, x, u }, a, b, step) {
+  if (!seam) return 0;
+  const period = (seam[1] - seam[0]) / q;
+  return period * Math.round(((u[a] + u[b]) / 2 * step * qv / q - (x[b] - x[a])) / period);
 }
 
 // A disc that is in no later frame falls on until it is beyond an outlet.

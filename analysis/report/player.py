@@ -65,6 +65,7 @@ def make_player(packer: FramePacker, folder: Path) -> Player | None:
         "inlets": sorted({(row.x, np.sign(row.vx)) for row in scene.inlets}),
         "outlets": [(outlet.axis, outlet.at, outlet.side) for outlet in scene.outlets],
         "bins": {"low": edges[0], "width": flow.bin_width, "count": len(edges) - 1},
+        "seam": scene.domain[0] if scene.periodic else None,
         "fixed": (scene.fixed.first, scene.fixed.last) if scene.fixed else None,
         "area": scene.mass / (scene.density * scene.radius**2),
         "bed": _lowest_bed(flow, x, y),
