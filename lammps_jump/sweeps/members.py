@@ -200,7 +200,7 @@ def run_starts(
     def ended(key: str, state: State) -> None:
         said(made(numbers[key], state))
 
-    states = {member.key: state_of(member, store) for member in planned.values()}
+    states = {member.key: state_of(member, store, named=False) for member in planned.values()}
     again = ("done", "failed", "interrupted") if fresh else ()
     run_members(planned.values(), states, store, pool, again=again, keep_dumps=False, ended=ended)
     return [refused.get(n) or made(n, states[planned[n].key]) for n in range(len(starts))]
@@ -252,8 +252,8 @@ def run_members(
     pool.run(calls, done=done, news=lambda number, told: news(left[number], told))
 
 
-def state_of(member: Member, store: Path) -> State:
-    """What the run folder of a member holds; nothing is written."""
+def state_of(member: Member, store: Path, *, named: bool = True) -> State:
+    """What the run folder of a member holds; nothing is written. Without `named` any name and description will do."""
     folder = member.folder(store)
     if holder(folder):
         return State("running")
@@ -264,22 +264,25 @@ def state_of(member: Member, store: Path) -> State:
     own = stored.get("key") == member.run
     if own and stored["status"] == "failed" and not stored.get("can_go_on"):
         return State("failed", stored["message"] or "")
-    if own and stored["status"] == "complete" and _is_analysed(member.case, stored):
+    if own and stored["status"] == "complete" and _is_analysed(member.case, stored, named):
         return State("done")
     return State("interrupted" if has_output(folder) else "waiting")
 
 
-def _is_analysed(case: Case, stored: Mapping[str, Any]) -> bool:
+def _is_analysed(case: Case, stored: Mapping[str, Any], named: bool) -> bool:
     """Whether the results are of this analysis, with or without pictures; a player that is asked for is there."""
     if not stored.get("analysed"):
         return False
     words = ["player", "default", "all"] + (["none"] if case.fields.analysis.figures == "none" else [])
     figures = (case.replace({"analysis.figures": word}) for word in words)
-    return stored["analysed"]["key"] in [analysis_key(one.rest, stored["outputs"]) for one in figures]
+    told = {} if named else {name: stored[name] for name in ("name", "description") if name in case.rest}
+    return stored["analysed"]["key"] in [analysis_key({**one.rest, **told}, stored["outputs"]) for one in figures]
 
 
 def run_member(member: Member, store: Path, again: bool, keep_dump: bool) -> None:
     """Run a member in a worker process, or go on with it; `again` deletes a run of it that failed.
+
+    Where dumps are not kept, a run without one cannot be analysed otherwise: it is run anew.
 
     Raises
     ------
@@ -292,6 +295,9 @@ def run_member(member: Member, store: Path, again: bool, keep_dump: bool) -> Non
     marker = read_marker(folder)
     if marker is not None and (marker.kind, marker.about.get("key")) != ("run", member.run):
         raise SetupError(f"{folder}: holds another run than that of this member; move it out of {store / RUNS}")
+
+    if not keep_dump and read_summary(folder).get("status") == "complete":
+        again = again or not any((folder / name).exists() for name in DUMP_NAMES.values())
 
     def tell(report: Progress) -> None:
         worker.tell((report.step / max(report.steps, 1), report.step * 1.0, report.discs))

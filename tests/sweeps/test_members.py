@@ -45,6 +45,19 @@ def test_what_is_there_is_run_again_only_where_that_is_asked_for(tmp_path, pool)
     assert len(said) == 4 and [one.message for one in again] == [one.message for one in first]
 
 
+def test_a_run_that_another_study_describes_is_shared_and_one_that_is_analysed_otherwise_is_made_again(tmp_path, pool):
+    case, said = lj.load_case(BOX), []
+    base, same = {"contact.restitution": case.fields.contact.restitution}, {"run.duration": case.fields.run.duration}
+    (first,) = run_starts(case, [Start(0, base, 1)], tmp_path, pool, said=said.append)
+    (second,) = run_starts(case, [Start(0, same, 1)], tmp_path, pool, said=said.append)
+    assert second.summary == first.summary and second.folder == first.folder and len(said) == 1
+    assert not (first.folder / "dump.lammpstrj").exists()
+    (third,) = run_starts(
+        case.replace({"analysis.bin_width": 0.5}), [Start(0, base, 1)], tmp_path, pool, said=said.append
+    )
+    assert not third.message and third.summary["key"] == first.summary["key"] and len(said) == 2
+
+
 @pytest.mark.long
 def test_the_setting_of_a_point_is_chosen_once(monkeypatch):
     chosen = []
