@@ -275,7 +275,9 @@ def _is_analysed(case: Case, stored: Mapping[str, Any], named: bool) -> bool:
         return False
     words = ["player", "default", "all"] + (["none"] if case.fields.analysis.figures == "none" else [])
     figures = (case.replace({"analysis.figures": word}) for word in words)
-    told = {} if named else {name: stored[name] for name in ("name", "description") if name in case.rest}
+    told: dict[str, Any] = (
+        {} if named else {name: stored[name] for name in ("name", "description") if name in case.rest}
+    )
     return stored["analysed"]["key"] in [analysis_key({**one.rest, **told}, stored["outputs"]) for one in figures]
 
 
