@@ -120,3 +120,17 @@ def test_closed_forms_of_contacts():
 def test_least_rise_of_repose():
     law = load_module(LAWS / "repose", "law")
     assert law.least_rise([(10.0, 3.0), (15.0, 4.0), (16.0, 0.0)]) == (1.0, 4.0)
+
+
+def test_impulse_of_a_steady_force_and_of_ritters_wave():
+    water, law = measure("water"), load_module(LAWS / "water", "law")
+    time = np.arange(1, 101) * 0.01
+    force = np.where(time > 0.3, 5.0, 0.0)
+    assert water.arrives(time, force, 1.0) == pytest.approx(0.31)
+    assert water.impulse_since(time, force, 0.3, 0.5) == pytest.approx(2.5)
+    # far behind the front, s = 0: the flux is 4/81 2² 1² = 16/81; the first of 2000 trapezoids holds the front itself
+    assert law.ritter_impulse(1e-6, 3.0) == pytest.approx(3.0 * 16 / 81, rel=1e-3)
+    own = {"T": [0.0, 4.0], "Z": [1.0, 1.0 + 4.0]}
+    theirs = law.KOSHIZUKA_OKA_FRONT
+    off = [(1 + t) / z - 1 for t, z in zip(theirs.x, theirs.y, strict=True) if t > law.BEGIN]
+    assert law.off_oka(own) == pytest.approx(off)
