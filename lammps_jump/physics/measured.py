@@ -43,6 +43,13 @@ MARTIN_MOYCE_FRONT = Curve(
 """Z = front / a against T = n t sqrt(g/a), for n^2 = 2, a = 2.25 in: Martin & Moyce 1952, Phil. Trans. R. Soc. A 244,
 312-324, collapse of a water column of base a and height n^2 a; table 2."""
 
+KOSHIZUKA_OKA_FRONT = Curve(
+    x=(0.0, 0.381, 0.769, 1.153, 1.537, 1.935, 2.323, 2.719, 3.096),
+    y=(1.0, 1.111, 1.252, 1.505, 1.892, 2.241, 2.615, 3.003, 3.624),
+)
+"""Z = front / L against T = t sqrt(2 g/L) of a water column L x 2 L, the variables of Martin & Moyce for n^2 = 2:
+Koshizuka & Oka 1996, Nuclear Science and Engineering 123, 421-434, as tabled in examples/db_exp_data.py of PySPH."""
+
 MARTIN_MOYCE_HEIGHT = Curve(
     x=(0.56, 0.77, 0.93, 1.08, 1.28, 1.46, 1.66, 1.84, 2.00, 2.21, 2.45, 2.70, 3.06, 3.44, 4.20, 5.25),
     y=(0.94, 0.89, 0.83, 0.78, 0.72, 0.67, 0.61, 0.56, 0.50, 0.44, 0.39, 0.33, 0.28, 0.22, 0.17, 0.11),

@@ -120,3 +120,29 @@ def test_closed_forms_of_contacts():
 def test_least_rise_of_repose():
     law = load_module(LAWS / "repose", "law")
     assert law.least_rise([(10.0, 3.0), (15.0, 4.0), (16.0, 0.0)]) == (1.0, 4.0)
+
+
+def test_impulse_of_a_steady_force_and_of_ritters_wave():
+    water, law = measure("water"), load_module(LAWS / "water", "law")
+    time = np.arange(1, 101) * 0.01
+    force = np.where(time > 0.3, 5.0, 0.0)
+    assert water.arrives(time, force, 1.0) == pytest.approx(0.31)
+    assert water.impulse_since(time, force, 0.3, 0.5) == pytest.approx(2.5)
+    # far behind the front, s = 0: the flux is 4/81 2² 1² = 16/81; the first of 2000 trapezoids holds the front itself
+    assert law.ritter_impulse(1e-6, 3.0) == pytest.approx(3.0 * 16 / 81, rel=1e-3)
+    own = {"T": [0.0, 4.0], "Z": [1.0, 1.0 + 4.0]}
+    theirs = law.KOSHIZUKA_OKA_FRONT
+    off = [(1 + t) / z - 1 for t, z in zip(theirs.x, theirs.y, strict=True) if t > law.BEGIN]
+    assert law.off_oka(own) == pytest.approx(off)
+
+
+def test_impacts_with_spin_by_hand():
+    law = load_module(LAWS / "contacts", "law")
+    change, slip = law.kick(np.array([0.3, -0.3, 90.0]), np.array([1.0, 1.0, 1.0]))
+    assert change == pytest.approx([-0.1, 0.1, -0.3 * law.KICK]) and slip == pytest.approx([1.0, 1.0, 300.0])
+    # the one below runs along x at 0.3 and up at 0.5; they stick, and a sixth of the slip goes to each
+    a = {"x": [0.0], "y": [0.0], "u": [0.3], "v": [0.5], "rim": [0.0]}
+    b = {"x": [0.3], "y": [2.0], "u": [0.0], "v": [-0.5], "rim": [0.0]}
+    left, right = a | {"u": [0.25], "rim": [0.1]}, b | {"u": [0.05], "rim": [0.1]}
+    assert law.pair_off({"before": [a, b], "after": [left, right]}) == pytest.approx(0.0, abs=1e-12)
+    assert law.pair_off({"before": [a, b], "after": [a, b]}) == pytest.approx(0.1 / 0.3)

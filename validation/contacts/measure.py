@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import cos, radians, sin
+from math import cos, pi, radians, sin, sqrt
 
 import numpy as np
 
@@ -25,9 +25,14 @@ RATIO = 2.0 / 7.0
 def on_a_floor(heights, velocities, *, seconds: float, **more) -> Scene:
     """Discs side by side over a floor, one for each velocity; `more` as of `handmade_scene`."""
     places = [(APART * i, y) for i, y in enumerate(heights)]
+    return between(places, velocities, (FLOOR,), seconds=seconds, **more)
+
+
+def between(places, velocities, walls: tuple[Plane, ...], *, seconds: float, **more) -> Scene:
+    """Discs between walls; `more` as of `handmade_scene`."""
     given = {"friction_law": "history", "springs": Springs(RATIO, 0.5), "rotation": True, "restitution": 0.5}
     scene = handmade_scene(
-        places, velocities, (FLOOR,), diameter=1.0, density=1.0, impact_speed=1.0, skin=0.3, overlap_limit=0.5,
+        places, velocities, walls, diameter=1.0, density=1.0, impact_speed=1.0, skin=0.3, overlap_limit=0.5,
         steps=1, output_steps=1, domain=((-1e3, 1e3), (-10.0, 10.0)),
         **{"gravity": (0.0, -1.0), "largest_overlap": 0.01, "time_step_fraction": 0.02, **given, **more},
     )  # fmt: skip
@@ -71,6 +76,88 @@ def sliding(kernel: str, restitution: float, friction: float, slips: list[float]
     _, frames = run_frames(scene, kernel)
     unit = friction * speed
     return {"slip": list(slips), "along": frames[-1].vx / unit, "rim": 0.5 * spin_of(frames[-1]) / unit}
+
+
+def elastic(kernel: str, pair: bool) -> dict:
+    """Overlap over time of an elastic impact, two discs or one on a floor, off half a sine; over the largest."""
+    speed, gap = 0.5, 1e-4
+    still = {"gravity": (0.0, 0.0), "restitution": 1.0, "time_step_fraction": 0.01, "seconds": 1.0}
+    if pair:
+        places = [(0.0, 1.0), (1.0 + gap, 1.0)]
+        scene = between(places, [(0.5 * speed, 0.0), (-0.5 * speed, 0.0)], (), **still)
+        omega = scene.coefficients.omega_wall * sqrt(2.0)  # stiffness of walls is that of pairs
+    else:
+        scene = on_a_floor([0.5 + gap], [(0.0, -speed)], **still)
+        omega = scene.coefficients.omega_wall
+    steps = round((pi / omega + 4 * gap / speed) / scene.time_step)
+    _, frames = run_frames(replace(scene, steps=steps, output_steps=1), kernel)
+    time = np.array([frame.time for frame in frames]) - gap / speed
+    seen = np.array([1.0 - (f.x[1] - f.x[0]) if pair else 0.5 - f.y[0] for f in frames])
+    touches = (time >= 0) & (omega * time <= pi)
+    depth = speed / omega
+    off = seen[touches] - depth * np.sin(omega * time[touches])
+    last = frames[-1]
+    after = last.vx[1] - last.vx[0] if pair else last.vy[0]
+    return {"overlap": float(np.abs(off).max() / depth), "restitution": float(after / speed)}
+
+
+def state_of(frame, chosen: slice) -> dict:
+    """Places, velocities and the speed of the rim, R times spin, of some discs."""
+    found = {"x": frame.x, "y": frame.y, "u": frame.vx, "v": frame.vy, "rim": 0.5 * spin_of(frame)}
+    return {name: values[chosen] for name, values in found.items()}
+
+
+SPINNING = {"gravity": (0.0, 0.0), "time_step_fraction": 0.01, "friction_law": "viscous", "springs": None}
+"""Contacts of the discs that get their spin from a first impact."""
+
+
+HARD = 1e-4
+"""Largest overlap of discs that meet each other: the contact turns by less than a thousandth while it lasts."""
+
+
+def with_spin_at_a_lid(kernel: str, restitution: float, friction: float, slips: list[float]) -> dict:
+    """Discs that get spin at a floor run against a lid: before and after it."""
+    speed = 0.5
+    velocities = [(slip * friction * speed, -speed) for slip in slips]
+    places = [(APART * i, 0.5 + 1e-6) for i in range(len(slips))]
+    rise = 0.6
+    scene = between(
+        places, velocities, (FLOOR, Plane("lid", "y", 1.0 + rise, "below")), seconds=1.0, restitution=restitution,
+        friction=friction, **SPINNING,
+    )  # fmt: skip
+    scene = with_steps(scene, 1.2 * rise / (restitution * speed), 4)
+    _, frames = run_frames(scene, kernel)
+    return {"before": state_of(frames[-2], slice(None)), "after": state_of(frames[-1], slice(None))}
+
+
+def with_spin_at_each_other(kernel: str, restitution: float, friction: float, slips: list[float], alike: bool) -> dict:
+    """Discs with spin from a floor meet discs from a lid: `alike` with the same spin, else without any."""
+    speed, gap = 0.5, 0.06
+    lid = 2.0 + gap
+    flight = 0.5 * gap / (restitution * speed)
+    places, velocities = [], []
+    for number, slip in enumerate(slips):
+        along = slip * friction * speed
+        way = along_after(slip, restitution) * friction * speed * flight
+        middle = 2 * APART * number
+        places += [(middle - way, 0.5 + 1e-6), (middle + way * alike, lid - 0.5 - 1e-6)]
+        velocities += [(along, -speed), (-along * alike, speed)]
+    scene = between(
+        places, velocities, (FLOOR, Plane("lid", "y", lid, "below")), seconds=1.0, restitution=restitution,
+        friction=friction, largest_overlap=HARD, **SPINNING,
+    )  # fmt: skip
+    scene = with_steps(scene, 1.4 * flight, 4)
+    _, frames = run_frames(scene, kernel)
+    before, after = frames[-3], frames[-1]
+    return {
+        "before": [state_of(before, slice(i, None, 2)) for i in (0, 1)],
+        "after": [state_of(after, slice(i, None, 2)) for i in (0, 1)],
+    }
+
+
+def along_after(slip: float, restitution: float) -> float:
+    """Speed along a floor after an impact, over mu v_n, about: it sets where discs meet."""
+    return max(slip - 1.04 * (1.0 + restitution), 2.0 * slip / 3.0)
 
 
 def spin_of(frame) -> np.ndarray:
