@@ -59,7 +59,7 @@ def make(docs: Path) -> None:
             data = json.loads((FOLDER / f"{name}.json").read_text())
             said = f", stored: {data['seconds']:.0f} s with lammps-jump {data['versions']['lammps_jump']}"
         else:
-            folder = case.run(docs / "_made" / "runs" / name).folder
+            folder = run(case, docs / "_made" / "runs" / name).folder
             shutil.copy(folder / "figures" / "snapshots.png", pictures / f"{name}.png")
             shutil.copy(folder / "report.html", reports / f"{name}.html")
         blocks += [f"## {name}\n", f"{case.fields.description}\n", f"![{name}](_made/gallery/{name}.png)\n"]
@@ -68,14 +68,22 @@ def make(docs: Path) -> None:
     (docs / "_made" / "gallery.md").write_text("\n".join(blocks))
 
 
+def run(case: lj.Case, folder: Path) -> lj.Run:
+    """The run of a case; one of another case, or of a build that was ended, is made anew."""
+    try:
+        return case.run(folder)
+    except lj.SetupError:
+        return case.run(folder, force=True)
+
+
 def store(name: str, runs: Path) -> None:
     """Run a scene and keep its picture, its report and the key of its case."""
     case = lj.load_case(INPUTS / f"{name}.yaml")
-    run = case.run(runs / name)
+    made = run(case, runs / name)
     FOLDER.mkdir(exist_ok=True)
-    (FOLDER / f"{name}.png").write_bytes(smaller((run.folder / "figures" / "snapshots.png").read_bytes()))
-    (FOLDER / f"{name}.html").write_bytes((run.folder / "report.html").read_bytes())
-    seconds = round(run.summary["wall_seconds"]["run"], 1)
+    (FOLDER / f"{name}.png").write_bytes(smaller((made.folder / "figures" / "snapshots.png").read_bytes()))
+    (FOLDER / f"{name}.html").write_bytes((made.folder / "report.html").read_bytes())
+    seconds = round(made.summary["wall_seconds"]["run"], 1)
     data = {"key": case.hash, "seconds": seconds, "versions": versions("lammps")}
     (FOLDER / f"{name}.json").write_text(json.dumps(data, indent=1) + "\n")
 

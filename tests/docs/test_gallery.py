@@ -13,6 +13,7 @@ sys.path.insert(0, str(DOCS))
 
 from making import gallery  # noqa: E402
 
+import lammps_jump as lj  # noqa: E402
 from lammps_jump.case.templates import scene_names  # noqa: E402
 
 LARGEST = 4_500_000
@@ -40,3 +41,10 @@ def test_a_stale_or_missing_result_stops_the_build(tmp_path, monkeypatch):
     monkeypatch.setattr(gallery, "stale", lambda: ["spillway"])
     with pytest.raises(ValueError, match="spillway; make gallery"):
         gallery.make(tmp_path)
+
+
+def test_a_run_that_was_left_by_an_ended_build_is_made_anew(tmp_path):
+    case = lj.load_case(gallery.INPUTS / "energy_box_7.yaml", {"run.duration": 0.02, "analysis.figures": "none"})
+    other = lj.load_case(gallery.INPUTS / "energy_box_7.yaml", {"run.duration": 0.01, "analysis.figures": "none"})
+    gallery.run(other, tmp_path / "run")
+    assert gallery.run(case, tmp_path / "run").summary["case_hash"] == case.hash
