@@ -7,7 +7,7 @@ CASE   ?= inputs/stable_jump.yaml
 # README and CONTRIBUTING say the same; a test compares them
 TEST_TIME = 2 minutes on two free cores (7 the first time), 5 and more on busy ones
 
-.PHONY: run test check browser bench stress cross-validation validate sensitivity calibrate figures docs docs-test measured lint doctor wheel test-repeat faults slurm clean
+.PHONY: run test check browser bench stress cross-validation validate sensitivity calibrate figures docs docs-test gallery measured lint doctor wheel test-repeat faults slurm clean
 
 # a stamp, so that the environment is made once and again when the dependencies change
 $(VENV)/.ready: pyproject.toml
@@ -82,9 +82,13 @@ docs: $(VENV)/.docs
 docs-test: $(VENV)/.ready
 	$(BIN)/python -m pytest -m docs
 
+# results of the gallery's long scenes, docs/stored, some minutes; make gallery X=spillway makes one
+gallery: $(VENV)/.ready
+	cd docs && $(abspath $(BIN))/python -m making.gallery $(X)
+
 # measures a table of the site again: make measured X=stability; without X, the list
 measured: $(VENV)/.ready
-	$(BIN)/python docs/making/measured.py $(X)
+	cd docs && $(abspath $(BIN))/python -m making.measured $(X)
 
 lint: $(VENV)/.ready
 	$(BIN)/ruff check . && $(BIN)/ruff format --check . && $(BIN)/mypy

@@ -21,8 +21,12 @@ from lammps_jump.identity import scene_key
 from lammps_jump.provenance import machine, versions
 from lammps_jump.studies import sensitivity
 from lammps_jump.studies.bench import collision, page
+from lammps_jump.studies.cross_validation.scenes import micro_scenes
 from lammps_jump.studies.stress import limits
+from lammps_jump.studies.stress.study import draw_map
 from lammps_jump.studies.table import markdown
+
+from . import crossed
 
 ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "docs" / "measured"
@@ -44,12 +48,15 @@ class Measure(NamedTuple):
         From the folder of the study to what the table needs.
     table : callable
         Markdown of it.
+    figures : callable
+        Draws its figures into a folder; returns each file by what it shows.
     """
 
     command: str
     keys: Callable[[], Keys]
     rows: Callable[[Path], Data]
     table: Callable[[Data], str]
+    figures: Callable[[Data, Path], dict[str, Path]] = lambda data, place: {}
 
 
 def make(name: str) -> None:
@@ -79,12 +86,22 @@ def write(name: str, rows: Data, minutes: float) -> None:
     (FOLDER / f"{name}.json").write_text(json.dumps(data, indent=1, ensure_ascii=False) + "\n")
 
 
-def fragment(name: str, folder: Path = FOLDER) -> str:
-    """The table of a file, and below it what measured it, Markdown."""
+def fragment(name: str, folder: Path = FOLDER, place: Path | None = None) -> str:
+    """The figures, drawn into a `place`, the table of a file, and below it what measured it, Markdown.
+
+    Raises
+    ------
+    ValueError
+        A table of other cases than those of today.
+    """
+    if old := stale(name, folder):
+        raise ValueError(f"{name}.json is of other cases: {', '.join(old)}; make measured X={name} measures them again")
     data = json.loads((folder / f"{name}.json").read_text())
     told = ", ".join(f"{key.replace('_', '-')} {text}" for key, text in data["versions"].items())
     about = f"`{data['command']}` · commit `{data['commit']}` · {told} · {data['machine']['processor']}"
-    return f"{MEASURES[name].table(data)}\n\n```{{admonition}} Measured\n:class: dropdown\n{about}\n```\n"
+    figures = MEASURES[name].figures(data, place) if place else {}
+    shown = "".join(f"![{title}](_made/measured/{path.name})\n\n" for title, path in figures.items())
+    return f"{shown}{MEASURES[name].table(data)}\n\n```{{admonition}} Measured\n:class: dropdown\n{about}\n```\n"
 
 
 def stale(name: str, folder: Path = FOLDER) -> list[str]:
@@ -106,7 +123,14 @@ def _sensitivity(name: str) -> Measure:
         lambda: case_keys(*(study.changes(value) for value in study.values)),
         lambda folder: {"rows": json.loads((folder / "sensitivity.json").read_text())["studies"][name]},
         lambda data: markdown(sensitivity.COLUMNS, data["rows"]),
+        partial(_draw_sensitivity, name),
     )
+
+
+def _draw_sensitivity(name: str, data: Data, place: Path) -> dict[str, Path]:
+    path = place / f"sensitivity_{name}.png"
+    sensitivity.draw_study(sensitivity.STUDIES[name], data["rows"], path)
+    return {sensitivity.STUDIES[name].label: path}
 
 
 def _bench(scene: str, options: str = "") -> Measure:
@@ -114,7 +138,30 @@ def _bench(scene: str, options: str = "") -> Measure:
         f"bench inputs/{scene}.yaml {options}".strip(),
         lambda: case_keys({}, scene=scene),
         _bench_rows,
-        lambda data: page.page(data).partition("\n\n")[2].strip(),
+        lambda data: page.page(dict(data)).partition("\n\n")[2].strip(),
+        partial(_draw_bench, scene),
+    )
+
+
+DRAWN = ("energy deviation", "front position", "sequent depth", "shock speed")
+"""Quantities whose time against error is drawn."""
+
+
+def _draw_bench(scene: str, data: Data, place: Path) -> dict[str, Path]:
+    found = {}
+    for name in DRAWN:
+        if "pareto" in data["quantities"].get(name, {}):
+            path = place / f"bench_{scene}_{name.replace(' ', '_')}.png"
+            found[f"{scene}: {name}"] = page.draw_quantity(dict(data), name, place).replace(path)
+    return found
+
+
+def _cross(scene: str, members: int) -> Measure:
+    return Measure(
+        f"cross-validate inputs/{scene}.yaml --members {members}",
+        lambda: case_keys({}, scene=scene) | {one.name: scene_key(one) for one in micro_scenes()},
+        crossed.rows,
+        crossed.table,
     )
 
 
@@ -122,10 +169,15 @@ def _bench_rows(folder: Path) -> Data:
     """What the page of a benchmark shows; the rest of its file is megabytes of single runs."""
     data = json.loads((folder / "bench.json").read_text())
     rows = [
-        {key: row.get(key) for key in ("label", "failed", "seconds", "disc_steps_per_second", "errors")}
+        {
+            key: row.get(key)
+            for key in ("label", "family", "plain", "failed", "seconds", "disc_steps_per_second", "errors")
+        }
         for row in data["rows"]
     ]
-    quantities = {name: {"cheapest": found["cheapest"]} for name, found in data["quantities"].items()}
+    quantities = {
+        name: {key: found[key] for key in ("cheapest", "pareto", "floor")} for name, found in data["quantities"].items()
+    }
     kept = {key: data[key] for key in ("case", "duration", "members", "reference", "time")}
     return {**kept, "quantities": quantities, "rows": rows}
 
@@ -141,6 +193,11 @@ def _collision_table(data: Data) -> str:
 
     columns = {"way": "", "f:": "{fraction:g}"}
     return markdown(columns | {f"{name}:": partial(error, name=name) for name in collision.QUANTITIES}, shown)
+
+
+def _draw_collision(data: Data, place: Path) -> dict[str, Path]:
+    collision.draw_collisions(data["rows"], place / "bench_collision.png")
+    return {"errors of restitution": place / "bench_collision.png"}
 
 
 def _collision_keys() -> Keys:
@@ -187,6 +244,10 @@ def _stability_table(data: Data) -> str:
     return markdown(columns, found.values())
 
 
+def _draw_stability(data: Data, place: Path) -> dict[str, Path]:
+    return {"limits of the step against restitution": draw_map(data["rows"], place / "stress_map.png")}
+
+
 def _stability_keys() -> Keys:
     return {name: scene_key(limits.arrangement_scene(name, 0.2, 0.2, "velocity_verlet")) for name in PACKED}
 
@@ -198,11 +259,15 @@ MEASURES: dict[str, Measure] = {
         _collision_keys,
         lambda folder: {"rows": json.loads((folder / "collision.json").read_text())["rows"]},
         _collision_table,
+        _draw_collision,
     ),
-    "stability": Measure("stress --random 0", _stability_keys, _stability_rows, _stability_table),
+    "stability": Measure("stress --random 0", _stability_keys, _stability_rows, _stability_table, _draw_stability),
     "bench_energy_box_16": _bench("energy_box_16", "--members 7"),
-    "bench_dam_break": _bench("dam_break", "--axes f,touch,kernel,correction --fractions 0.02,0.05,0.1,0.2"),
-    "bench_quick_jump": _bench("quick_jump", "--axes f,touch,kernel --fractions 0.05,0.1,0.2 --members 8"),
+    "bench_dam_break": _bench("dam_break", "--axes f,touch,kernel --fractions 0.05,0.1,0.2 --members 4"),
+    "bench_quick_jump": _bench("quick_jump", "--axes f,touch,kernel --fractions 0.05,0.1,0.2 --members 3"),
+    "cross_energy_box_16": _cross("energy_box_16", 8),
+    "cross_quick_jump": _cross("quick_jump", 6),
+    "cross_dam_break": _cross("dam_break", 6),
 }
 """By the name of the file in ``docs/measured``."""
 

@@ -16,7 +16,8 @@ def make(docs: Path) -> None:
     for name, page in PAGES.items():
         write(made / f"{name}.md", page())
     for path in sorted(measured.FOLDER.glob("*.json")):
-        write(made / "measured" / f"{path.stem}.md", measured.fragment(path.stem))
+        (made / "measured").mkdir(parents=True, exist_ok=True)
+        write(made / "measured" / f"{path.stem}.md", measured.fragment(path.stem, place=made / "measured"))
     gallery.make(docs)
     inputs = docs / "notebooks" / "inputs"  # where the notebook looks for its case
     if not inputs.exists():

@@ -40,6 +40,14 @@ def test_a_stale_table_is_found(tmp_path):
     data["keys"]["a case that is gone"] = "1" * 12
     path.write_text(json.dumps(data))
     assert measured.stale(path.stem, tmp_path) == sorted([first, last, "a case that is gone"])
+    with pytest.raises(ValueError, match=r"a case that is gone.*make measured X=sensitivity_restitution"):
+        measured.fragment(path.stem, tmp_path)
+
+
+def test_figures_are_drawn_from_the_stored_rows(tmp_path):
+    text = measured.fragment("sensitivity_sill", place=tmp_path)
+    assert "](_made/measured/sensitivity_sill.png)" in text
+    assert (tmp_path / "sensitivity_sill.png").stat().st_size > 5000
 
 
 def test_each_file_is_shown_on_a_page_and_known():
