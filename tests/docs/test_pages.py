@@ -91,5 +91,5 @@ def test_every_file_of_a_run_folder_is_explained():
 
 def test_fields_of_the_models_have_their_limits():
     text = fields.page()
-    assert "| `density` | number | kg/m³ | ≥ 0.001 and ≤ 1e+06 | 1000 |" in text
-    assert "| `restitution` | number | \N{EN DASH} | ≥ 1e-06 and ≤ 1 | needed |" in text
+    assert "(thesis 3.3) | number | kg/m³ | ≥ 0.001 and ≤ 1e+06 | 1000 |" in text
+    assert "above 0 up to 1 | number | \N{EN DASH} | ≥ 1e-06 and ≤ 1 | needed |" in text
