@@ -26,8 +26,9 @@ the standard error within this run.
 All numbers are per metre of width.
 
 d is the disc diameter, ρ the density of a disc, s the mass depth, h the depth of the free surface.
-u is the mean velocity by mass, c the velocity of the front, g gravity across the bed. Index 1 is upstream of the jump, 2 downstream.
-The mass depth is N m/(ρ L): the depth of N discs of mass m = ρd² over a length L, packed in squares.
+u is the mean velocity by mass, c the velocity of the front, g gravity across the bed.
+Index 1 is upstream of the jump, 2 downstream. The mass depth is N m/(ρ L): the depth of N discs of
+mass m = ρd² over a length L, packed in squares.
 """
 TITLES = {
     "inflow": "Inflow",
