@@ -17,6 +17,8 @@ from lammps_jump.scene import tracks, walls
 
 from . import NONE
 
+# ruff: noqa: RUF001  (a dash is meant for readers)
+
 Schema = dict[str, Any]
 UNIT = "SI unit: "
 SIGNS = {"gt": ">", "ge": "≥", "lt": "<", "le": "≤"}
