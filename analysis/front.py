@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The front of a collapsing column: where it is, how high the column stands, how fast its surface moves.
 
-Definitions (docs/analysis.md): the *bulk front* ends the row of discs that starts at the back wall and has no gap of
+Definitions (docs/measuring.md): the *bulk front* ends the row of discs that starts at the back wall and has no gap of
 two diameters (the largest disc's) or more between neighbours in x; the *99 % front* is the quantile of the discs'
 right edges.
 """

@@ -58,7 +58,7 @@ def block_average(series: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 PIECES = 8
-"""Equal pieces of a window: a quantity is computed in each, and their scatter is its error (docs/analysis.md)."""
+"""Equal pieces of a window: a quantity is computed in each, and their scatter is its error (docs/measuring.md)."""
 WAVES = 4
 """Longest waves over the pieces that are looked at for slow swings."""
 STUDENT = 2.776

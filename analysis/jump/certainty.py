@@ -16,13 +16,13 @@ GOAL = 0.03
 """Relative standard error of the mean of several starts that `Members` aims at."""
 MISSED = {"y2": 0.60, "speed": 0.52, "froude": 0.44}
 """Largest share of the variance between starts that the window of one run missed (16 starts of a jump, windows of 3, 6
-and 13 s, each share to 0.15; docs/analysis.md)."""
+and 13 s, each share to 0.15; docs/measuring.md)."""
 
 UNTOLD = (
     "y2", "speed", "length_mass", "local.y2", "local.u2", "local.h2", "local.packing_2",
 )  # fmt: skip
 """Numbers measured in the frames whose error one run cannot tell: it misses part of the variance between starts, or
-its 95 % intervals held less than 90 % of fresh starts (benchmarks/error_bars.py; docs/analysis.md)."""
+its 95 % intervals held less than 90 % of fresh starts (benchmarks/error_bars.py; docs/measuring.md)."""
 STATES = ("local.y1", "local.u1", "local.y2", "local.u2", "speed")
 MADE_OF = {
     "froude": ("speed",), "belanger_y2": ("speed",), "belanger_deviation": ("y2", "belanger_y2"),

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The hydraulic jump of a run: found, followed, measured in its own frame, and held against theory.
 
-Definitions stand in docs/analysis.md.
+Definitions stand in docs/measuring.md.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Numbers of a jump, with what theory says beside them; docs/analysis.md explains them."""
+"""Numbers of a jump, with what theory says beside them; docs/measuring.md explains them."""
 
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
 from __future__ import annotations

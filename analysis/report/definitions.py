@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What the numbers of a report mean, by the key of their quantity; docs/analysis.md has all of them."""
+"""What the numbers of a report mean, by the key of their quantity; also for the page of all numbers, docs/reference/numbers.md."""
 
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
 

@@ -5,7 +5,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import is_dataclass
+from pathlib import Path
 from typing import Any, get_args
+
+import yaml
 
 from lammps_jump.case.explain import fields_of
 from lammps_jump.case.fields import CaseFields
@@ -14,18 +17,22 @@ from lammps_jump.scene import tracks, walls
 
 from . import NONE
 
+# ruff: noqa: RUF001  (a dash is meant for readers)
+
 Schema = dict[str, Any]
 UNIT = "SI unit: "
 SIGNS = {"gt": ">", "ge": "≥", "lt": "<", "le": "≤"}
 """Bounds as pydantic calls them."""
 UNITS = {"m^3": "m³", "m^2": "m²", "s^2": "s²", "degree": "degrees"}
 WORDS = {"number": "number", "integer": "whole number", "string": "text", "boolean": "true or false"}
+MEANINGS: dict[str, str] = yaml.safe_load(Path(__file__).with_name("meanings.yaml").read_text(encoding="utf-8"))
+"""What the fields mean, by `_key`."""
 HEAD = """\
 # All fields of a case
 
-This page is made from the models that check a case file. It gives kind, unit, range and default of every field.
-What the fields mean is told in [the case file](../case.md). Values outside the ranges are refused before the run.
-A number with a unit is text, such as `"20 cm"`.
+This page is made from the models that check a case file. [The case file](../case.md) shows by examples how a case is
+written. Values outside the ranges are refused before the run. A number with a unit is text, such as `"20 cm"`.
+*Needed* marks a field that must be given. A – marks a default that the program finds, or none.
 """
 
 
@@ -36,6 +43,30 @@ def page() -> str:
     for title, model in _models(whole):
         blocks += _section(title, model, whole)
     return "\n".join(blocks)
+
+
+def meaning(title: str, name: str) -> str:
+    """What a field of a group means; a field without a meaning stops the build."""
+    return MEANINGS[_key(title, name)]
+
+
+def keys() -> set[str]:
+    """Keys of `MEANINGS` that the fields of all models ask for."""
+    whole = CaseFields.model_json_schema()
+    groups = [("the case", whole), *_models(whole)]
+    return {
+        _key(title, name)
+        for title, model in groups
+        for name, part in model["properties"].items()
+        if not (name == "kind" and "const" in part)
+    }
+
+
+def _key(title: str, name: str) -> str:
+    path, _, kind = title.partition(", kind ")
+    if title == "the case":
+        return name
+    return own if kind and (own := f"{path}.{kind}.{name}") in MEANINGS else f"{path}.{name}"
 
 
 def names() -> set[str]:
@@ -90,7 +121,7 @@ def _references(part: Any) -> Iterator[str]:
 
 def _section(title: str, model: Schema, whole: Schema) -> Iterator[str]:
     yield f"## {title}\n"
-    yield "| field | kind | unit | range | default |\n|---|---|---|---|---|"
+    yield "| field | meaning | kind | unit | range | default |\n|---|---|---|---|---|---|"
     needed = model.get("required", ())
     known = _classes().get(model["title"])
     fields = fields_of(known) if known else {}
@@ -101,7 +132,8 @@ def _section(title: str, model: Schema, whole: Schema) -> Iterator[str]:
         if model is whole and name == "name":
             default = "name of the file"
         span = _range(part, fields.get(name), whole)
-        yield f"| `{name}` | {_kind(part, whole)} | {_unit(part, fields.get(name), whole)} | {span} | {default} |"
+        unit = _unit(part, fields.get(name), whole)
+        yield f"| `{name}` | {meaning(title, name)} | {_kind(part, whole)} | {unit} | {span} | {default} |"
     yield ""
 
 

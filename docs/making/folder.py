@@ -1,19 +1,15 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The page of files and numbers of a run folder, read from where the program defines them."""
+"""The page of the files of a run folder, read from where the program defines them."""
 
 from __future__ import annotations
 
-from lammps_jump.analysis.quantities import BESIDE_FORCES, QUANTITIES
 from lammps_jump.files import FIGURES, RESULT_FILES, RUN_FILES
-from lammps_jump.units import numbers_of
-
-from . import NONE
 
 HEAD = """\
-# Files and numbers of a run folder
+# Files of a run folder
 
 A run folder holds what the engine read and wrote, and what the analyses made of it.
-The lists are made from the program.
+The lists are made from the program. [All numbers](numbers.md) lists the keys of `summary.json`.
 """
 FILES = {
     "case.yaml": "the case, with the values of `--set` and every default of a wall's file filled in",
@@ -39,7 +35,7 @@ FILES = {
     "stop.request": "asks the engine to stop",
     ".ranks.job": "the job of several ranks, deleted at the end",
     "profiles.nc": "depth, velocity, discharge, momentum flux and packing over time and distance",
-    "summary.json": "all numbers of the run; its keys are below",
+    "summary.json": "all numbers of the run",
     "curves.json": "the curves that the report draws",
     "player.json": "the frames that the page of a study plays",
     "animation.mp4": "film",
@@ -74,7 +70,7 @@ FILES = {
 
 def page() -> str:
     """The page, Markdown."""
-    return "\n".join([HEAD, *_files(), *_numbers()])
+    return "\n".join([HEAD, *_files()])
 
 
 def _files() -> list[str]:
@@ -86,16 +82,3 @@ def _files() -> list[str]:
     lines += ["## Figures\n", "PNG files; `lammps-jump figures --format` draws them as PDF or SVG.\n"]
     lines += ["| file in `figures/` | picture |", "|---|---|"]
     return [*lines, *(f"| `{name}` | {text} |" for name, text in FIGURES.items()), ""]
-
-
-def _numbers() -> list[str]:
-    lines = ["## Numbers of `summary.json`\n", "A number that was not measured is `null`.\n"]
-    beside = {f"force.{key}": kind for key, kind in BESIDE_FORCES.items()}
-    quantities = {key: quantity.result for key, quantity in QUANTITIES.items()}
-    quantities["force.structures.<wall>"] = quantities.pop("force")
-    for key, result in {**quantities, **beside}.items():
-        lines += [f"### {key}\n", "| key | unit | meaning |", "|---|---|---|"]
-        for name, number in numbers_of(result).items():
-            lines.append(f"| `{name}` | {number.unit or NONE} | {number.meaning.replace('|', chr(92) + '|')} |")
-        lines.append("")
-    return lines

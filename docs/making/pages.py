@@ -5,9 +5,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from . import commands, fields, folder, gallery, measured
+from . import commands, fields, folder, gallery, measured, numbers
 
-PAGES = {"fields": fields.page, "commands": commands.page, "folder": folder.page}
+PAGES = {"fields": fields.page, "commands": commands.page, "folder": folder.page, "numbers": numbers.page}
 
 
 def make(docs: Path) -> None:

@@ -4,6 +4,7 @@
 import re
 import sys
 from pathlib import Path
+from typing import get_args
 
 import pytest
 
@@ -14,13 +15,16 @@ sys.path.insert(0, str(DOCS))
 from making import fields, folder  # noqa: E402
 
 from lammps_jump.analysis.quantities import QUANTITIES  # noqa: E402
+from lammps_jump.case.fields import CaseFields  # noqa: E402
 from lammps_jump.files import RESULT_FILES, RUN_FILES  # noqa: E402
 from lammps_jump.units import numbers_of  # noqa: E402
 
 PAGES = sorted([*DOCS.glob("*.md"), *DOCS.glob("howto/*.md"), ROOT / "README.md"])
 NAMES = fields.names()
-GROUPS = {"discs", "contact", "run", "engine", "probes", "analysis", "inflow", "domain"}
-"""Fields of a case whose fields are named with a dot; a wall, an item of a list, is named by its own name."""
+LISTS = {"walls", "initial", "outflow"}
+"""Lists of a case: ``walls.friction`` is a field of each item, ``walls.sill.y`` that of the wall ``sill``."""
+GROUPS = {"discs", "contact", "run", "engine", "probes", "analysis", "inflow", "domain", *LISTS}
+"""Fields of a case whose fields are named with a dot."""
 SUMMARY = {
     "run.summary",
     "run.jump",
@@ -36,19 +40,25 @@ FORMER = {"contact.penetration_fraction"}
 """Told as words of earlier versions."""
 OF_SUMMARY = {f"{key}.{name}" for key, quantity in QUANTITIES.items() for name in numbers_of(quantity.result)}
 """Keys of ``summary.json``."""
-OF_FOLDERS = {*RUN_FILES, *RESULT_FILES, "contact.py", "contact.derive", "discs.fixed", "probes.groups.structures"}
-"""Files, a function, a key of the counts, a group of an example."""
-NAMED = re.compile(r"`((?:" + "|".join(sorted(GROUPS)) + r")\.[a-z_]+(?:\.[a-z_]+)?)(?=[`=: ])")
+OF_FOLDERS = {*RUN_FILES, *RESULT_FILES, "contact.py", "contact.derive", "discs.fixed", "probes.groups.structures"} | {
+    "walls.py",
+    "walls.bed",
+}
+"""Files, a function, a key of the counts, a group and a wall of examples."""
+NAMED = re.compile(r"`((?:" + "|".join(sorted(GROUPS)) + r")\.[a-z_]\w*(?:\.[a-z_]+)*(?:\.\d+)?)(?=[`=: ])")
 LONGEST = 25
 
 
+def exists(name: str) -> bool:
+    """Whether there is a field or number of this name; the name or number of an item of a list is left out."""
+    name = re.sub(r"\.\d+$", "", name)
+    group, _, rest = name.partition(".")
+    short = f"{group}.{rest.partition('.')[2]}" if group in LISTS else name
+    return bool({name, short} & (NAMES | SUMMARY | FORMER | OF_SUMMARY | OF_FOLDERS))
+
+
 def test_every_field_named_on_a_page_exists():
-    unknown = [
-        f"{page.name}: {name}"
-        for page in PAGES
-        for name in NAMED.findall(page.read_text())
-        if name not in NAMES | SUMMARY | FORMER | OF_SUMMARY | OF_FOLDERS
-    ]
+    unknown = [f"{page.name}: {name}" for page in PAGES for name in NAMED.findall(page.read_text()) if not exists(name)]
     assert not unknown, sorted(unknown)
 
 
@@ -58,6 +68,31 @@ def test_a_field_that_is_not_there_is_found():
         "contact.lagged_restitution",
         "run.seed",
     ]
+
+
+@pytest.mark.parametrize("name", ["walls.friction", "walls.sill.y.1", "outflow.x_beyond", "walls.lid.motion.mass"])
+def test_fields_of_lists_are_known(name):
+    assert NAMED.findall(f"`{name}`") == [name] and exists(name)
+
+
+@pytest.mark.parametrize("name", ["walls.frction", "walls.sill.hight", "outflow.beyond", "initial.gap"])
+def test_fields_of_lists_that_are_not_there_are_found(name):
+    assert NAMED.findall(f"`{name}`") == [name] and not exists(name)
+
+
+VALUES = {"friction_law": "contact", "touch": "contact", "kernel": "engine"}
+"""Fields whose values are words of ours, and the groups that they are in."""
+
+
+@pytest.mark.parametrize("field", VALUES)
+def test_the_glossary_has_every_value(field):
+    group = CaseFields.model_fields[VALUES[field]].annotation.model_fields[field]
+    values = [one for kind in (group.annotation, *get_args(group.annotation)) for one in get_args(kind)] or get_args(
+        group.annotation
+    )
+    text = (DOCS / "glossary.md").read_text()
+    missing = [one for one in values if isinstance(one, str) and one != "auto" and one not in text]
+    assert values and not missing
 
 
 def sentences(text: str) -> list[str]:
@@ -76,6 +111,13 @@ SIMPLE = [
     DOCS / "tutorial.md",
     DOCS / "index.md",
     DOCS / "gallery.md",
+    DOCS / "analysis.md",
+    DOCS / "preview.md",
+    DOCS / "own_geometry.md",
+    DOCS / "mdanalysis.md",
+    DOCS / "case.md",
+    DOCS / "measuring.md",
+    DOCS / "glossary.md",
     ROOT / "README.md",
 ]
 
@@ -85,11 +127,32 @@ def test_sentences_are_short(page):
     assert not [one for one in sentences(page.read_text()) if len(one.split()) > LONGEST]
 
 
+HOUSE = {"member": "members?", "kernel": "kernel", "mass depth": "mass depth", "touch": "touch"}
+"""Words of ours, to be explained where a reader first meets them."""
+
+
+def unexplained(text: str) -> list[str]:
+    """House words of a page that stand neither in italics at their first place nor beside a link to the glossary."""
+    prose = re.sub(r"`[^`]*`", "", " ".join(sentences(text)))
+    first = {word: re.search(rf"\*?\b(?:{form})\b\*?", prose) for word, form in HOUSE.items()}
+    return [word for word, hit in first.items() if hit and not hit[0].startswith("*") and "glossary.md" not in text]
+
+
+@pytest.mark.parametrize("page", [*SIMPLE[: SIMPLE.index(DOCS / "index.md")], ROOT / "README.md"], ids=lambda p: p.name)
+def test_house_words_are_explained(page):
+    assert not unexplained(page.read_text())
+
+
+def test_a_house_word_that_is_not_explained_is_found():
+    assert unexplained("Run eight members. A *member* is one start.") == ["member"]
+    assert not unexplained("A *member* is one start. Run eight members, `kernel`.")
+
+
 def test_every_file_of_a_run_folder_is_explained():
     assert set(folder.FILES) == {name for name in (*RUN_FILES, *RESULT_FILES) if not name.startswith("figures/")}
 
 
 def test_fields_of_the_models_have_their_limits():
     text = fields.page()
-    assert "| `density` | number | kg/m³ | ≥ 0.001 and ≤ 1e+06 | 1000 |" in text
-    assert "| `restitution` | number | \N{EN DASH} | ≥ 1e-06 and ≤ 1 | needed |" in text
+    assert "(thesis 3.3) | number | kg/m³ | ≥ 0.001 and ≤ 1e+06 | 1000 |" in text
+    assert "above 0 up to 1 | number | \N{EN DASH} | ≥ 1e-06 and ≤ 1 | needed |" in text
