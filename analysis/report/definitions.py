@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What the numbers of a report mean, by the key of their quantity; also for the page of all numbers, docs/reference/numbers.md."""
+"""What the numbers of a report mean, by the key of their quantity.
+
+The page of all numbers, docs/reference/numbers.md, is made from these too.
+"""
 
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
 
