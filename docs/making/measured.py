@@ -20,7 +20,7 @@ import lammps_jump as lj
 from lammps_jump.identity import scene_key
 from lammps_jump.provenance import machine, versions
 from lammps_jump.studies import sensitivity
-from lammps_jump.studies.bench import collision, page
+from lammps_jump.studies.bench import collision, page, timing
 from lammps_jump.studies.cross_validation.scenes import micro_scenes
 from lammps_jump.studies.stress import limits
 from lammps_jump.studies.stress.study import draw_map
@@ -41,7 +41,7 @@ class Measure(NamedTuple):
     Attributes
     ----------
     command : str
-        What measures it, without ``lammps-jump``; ``--out`` is set by `make`.
+        What measures it, without ``lammps-jump``, or a program of ``benchmarks/``; ``--out`` is set by `make`.
     keys : callable
         Hash of each case or scene that it measures, as it is today.
     rows : callable
@@ -64,9 +64,14 @@ def make(name: str) -> None:
     measure = MEASURES[name]
     command = [*measure.command.split(), "--out", str(RUNS / name)]
     begin = time.monotonic()
-    subprocess.run([sys.executable, "-m", "lammps_jump", *command], cwd=ROOT, check=True)
+    subprocess.run([sys.executable, *_program(measure.command), *command], cwd=ROOT, check=True)
     minutes = (time.monotonic() - begin) / 60
     write(name, measure.rows(Path(command[-1])), minutes)
+
+
+def _program(command: str) -> tuple[str, ...]:
+    """What Python is told to run before the words of a command: nothing where they begin with a file."""
+    return () if command.startswith("benchmarks/") else ("-m", "lammps_jump")
 
 
 def write(name: str, rows: Data, minutes: float) -> None:
@@ -74,7 +79,7 @@ def write(name: str, rows: Data, minutes: float) -> None:
     measure = MEASURES[name]
     commit = subprocess.run(["git", "rev-parse", "--short=12", "HEAD"], cwd=ROOT, capture_output=True, text=True)
     data = {
-        "command": f"lammps-jump {measure.command}",
+        "command": f"{'lammps-jump' if _program(measure.command) else 'python'} {measure.command}",
         "minutes": round(minutes, 1),
         "commit": commit.stdout.strip(),
         "versions": versions("lammps"),
@@ -163,6 +168,27 @@ def _cross(scene: str, members: int) -> Measure:
         crossed.rows,
         crossed.table,
     )
+
+
+def _speed(scene: str) -> Measure:
+    return Measure(
+        f"bench inputs/{scene}.yaml --speed",
+        lambda: case_keys({}, scene=scene),
+        lambda folder: {name: json.loads((folder / "speed.json").read_text())[name] for name in ("rows", "agreement")},
+        lambda data: timing.speed_page(dict(data), RUNS),
+    )
+
+
+def _scale_table(data: Data) -> str:
+    columns = {
+        "discs:": "{discs:,.0f}",
+        "1 thread, ns:": lambda row: f"{row['threads']['1']:.1f}",
+        "2 threads, ns:": lambda row: f"{row['threads']['2']:.1f}",
+        "2 over 1:": lambda row: f"{row['threads']['1'] / row['threads']['2']:.2f}",
+        "plain loop, ns:": "{plain:.1f}",
+        "peak, MB:": lambda row: f"{row['peak'] / 1e6:,.0f}",
+    }
+    return markdown(columns, data["rows"])
 
 
 def _bench_rows(folder: Path) -> Data:
@@ -265,6 +291,14 @@ MEASURES: dict[str, Measure] = {
     "bench_energy_box_16": _bench("energy_box_16", "--members 7"),
     "bench_dam_break": _bench("dam_break", "--axes f,touch,kernel --fractions 0.05,0.1,0.2 --members 4"),
     "bench_quick_jump": _bench("quick_jump", "--axes f,touch,kernel --fractions 0.05,0.1,0.2 --members 3"),
+    "speed_dam_break": _speed("dam_break"),
+    "speed_quick_jump": _speed("quick_jump"),
+    "scale": Measure(
+        "benchmarks/scale.py 1e3 1e4 1e5 1e6 1e7",
+        lambda: case_keys({}, scene="dam_break"),
+        lambda folder: {"rows": json.loads((folder / "scale.json").read_text())},
+        _scale_table,
+    ),
     "cross_energy_box_16": _cross("energy_box_16", 8),
     "cross_quick_jump": _cross("quick_jump", 6),
     "cross_dam_break": _cross("dam_break", 6),

@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What a step costs from 10^3 to 10^7 discs, with one thread and with two, beside a plain loop of C.
+
+Run as ``python benchmarks/scale.py [DISCS ...] [--threads 1 2] [--rounds 3] [--out DIR]``. The scene is the
+column of inputs/dam_break.yaml at its release. LAMMPS runs the script of the compiled styles with each number of
+threads in turn, and plain_loop.c the same law on as many discs in a square lattice. Printed are medians of nanoseconds a disc-step,
+without output, and the largest memory of the process. 10^7 discs take some minutes for each round.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from statistics import median
+
+import lammps_jump as lj
+from lammps_jump.engines.lammps.loader import mpi_library, program
+from lammps_jump.engines.plugin import plugin_path
+from lammps_jump.errors import JumpError
+from lammps_jump.script import write_script
+
+CASE = Path(__file__).parent.parent / "inputs" / "dam_break.yaml"
+AREA = 48.0
+"""m² of the column: 4 m by 12 m."""
+WORK = 1.2e7
+"""Disc-steps of a run, but at least `FEWEST` steps."""
+FEWEST = 10
+PARTS = ("Pair", "Neigh", "Comm", "Modify", "Other")
+
+
+def case_of(discs: int, steps: int) -> lj.Case:
+    """The dam break with about so many discs, for so many steps and one frame at their end."""
+    sets: dict[str, object] = {
+        "discs.diameter": math.sqrt(AREA / discs), "domain.x": [-1, 40], "domain.y": [-1, 20],
+        "outflow": [{"x_beyond": 35}], "run.duration": 1.0, "run.output_interval": 1.0, "probes": {},
+    }  # fmt: skip
+    step = lj.load_case(CASE, sets).scene().coefficients.time_step
+    return lj.load_case(CASE, sets | {"run.duration": steps * step, "run.output_interval": steps * step})
+
+
+def engine(folder: Path, threads: int) -> tuple[float, float, int]:
+    """Seconds of a step without output, bytes of the process at most, and discs."""
+    found = program("lmp")
+    if found is None:
+        raise lj.SetupError("the program lmp of the LAMMPS wheel is not there")
+    with (folder / "screen").open("w+") as screen:
+        words = (found, "-in", "in.plugin.lammps", "-var", "plugin", plugin_path(), "-log", "none")
+        settings = {"LAMMPS_JUMP_THREADS": str(threads), "LD_LIBRARY_PATH": str(mpi_library().parent)}
+        process = subprocess.Popen([*map(str, words)], cwd=folder, stdout=screen, env=os.environ | settings)
+        _, status, used = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        screen.seek(0)
+        shown = screen.read()
+    if process.returncode:
+        raise lj.RunError(shown[-2000:])
+    steps = discs = 0
+    for _, count, atoms in re.findall(r"Loop time of (\S+) on .* for (\d+) steps with (\d+) atoms", shown):
+        steps, discs = steps + int(count), int(atoms)
+    took = sum(float(one) for part in PARTS for one in re.findall(rf"^{part} +\|[^|]*\| (\S+) ", shown, re.M))
+    return took / steps, 1024.0 * used.ru_maxrss, discs
+
+
+def plain(program: Path, case: lj.Case, discs: int, steps: int) -> float:
+    """Seconds of a step of the plain loop."""
+    scene = case.scene()
+    law = scene.coefficients
+    numbers = (discs, steps, scene.diameter, law.stiffness, 0.5 * law.mass * law.gamma_normal, law.time_step)
+    shown = subprocess.run([program, *map(str, numbers)], capture_output=True, text=True, check=True).stdout
+    return float(shown.split()[0]) / steps
+
+
+def main() -> int:
+    """Print a row for each number of discs; the exit status."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("discs", nargs="*", type=float, default=[1e3, 1e4, 1e5, 1e6])
+    parser.add_argument("--threads", nargs="+", type=int, default=[1, 2])
+    parser.add_argument("--rounds", type=int, default=3, help="of 10^7 discs one")
+    parser.add_argument("--out", type=Path, help="folder for scale.json")
+    asked = parser.parse_args()
+    source = Path(__file__).parent / "plain_loop.c"
+    rows = []
+    with tempfile.TemporaryDirectory() as room:
+        subprocess.run(["cc", "-O3", "-march=native", "-o", f"{room}/plain", source, "-lm"], check=True)
+        for wanted in asked.discs:
+            steps = max(FEWEST, int(WORK / wanted))
+            case, folder = case_of(int(wanted), steps), Path(room) / f"{wanted:g}"
+            folder.mkdir()
+            write_script(case.scene(), folder, kernel="compiled")
+            times: dict[int, list[float]] = {count: [] for count in (0, *asked.threads)}
+            peak = discs = 0.0
+            for _ in range(asked.rounds if wanted < 5e6 else 1):
+                for count in asked.threads:
+                    took, most, discs = engine(folder, count)
+                    times[count].append(1e9 * took / discs)
+                    peak = max(peak, most)
+                times[0].append(1e9 * plain(Path(room) / "plain", case, int(discs), steps) / discs)
+            middle = {str(count): median(found) for count, found in times.items()}
+            rows.append({"discs": discs, "plain": middle.pop("0"), "threads": middle, "peak": peak})
+            print(json.dumps(rows[-1]), flush=True)
+    if asked.out:
+        asked.out.mkdir(parents=True, exist_ok=True)
+        (asked.out / "scale.json").write_text(json.dumps(rows))
+    return 0
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main())
+    except JumpError as error:
+        print(f"error: {error}", file=sys.stderr)
+        sys.exit(1)
