@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """What a step costs from 10^3 to 10^7 discs, with one thread and with two, beside a plain loop of C.
 
-Run as ``python benchmarks/scale.py [DISCS ...] [--threads 1 2] [--rounds 3] [--out DIR]``. The scene is the
-column of inputs/dam_break.yaml at its release. LAMMPS runs the script of the compiled styles with each number of
-threads in turn, and plain_loop.c the same law on as many discs in a square lattice. Printed are medians of nanoseconds a disc-step,
-without output, and the largest memory of the process. 10^7 discs take some minutes for each round.
+Run as ``python benchmarks/scale.py [DISCS ...] [--threads 1 2] [--rounds 3] [--out DIR]``. The scene is the column of
+inputs/dam_break.yaml at its release. LAMMPS runs the script of the compiled styles with each number of threads in
+turn, and plain_loop.c the same law on as many discs in a square lattice. Printed are medians of nanoseconds a
+disc-step, without output, and the largest memory of the process. 10^7 discs take some minutes for each round.
 """
 
 from __future__ import annotations
