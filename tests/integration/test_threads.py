@@ -8,6 +8,7 @@ from made_up import INPUTS, plugin_or_skip
 
 import lammps_jump as lj
 from lammps_jump.engines import Setting, run
+from lammps_jump.engines.checkpoint import read_checkpoint
 from lammps_jump.engines.choice import THREADS, choose_threads, usable_cores
 
 SCENES = {
@@ -44,6 +45,24 @@ def test_threads_change_no_bit(name, numbers, tmp_path):
     for threads in numbers.split():
         result, found = frames_of(scene, tmp_path / threads.replace(":", "_"), threads)
         assert result.status == "complete" and found == alone
+
+
+@pytest.mark.lammps
+@pytest.mark.parametrize("name", ["quick_jump", pytest.param("column_collapse", marks=pytest.mark.long)])
+def test_a_run_goes_on_with_another_number_of_threads(name, tmp_path):
+    changes = SCENES[name]
+    scene = lj.load_case(
+        INPUTS / f"{name}.yaml", {**changes, "run.output_interval": changes["run.duration"] / 5}
+    ).scene()
+    found = []
+    for first, second in (("1", "1"), ("3", "2")):
+        folder = tmp_path / first
+        assert frames_of(scene, folder, first, stop_at=scene.steps // 2)[0].status == "interrupted"
+        setting = Setting(kernel="compiled", plugin=plugin_or_skip(), threads=second)
+        result = run(scene, folder, setting, resume=read_checkpoint(folder))
+        assert result.status == "complete" and result.resumed
+        found.append((folder / "dump.lammpstrj").read_bytes())
+    assert found[0] == found[1]
 
 
 def test_who_asks_for_threads_is_heard(monkeypatch):
