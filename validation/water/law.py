@@ -144,8 +144,8 @@ LAW = Law(
         "docs/howto/discs_and_water.md names one for each question.",
         "Koshizuka & Oka's column, L x 2 L, is that of n² = 2: T and Z are the same numbers. So one run is held "
         "against both experiments.",
-        "The wall stands as that of Lobovský et al. 2014: a column 600 mm long and 300 mm deep in a tank of 1610 mm. "
-        "Their pressure impulse is of a sensor near the floor, ours of the whole wall. Single peaks are those of discs "
-        "and are not held.",
+        "The wall stands as that of Lobovský et al. 2014: a column 600 mm long and 300 mm deep in a tank of 1610 mm "
+        "(second hand). Their pressure impulse is of a sensor near the floor, ours of the whole wall. Single peaks are "
+        "those of discs and are not held.",
     ),
 )

@@ -4,6 +4,7 @@
 #include "team.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 
@@ -135,12 +136,28 @@ void Pace::end_step(bool odd)
   if (steps == WINDOW || lost) end_window();
 }
 
+namespace {
+/** Whether so many threads have cores of their own now, beside what else runs; true where the system does not tell. */
+bool have_cores(int threads, int now)
+{
+  int running = 0;
+  FILE *const file = fopen("/proc/loadavg", "r");
+  const bool told = file && fscanf(file, "%*f %*f %*f %d/", &running) == 1;
+  if (file) fclose(file);
+  return !told || running - now + threads <= (int) std::thread::hardware_concurrency();
+}
+}    // namespace
+
 /** Levels are 1, 2, 4, ... and the most: the neighbours of the one in use are tried in turn. */
 void Pace::start_probe()
 {
   if (level == 1) up = true;
   else if (level == most) up = false;
   probed = up ? std::min(2 * level, most) : level == most && (most & (most - 1)) ? 1 << (31 - __builtin_clz(most)) : level / 2;
+  if (probed > level && !have_cores(probed, level)) {    // a helper that waits for a core would hold up all
+    until_probe = rest;
+    return;
+  }
   up = !up;
   probing = true;
 }
