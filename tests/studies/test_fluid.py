@@ -207,8 +207,11 @@ class TestStudy:
         assert at["mach"] == pytest.approx(0.16)
         assert at["reynolds"] == pytest.approx(16.0 / at["viscosity"])
         assert store.stored(case) is None
-        found = {"case": case.name, "flow": at, "warnings": study.warnings_of(discs, scales, at), "summary": summary}
+        zones = {name: store.numbers_at(summary, discs, one) for name, one in flow.zones_of(case, scales).items()}
+        doubts = study.warnings_of(discs, scales, at)
+        found = {"case": case.name, "flow": at, "zones": zones, "warnings": doubts, "summary": summary}
         text = page.text_of(found, discs, scales)
+        assert "| middle of the jump |" in text
         assert "| friction at rest (yield) μs | 0 | 0.08 " in text
         assert found["warnings"] == []
         page.draw(found, discs, scales, tmp_path / "fluid.png")
@@ -218,6 +221,21 @@ class TestStudy:
         lj.files.write_json(path, {"summary": summary})
         assert store.stored(case)["reynolds"] == pytest.approx(at["reynolds"])
         assert "Reynolds number q/nu" in store.told(at)
+
+    def test_parts_of_a_jump_have_the_depths_of_its_run(self, case, tmp_path):
+        scales = flow.flow_of(case)
+        parts = flow.zones_of(case, scales, tmp_path)
+        assert [one.depth for one in parts.values()] == pytest.approx(
+            [scales.thinnest, 0.5 * (scales.thinnest + scales.depth), scales.depth]
+        )
+        assert all(one.speed * one.depth == pytest.approx(scales.discharge) for one in parts.values())
+        summary = {"case_hash": case.hash, "jump": {"y1": 1.1, "y2": 6.5}}
+        lj.files.write_json(tmp_path / "summary.json", summary)
+        assert [one.depth for one in flow.zones_of(case, scales, tmp_path).values()] == [1.1, 3.8, 6.5]
+        lj.files.write_json(tmp_path / "summary.json", summary | {"case_hash": "another"})
+        assert flow.zones_of(case, scales, tmp_path) == parts
+        column = lj.load_case("inputs/dam_break.yaml")
+        assert flow.zones_of(column, flow.flow_of(column), tmp_path) == {}
 
     def test_key_is_of_the_discs(self, case, discs):
         """The seed, walls and words of a case change nothing; the contact does."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import sqrt
+from pathlib import Path
 
 import numpy as np
 
@@ -12,7 +13,9 @@ from lammps_jump.case import ReadCase
 from lammps_jump.case.fields import Column
 from lammps_jump.case.parts.inflow import RowsInflow
 from lammps_jump.errors import CaseError
+from lammps_jump.files import read_json
 from lammps_jump.physics import jump
+from lammps_jump.runs.summary import SUMMARY_FILE
 
 
 @dataclass(frozen=True)
@@ -77,6 +80,37 @@ def flow_of(case: ReadCase, *, depth: float | None = None, speed: float | None =
         raise CaseError("fluid: the case has no inflow and no column, so that its depth is not known; give --depth")
     u = speed or own_speed or sqrt(g * h)
     return Flow(h, u, u * (thinnest or h), thinnest or h, g)
+
+
+def zones_of(case: ReadCase, flow: Flow, folder: Path | None = None) -> dict[str, Flow]:
+    """Scales of the stream before a jump, of its middle and of its tail, by name; none without a jump.
+
+    The depths are those of a run of this case, y1 and y2, or the inflow's and Belanger's. The speed is q/y; the middle
+    has the mean of the two depths.
+
+    Parameters
+    ----------
+    folder : Path, optional
+        Run folder; one of another case, or without a jump, does not count.
+    """
+    thin, deep, measured = flow.thinnest, flow.depth, _measured_depths(case, folder)
+    if measured is not None:
+        thin, deep = measured
+    if deep <= thin:
+        return {}
+    depths = {"stream": thin, "middle of the jump": 0.5 * (thin + deep), "tail": deep}
+    return {name: Flow(h, flow.discharge / h, flow.discharge, thin, flow.gravity) for name, h in depths.items()}
+
+
+def _measured_depths(case: ReadCase, folder: Path | None) -> tuple[float, float] | None:
+    """y1 and y2 of a run of the case, m."""
+    try:
+        summary = read_json((folder or Path("runs") / case.name) / SUMMARY_FILE)
+        if summary["case_hash"].split("-")[0] != case.hash.split("-")[0]:
+            return None
+        return float(summary["jump"]["y1"]), float(summary["jump"]["y2"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
 
 
 def _height(case: ReadCase) -> float:

@@ -83,6 +83,7 @@ def text_of(found: Numbers, discs: Discs, flow: Flow) -> str:
         f"The flow: U = {flow.speed:.3g} m/s, h = {flow.depth:.3g} m. The numbers hold at half the depth and the rate "
         f"U/h = {flow.rate:.3g} /s.",
         "\n".join(numbers),
+        *_zones(found["zones"]),
         "## Doubts",
         "\n".join(warned),
         "## Water and these discs",
@@ -94,6 +95,22 @@ def text_of(found: Numbers, discs: Discs, flow: Flow) -> str:
         f"± is the 95 % interval of the mean over {summary['starts']} starts. The figure is fluid.png.",
     ]
     return "\n\n".join(parts) + "\n"
+
+
+def _zones(zones: Mapping[str, Numbers]) -> list[str]:
+    """Section on the parts of a jump; nothing without one."""
+    if not zones:
+        return []
+    columns = {
+        "part:": "{part}",
+        "depth (m):": "{depth:.3g}",
+        "speed (m/s):": "{speed:.3g}",
+        "Re:": "{reynolds:.2g}",
+        "I:": "{inertial:.2g}",
+        "ν (m²/s):": "{viscosity:.2g}",
+        "Ma:": "{mach:.2g}",
+    }
+    return ["## Parts of the jump", markdown(columns, [{"part": name, **one} for name, one in zones.items()])]
 
 
 def draw(found: Numbers, discs: Discs, flow: Flow, path: Path) -> None:

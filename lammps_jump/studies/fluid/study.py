@@ -23,7 +23,7 @@ from lammps_jump.sweeps import Pool, Say, Store, table
 
 from . import page, shear, slosh, sound
 from .discs import Discs, discs_of
-from .flow import Flow, flow_of
+from .flow import Flow, flow_of, zones_of
 from .law import fit_friction
 from .store import Numbers, measured_key, numbers_at, slosh_depth, store_of
 
@@ -141,7 +141,8 @@ def fluid(
     Returns
     -------
     dict
-        ``summary`` (`summary_of`), ``flow`` (`store.numbers_at`), ``warnings`` and ``text``, the page in Markdown.
+        ``summary`` (`summary_of`), ``flow`` (`store.numbers_at`), ``zones`` (the same of the parts of a jump, with the
+        depths of the run in ``runs/<name>`` where it is of this case), ``warnings`` and ``text``, the page in Markdown.
     """
     discs, flow = discs_of(case), flow_of(case, depth=depth, speed=speed)
     store = Store(store_of(measured_key(discs, flow)), fresh=fresh)
@@ -160,11 +161,18 @@ def fluid(
         store.data["summary"] = summary
         write_json(store.path, store.data)
     at = numbers_at(summary, discs, flow)
-    found = {"case": case.name, "flow": at, "warnings": warnings_of(discs, flow, at), "summary": summary}
+    zones = {name: numbers_at(summary, discs, zone) for name, zone in zones_of(case, flow).items()}
+    found = {
+        "case": case.name,
+        "flow": at,
+        "zones": zones,
+        "warnings": warnings_of(discs, flow, at),
+        "summary": summary,
+    }
     folder = Path(out) if out else default_folder(case)
     folder.mkdir(parents=True, exist_ok=True)
     found["text"] = page.text_of(found, discs, flow)
-    write_json(folder / "fluid.json", {name: found[name] for name in ("case", "flow", "warnings", "summary")})
+    write_json(folder / "fluid.json", {name: found[name] for name in ("case", "flow", "zones", "warnings", "summary")})
     write_text(folder / "fluid.md", found["text"])
     page.draw(found, discs, flow, folder / "fluid.png")
     return found
