@@ -98,6 +98,7 @@ class _Header(_Part):
     inlets: Annotated[list[tuple[Number, Number]], Field(max_length=MOST_SHAPES)]
     outlets: Annotated[list[tuple[Literal["x", "y"], Number, Literal["above", "below"]]], Field(max_length=MOST_SHAPES)]
     bins: _Bins
+    seam: tuple[Number, Number] | None = None
     fixed: tuple[Number, Number] | None = None
     area: Above
     bed: Number
@@ -130,6 +131,7 @@ def read_player(path: Path) -> Player:
         len(header.sequent) == len(header.times)
         and (np.diff(header.times) > 0).all()
         and all(low < high for low, high in header.seen)
+        and (header.seam is None or header.seam[1] - header.seam[0] > 2.0 * max(header.radii))
         and max(header.radii) <= MOST_WIDTHS * header.bins.width
         and cells <= MOST_CELLS
         and all(wall.ways_fit(len(header.times)) for wall in (*header.walls, *header.gates))

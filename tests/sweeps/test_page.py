@@ -103,10 +103,11 @@ def test_a_player_that_was_handed_on_is_checked(done, tmp_path, tried):
         "bins": [{"low": 0, "width": 1e-300, "count": 5}, {"low": 0, "width": 1, "count": 10**9}, {}],
         "map": [{**header["map"], "counts": [10**5, 10**5]}, {**header["map"], "counts": [1, 1]}, {}],
         "seen": [[[0, 0], [0, 1]], [[0, 1e300], [0, 1]]], "sequent": [[]], "more": [1],
+        "seam": [[1, 0], [0, 1e-9], [0, 1e300], "0"],
     }  # fmt: skip
     still, way = {"name": "a", "hollow": False, "outlines": [[[0, 0], [1, 0], [1, 1]]], "lines": []}, [0.0] * 10**4
     moving = {**still, "about": [0, 0], **dict.fromkeys(("x", "y", "angle"), way[: len(header["times"])])}
-    path.write_text(json.dumps({**whole, "header": {**header, "walls": [still, moving]}}))
+    path.write_text(json.dumps({**whole, "header": {**header, "seam": [0, 1e6], "walls": [still, moving]}}))
     assert json.loads(json.dumps(read_player(path).header["walls"])) == [still, moving]
     bad_walls = [
         refresh, [{}], [{**moving, "x": way}], [{**moving, "angle": None}], [{**moving, "angle": [refresh]}],
