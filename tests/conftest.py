@@ -156,3 +156,15 @@ def plugin():
     from made_up import plugin_or_skip  # 2.6 s, as above
 
     return plugin_or_skip()
+
+
+@pytest.fixture(scope="session")
+def lammps():
+    """LAMMPS' Python class; skips where it cannot be loaded."""
+    from lammps_jump.engines.lammps.loader import load_lammps  # 0.2 s
+    from lammps_jump.errors import SetupError
+
+    try:
+        return load_lammps().lammps
+    except SetupError as error:
+        pytest.skip(str(error))

@@ -9,6 +9,8 @@
 #include "error.h"
 #include "force.h"
 #include "modify.h"
+#include "neighbor.h"
+#include "output.h"
 #include "update.h"
 
 #include <algorithm>
@@ -112,7 +114,7 @@ int FixJumpStep::add_pieces(int a, int narg, char **arg)
 
 int FixJumpStep::setmask()
 {
-  return INITIAL_INTEGRATE | POST_FORCE | FINAL_INTEGRATE | (pieces.empty() ? 0 : END_OF_STEP);
+  return INITIAL_INTEGRATE | POST_FORCE | FINAL_INTEGRATE | POST_RUN | (pieces.empty() ? 0 : END_OF_STEP);
 }
 
 void FixJumpStep::init()
@@ -133,22 +135,39 @@ void FixJumpStep::init()
     pair->springs.put(wall.law, wall.rolling < 0.0 ? pair->springs.rolling_friction : wall.rolling);
   }
   if (pair->springs.there && !array_atom) error->all(FLERR, "fix jump/step needs slots for the law history");
-  const auto &fixes = modify->get_fix_list();
-  others_push = std::any_of(fixes.begin(), fixes.end(), [](Fix *fix) {    // fix external only looks on
-    return fix->setmask() & POST_FORCE && strcmp(fix->style, "jump/step") != 0 && strcmp(fix->style, "external") != 0;
-  });
+  watch_others();
   pair->slots.rows = &array_atom;
   pair->slots.count = array_atom ? size_peratom_cols / SLOT : 0;
+}
+
+/** Find out which fixes look at the discs, and when. */
+void FixJumpStep::watch_others()
+{
+  constexpr int EACH_STEP = INITIAL_INTEGRATE | POST_INTEGRATE | PRE_FORCE | PRE_REVERSE | POST_FORCE | FINAL_INTEGRATE;
+  others_push = others_look = false;
+  renewing.clear();
+  ending.clear();
+  for (Fix *fix : modify->get_fix_list()) {
+    if (fix->force_reneighbor) renewing.push_back(fix);
+    if (fix->setmask() & END_OF_STEP) ending.push_back(fix);
+    if (fix == this || strcmp(fix->id, "step_hook") == 0) continue;    // the hook of tests reads only the step
+    others_push |= (fix->setmask() & POST_FORCE) != 0;
+    others_look |= (fix->setmask() & EACH_STEP) != 0;
+  }
 }
 
 void FixJumpStep::setup(int vflag)
 {
   starts = true;
+  own = false;
   post_force(vflag);
 }
 
-/** First half kick and drift of some discs; widens the range (lo, hi) of their velocities. */
-template <bool SIZES, bool STAYS> void FixJumpStep::drift(int from, int to, Range &range)
+/** First half kick and drift of some discs; widens the range (lo, hi) of their velocities.
+
+    OWN: they are as the pair style has packed them, and the second half kick of the step before is still to come.
+    SEEN: LAMMPS looks at them before the end of this step. */
+template <bool SIZES, bool STAYS, bool OWN, bool SEEN> void FixJumpStep::drift(int from, int to, Range &range)
 {
   double *const __restrict x = atom->x[0];
   double *const __restrict v = atom->v[0];
@@ -161,20 +180,41 @@ template <bool SIZES, bool STAYS> void FixJumpStep::drift(int from, int to, Rang
   Vec2 lo = {1e300, 1e300}, hi = {-1e300, -1e300};
   for (int i = from; i < to; i++) {
     if (SIZES) dtfm = dtf * inverse_mass[i];
-    const Vec2 speed = at(v, i) + (dtfm * pushed(f, i) + (STAYS && dtfm == 0.0 ? Vec2{} : kick));
-    const Vec2 place = at(x, i) + dtv * speed;
-    at(v, i) = speed;
-    at(x, i) = place;
+    const Vec2 half = dtfm * pushed(f, i) + (STAYS && dtfm == 0.0 ? Vec2{} : kick);
+    const Vec2 speed = (OWN ? Vec2{disc[i].vx, disc[i].vy} + half : at(v, i)) + half;
+    const Vec2 place = (OWN ? Vec2{disc[i].x, disc[i].y} : at(x, i)) + dtv * speed;
+    if (SEEN) {
+      at(v, i) = speed;
+      at(x, i) = place;
+    }
     pushed(f, i) = Vec2{};    // for the sums of this step
     disc[i] = {place[0], place[1], speed[0], speed[1]};
     lo = speed < lo ? speed : lo;
     hi = speed > hi ? speed : hi;
   }
   if (pair->spin) {
+    if (OWN) turn_discs(from, to);
     turn_discs(from, to);
     std::fill(pair->turns.begin() + from, pair->turns.begin() + to, 0.0);
   }
   range = {{lo[0], lo[1]}, {hi[0], hi[1]}};
+}
+
+/** Whether LAMMPS may look at the discs in this step before their forces: to sort, insert or remove them, or others do. */
+bool FixJumpStep::is_seen_before_forces() const
+{
+  if (others_look || update->ntimestep == output->next) return true;    // restart files ask for sorted discs
+  const int ago = neighbor->ago + 1;
+  if (ago >= neighbor->delay && ago % neighbor->every == 0) return true;
+  return std::any_of(renewing.begin(), renewing.end(), [&](Fix *fix) { return fix->next_reneighbor == update->ntimestep; });
+}
+
+/** Whether LAMMPS may look at the discs at the end of this step. */
+bool FixJumpStep::is_seen_at_end() const
+{
+  const bigint step = update->ntimestep;
+  if (others_look || step == output->next || step == update->laststep) return true;
+  return std::any_of(ending.begin(), ending.end(), [&](Fix *fix) { return step % fix->nevery == 0; });
 }
 
 /** Spin that a torque of 1 gives to a disc, of inertia m R^2/2, in half a step. */
@@ -197,6 +237,19 @@ void FixJumpStep::turn_discs(int from, int to)
   }
 }
 
+/** The loop that moves the discs in this step. */
+FixJumpStep::Drift FixJumpStep::drift_of(bool own, bool seen) const
+{
+  const auto of = [&](auto sizes, auto stays) -> Drift {
+    constexpr bool SIZES = decltype(sizes)::value, STAYS = decltype(stays)::value;
+    if (own) return seen ? &FixJumpStep::drift<SIZES, STAYS, true, true> : &FixJumpStep::drift<SIZES, STAYS, true, false>;
+    return seen ? &FixJumpStep::drift<SIZES, STAYS, false, true> : &FixJumpStep::drift<SIZES, STAYS, false, false>;
+  };
+  using Yes = std::true_type;
+  using No = std::false_type;
+  return pair->any_fixed() ? of(Yes(), Yes()) : pair->sizes ? of(Yes(), No()) : of(No(), No());
+}
+
 void FixJumpStep::initial_integrate(int)
 {
   for (auto &wall : walls) wall.motion.drift(update->ntimestep, update->dt);
@@ -209,9 +262,9 @@ void FixJumpStep::initial_integrate(int)
     pair->range_hi[0] = pair->range_hi[1] = -1e300;
     return;
   }
-  const auto move = pair->any_fixed() ? &FixJumpStep::drift<true, true>
-      : pair->sizes                   ? &FixJumpStep::drift<true, false>
-                                      : &FixJumpStep::drift<false, false>;
+  const bool seen = is_seen_before_forces();
+  if (!seen && !is_seen_at_end()) pair->keep_uncleared();
+  const auto move = drift_of(own, seen);
   Range ranges[jump::MOST_THREADS];
   const int parts = pair->in_parts(atom->nlocal, [&](int from, int to, int part) { (this->*move)(from, to, ranges[part]); });
   for (int axis = 0; axis < 2; axis++) {
@@ -230,26 +283,40 @@ void FixJumpStep::initial_integrate(int)
 void FixJumpStep::final_integrate()
 {
   if (others_push) pair->take_forces();
-  if (atom->nlocal > 0) pair->in_parts(atom->nlocal, [this](int from, int to, int) { kick(from, to); });
+  own = !is_seen_at_end();
+  if (!own) end_steps();
   pair->pace.end_step(paced_order != pair->order);
   paced_order = pair->order;
+}
+
+/** LAMMPS ends a run at any step where its time is over. */
+void FixJumpStep::post_run()
+{
+  if (own) end_steps();
+  own = false;
+}
+
+/** Second half kick; LAMMPS' arrays are up to date then. */
+void FixJumpStep::end_steps()
+{
+  if (atom->nlocal > 0) pair->in_parts(atom->nlocal, [this](int from, int to, int) { kick(from, to); });
 }
 
 /** The second half kick of some discs. */
 void FixJumpStep::kick(int from, int to)
 {
+  double *const __restrict x = atom->x[0];
   double *const __restrict v = atom->v[0];
   const double *const __restrict f = pair->pushes.data();
   const double dtv = update->dt, dtf = 0.5 * dtv * force->ftm2v, dtfm = dtf / pair->mass;
   const double *const __restrict inverse_mass = pair->inverse_masses.data();
   const Vec2 kick = {0.5 * dtv * gx, 0.5 * dtv * gy};
-  if (pair->any_fixed())
-    for (int i = from; i < to; i++)
-      at(v, i) += dtf * inverse_mass[i] * pushed(f, i) + (inverse_mass[i] > 0.0 ? kick : Vec2{});
-  else if (pair->sizes)
-    for (int i = from; i < to; i++) at(v, i) += dtf * inverse_mass[i] * pushed(f, i) + kick;
-  else
-    for (int i = from; i < to; i++) at(v, i) += dtfm * pushed(f, i) + kick;
+  const PairJumpDisc::Disc *const __restrict disc = pair->disc.data();
+  for (int i = from; i < to; i++) {
+    const double rate = pair->sizes ? dtf * inverse_mass[i] : dtfm;
+    at(x, i) = Vec2{disc[i].x, disc[i].y};
+    at(v, i) = Vec2{disc[i].vx, disc[i].vy} + (rate * pushed(f, i) + (rate == 0.0 ? Vec2{} : kick));
+  }
   if (pair->spin) turn_discs(from, to);
 }
 

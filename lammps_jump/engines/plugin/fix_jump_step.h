@@ -52,6 +52,7 @@ class FixJumpStep : public Fix {
   void initial_integrate(int) override;
   void post_force(int) override;
   void final_integrate() override;
+  void post_run() override;
   double compute_scalar() override;
   double compute_vector(int) override;
   void write_restart(FILE *) override;
@@ -111,6 +112,9 @@ class FixJumpStep : public Fix {
   tagint sized = 0;           // discs up to this id have their own size
   bigint near_order = -1;
   bool others_push = false;     // other fixes add forces: fix gravity, which pours need
+  bool others_look = false;     // other fixes act on the discs in each step
+  std::vector<Fix *> renewing, ending;    // fixes that ask for sorted discs; that act at the end of some steps
+  bool own = false;             // LAMMPS' arrays are out of date: the discs are as the pair style has packed them
   bool starts = false;          // the next step is the first of a run
   bigint paced_order = -1;    // of the discs in the step before
   double near_margin = 0.0;    // way of a disc in x or y that lists of near discs allow
@@ -142,7 +146,13 @@ class FixJumpStep : public Fix {
   struct alignas(64) Range {
     double lo[2], hi[2];
   };
-  template <bool SIZES, bool STAYS> void drift(int, int, Range &);
+  using Drift = void (FixJumpStep::*)(int, int, Range &);
+  template <bool SIZES, bool STAYS, bool OWN, bool SEEN> void drift(int, int, Range &);
+  Drift drift_of(bool, bool) const;
+  void watch_others();
+  bool is_seen_before_forces() const;
+  bool is_seen_at_end() const;
+  void end_steps();
   void kick(int, int);
   void turn_discs(int, int);
   void write_contacts();

@@ -119,8 +119,8 @@ void PairJumpDisc::init_style()
     error->all(FLERR, "pair_style jump/disc needs newton off, processors * 1 1 and no periodic y");
   if (!atom->radius_flag || !atom->rmass_flag) error->all(FLERR, "pair_style jump/disc needs atom_style sphere");
   if (modify->get_fix_by_style("^jump/step").empty()) error->all(FLERR, "pair_style jump/disc needs fix jump/step");
-  if (neighbor->nex_type || neighbor->nex_group || neighbor->nex_mol)
-    error->all(FLERR, "pair_style jump/disc knows no neigh_modify exclude");
+  if (neighbor->nex_type || neighbor->nex_group || neighbor->nex_mol || neighbor->includegroup)
+    error->all(FLERR, "pair_style jump/disc knows no neigh_modify exclude and no neigh_modify include");
   // no ghosts of LAMMPS' own: their cutoff must not be 0 (a warning), and init_one asks for none
   if (comm->cutghostuser == 0.0) comm->cutghostuser = 1e-6 * diameter;
   listed.clear();
@@ -175,6 +175,16 @@ void PairJumpDisc::pack()
   }
   std::fill_n(pushes.begin(), 2 * (size_t) atom->nlocal, 0.0);
   if (spin) std::fill_n(turns.begin(), atom->nlocal, 0.0);
+}
+
+/** Let LAMMPS leave its arrays of forces and torques as they are in this step: nothing reads them.
+
+    Until the forces are evaluated it takes the discs for those of a group, of which there are none here. */
+void PairJumpDisc::keep_uncleared()
+{
+  first_group = atom->nfirst;
+  atom->nfirst = 0;
+  neighbor->includegroup = 1;
 }
 
 /** Add the forces of this step to those in LAMMPS' array, which it has cleared at the begin of the step. */

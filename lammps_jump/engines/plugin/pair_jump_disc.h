@@ -85,6 +85,7 @@ class PairJumpDisc : public Pair {
   void pack_size(int);
   double largest_overlap() const;
   template <class Run> int in_parts(int, const Run &);
+  void keep_uncleared();
   void hand_over_forces();
   void take_forces();
   double radius_of(int i) const { return sizes ? radii[i] : 0.5 * diameter; }
@@ -137,6 +138,7 @@ class PairJumpDisc : public Pair {
   bool parted = false;               // whether the parts are those of this list
   size_t built = 0;                  // pairs that were found together, in the order of the cells; others come behind
   int row = 0;                       // cells of a row
+  int first_group = 0;               // LAMMPS' own number, while it is told another
   std::vector<int> place;            // of each disc in the order of the cells
   std::atomic_flag locks[LOCKS] = {};
 

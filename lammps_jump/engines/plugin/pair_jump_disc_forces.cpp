@@ -272,6 +272,10 @@ void PairJumpDisc::evaluate_part(size_t from, size_t to, const Part *part, std::
 void PairJumpDisc::compute(int eflag, int vflag)
 {
   ev_init(eflag, vflag);
+  if (neighbor->includegroup) {    // keep_uncleared
+    neighbor->includegroup = 0;
+    atom->nfirst = first_group;
+  }
   if (eflag_atom || vflag_atom || cvflag_atom || num_tally_compute > 0)
     error->all(FLERR, "pair_style jump/disc gives no energy and no virial: leave out computes of them for each disc");
   eng_vdwl = NAN;    // LAMMPS asks for the sums at steps where nothing may read them: no error then

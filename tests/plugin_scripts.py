@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Small scenes as lines of LAMMPS, with stock styles and with those of the plugin, and a run of such lines."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lammps_jump.scene.build import handmade_scene
+from lammps_jump.scene.walls import Box, Plane
+from lammps_jump.script.walls import JOIN, plugin_wall
+
+DIAMETER = 0.2
+
+
+def scene(positions, velocities, walls, *, law="viscous", fraction=0.05, **more):
+    """A scene of discs of 40 kg with the coefficients of the hydraulic jump."""
+    settings = {"steps": 1000, "output_steps": 1000, "skin": 0.06, "overlap_limit": DIAMETER, "name": "small"}
+    return handmade_scene(
+        positions, velocities, walls, friction_law=law, time_step_fraction=fraction, correct_restitution=True,
+        domain=((-3.0, 9.0), (-4.0, 9.0)), **{**settings, **more},
+    )  # fmt: skip
+
+
+def cloud(seed, nx=12, ny=12, speed=3.0, at=(0.3, 0.3)):
+    """Discs near a lattice with random velocities, so that many collide within 1000 steps."""
+    generator = np.random.default_rng(seed)
+    grid = np.array([(at[0] + 0.21 * i, at[1] + 0.21 * j) for i in range(nx) for j in range(ny)])
+    return grid + generator.normal(0, 0.002, grid.shape), generator.normal(0, speed, grid.shape)
+
+
+def stock_wall(wall, law):
+    if isinstance(wall, Plane):
+        ends = f"{wall.at!r} NULL" if wall.side == "above" else f"NULL {wall.at!r}"
+        return [f"fix {wall.name} all wall/gran {law} {wall.axis}plane {ends}"]
+    if isinstance(wall, Box):
+        sides = [Plane(f"{wall.name}_{axis}_{side}", axis, at, side) for axis in "xy"
+                 for at, side in zip(getattr(wall, axis), ("above", "below"), strict=True)]  # fmt: skip
+        return [line for face in sides for line in stock_wall(face, law)]
+    extent = f"{wall.x[0]!r} {wall.x[1]!r} {wall.y[0]!r} {wall.y[1]!r}"
+    return [
+        f"region {wall.name} block {extent} INF INF side out",
+        f"fix {wall.name} all wall/gran/region {law} region {wall.name}",
+    ]
+
+
+def start(case):
+    (xlo, xhi), (ylo, yhi) = case.domain
+    lines = [
+        "units si",
+        "dimension 2",
+        "newton off",
+        "boundary f f p",
+        "atom_style sphere",
+        "comm_modify vel yes",
+    ]
+    lines += [f"region domain block {xlo} {xhi} {ylo} {yhi} -0.1 0.1", "create_box 1 domain"]
+    for index, (x, y) in enumerate(case.positions, 1):
+        lines.append(f"create_atoms 1 single {float(x)!r} {float(y)!r} 0")
+        vx, vy = case.velocities[index - 1]
+        lines += [f"group one id {index}", f"velocity one set {float(vx)!r} {float(vy)!r} 0", "group one delete"]
+    lines += [f"set group all diameter {case.diameter!r}", f"set group all mass {case.mass!r}"]
+    return [*lines, "neighbor 0.06 bin", f"timestep {case.time_step!r}"]
+
+
+def traffic(case, folder):
+    lines = []
+    if case.inlets:
+        d, m = case.diameter, case.mass
+        parts = ["disc", "1 atoms", "Coords", "1 0 0 0", "Types", "1 1", "Diameters", f"1 {d!r}", "Masses", f"1 {m!r}"]
+        (folder / "disc.mol").write_text("\n\n".join(parts) + "\n")
+        lines.append(f"molecule disc {folder / 'disc.mol'}")
+    for index, row in enumerate(case.inlets):
+        lines += [
+            f"region in{index} block {row.x} {row.x} {row.y} {row.y} 0 0",
+            f"fix in{index} all deposit 999 0 {row.every_steps} {7 + index} region in{index} mol disc id max "
+            f"near {row.clearance} attempt 1 vx {row.vx} {row.vx} vy {row.vy} {row.vy}",
+        ]
+    for index, out in enumerate(case.outlets):
+        lines += [
+            f"region out{index} block INF INF INF {out.at} INF INF",
+            f"fix out{index} all evaporate {out.every_steps} 100000 out{index} 3",
+        ]
+    return lines
+
+
+def stock(case, folder):
+    c = case.coefficients
+    rub = f"{c.gamma_tangential!r} {c.friction!r} 1" if c.friction else "0 0 0"
+    wall_rub = f"{c.gamma_tangential_wall!r} {c.friction!r} 1" if c.friction else "0 0 0"
+    law = f"hooke {c.stiffness_wall!r} NULL {c.gamma_normal_wall!r} {wall_rub}"
+    lines = [*start(case), f"pair_style gran/hooke {c.stiffness!r} NULL {c.gamma_normal!r} {rub}"]
+    lines += ["pair_coeff * *", f"fix move all {'nve/sphere disc' if case.rotation else 'nve'}"]
+    lines += [f"fix gravity all gravity {-case.gravity[1]!r} vector 0 -1 0"] if case.gravity[1] else []
+    return [*lines, *(line for wall in case.permanent for line in stock_wall(wall, law)), *traffic(case, folder)]
+
+
+def styles(case, plugin, *, probe="", skin=0.3 * DIAMETER):
+    c = case.coefficients
+    words = f"law {case.friction_law} k {c.stiffness!r} gamma {c.gamma_normal!r} gammat {c.gamma_tangential!r}"
+    words += f" mu {c.friction!r} mass {case.mass!r} diameter {case.diameter!r} skin {skin!r}"
+    words += f" spin {'yes' if case.rotation else 'no'}"
+    words += f" smooth {case.touch_width!r}" if case.touch == "smooth" else ""
+    walls = " ".join(plugin_wall(one).replace(JOIN, " ") for one in case.walls)
+    fix = f"fix step all jump/step gravity {case.gravity[0]!r} {case.gravity[1]!r} k_wall {c.stiffness_wall!r}"
+    fix += f" gamma_wall {c.gamma_normal_wall!r} gammat_wall {c.gamma_tangential_wall!r} mu_wall {c.friction!r}"
+    return [f"plugin load {plugin}", f"pair_style jump/disc {words}", "pair_coeff * *", f"{fix} {walls} {probe}"]
+
+
+def compiled(case, plugin, folder, **options):
+    return [*start(case), *styles(case, plugin, **options), *traffic(case, folder)]
+
+
+class Run:
+    """A LAMMPS instance that has done some commands; the discs in the order of their ids."""
+
+    def __init__(self, lammps, lines):
+        self.engine = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
+        self.do(*lines)
+
+    def do(self, *lines):
+        for line in lines:
+            self.engine.command(line)
+        return self
+
+    def discs(self, name="x"):
+        n = self.engine.extract_global("nlocal")
+        order = np.argsort(np.array(self.engine.numpy.extract_atom("id")[:n]))
+        return np.array(self.engine.numpy.extract_atom(name)[:n])[order]
+
+    def vector(self, n):
+        return np.array([self.engine.extract_fix("step", 0, 1, index) for index in range(n)])
+
+    @property
+    def overlap(self):
+        return self.engine.extract_fix("step", 0, 0)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *error):
+        self.engine.close()
+
+
+def final(lammps, lines, steps, *names):
+    with Run(lammps, lines) as run:
+        run.do(f"run {steps}")
+        return [run.discs(name) for name in names]
+
+
+CLOUD = cloud(1)
+FLOOR = (Plane("floor", "y", 0.0, "above"), Plane("left", "x", 0.0, "above"), Plane("lid", "y", 3.2, "below"))
