@@ -11,6 +11,7 @@ from lammps_jump.engines import Setting, run
 from lammps_jump.engines.checkpoint import read_checkpoint
 from lammps_jump.engines.choice import THREADS, choose_threads, usable_cores
 
+FLOOR = [{"name": "floor", "kind": "plane", "axis": "y", "at": 0, "side": "above"}]
 SCENES = {
     "quick_jump": {"run.duration": 0.2},  # inlets, outlets, discs of two sizes
     "column_collapse": {"run.duration": 0.05},  # springs, spin, sizes, a gate
@@ -20,8 +21,14 @@ SCENES = {
     "drum": {"run.duration": 0.1},
     "sign": {"run.duration": 0.05, "contact.friction_law": "sign", "contact.friction": 0.3, "contact.rotation": True},
     "smooth": {"run.duration": 0.05, "contact.touch": "smooth"},
-}
-SHORT = ("quick_jump", "column_collapse")
+    # parts are of columns there
+    "flat": {"run.duration": 0.1, "initial.0.x": [0, 60], "initial.0.y": [0, 0.8], "walls": FLOOR, "probes": {}},
+    "flat, springs": {
+        "run.duration": 0.1, "initial.0.x": [0, 60], "initial.0.y": [0, 0.8], "walls": FLOOR, "probes": {},
+        "contact.friction_law": "history", "contact.friction": 0.5, "contact.rotation": True,
+    },
+}  # fmt: skip
+SHORT = ("quick_jump", "column_collapse", "flat")
 
 
 def frames_of(scene, folder, threads, **more):

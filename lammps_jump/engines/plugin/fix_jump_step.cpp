@@ -167,7 +167,8 @@ void FixJumpStep::setup(int vflag)
 
     OWN: they are as the pair style has packed them, and the second half kick of the step before is still to come.
     SEEN: LAMMPS looks at them before the end of this step. */
-template <bool SIZES, bool STAYS, bool OWN, bool SEEN> void FixJumpStep::drift(int from, int to, Range &range)
+template <bool SIZES, bool STAYS, bool OWN, bool SEEN>
+void FixJumpStep::drift(const int *discs, int from, int to, Range &range)
 {
   double *const __restrict x = atom->x[0];
   double *const __restrict v = atom->v[0];
@@ -178,7 +179,8 @@ template <bool SIZES, bool STAYS, bool OWN, bool SEEN> void FixJumpStep::drift(i
   const Vec2 kick = {0.5 * dtv * gx, 0.5 * dtv * gy};
   PairJumpDisc::Disc *const __restrict disc = pair->disc.data();
   Vec2 lo = {1e300, 1e300}, hi = {-1e300, -1e300};
-  for (int i = from; i < to; i++) {
+  for (int n = from; n < to; n++) {
+    const int i = discs ? discs[n] : n;
     if (SIZES) dtfm = dtf * inverse_mass[i];
     const Vec2 half = dtfm * pushed(f, i) + (STAYS && dtfm == 0.0 ? Vec2{} : kick);
     const Vec2 speed = (OWN ? Vec2{disc[i].vx, disc[i].vy} + half : at(v, i)) + half;
@@ -193,9 +195,9 @@ template <bool SIZES, bool STAYS, bool OWN, bool SEEN> void FixJumpStep::drift(i
     hi = speed > hi ? speed : hi;
   }
   if (pair->spin) {
-    if (OWN) turn_discs(from, to);
-    turn_discs(from, to);
-    std::fill(pair->turns.begin() + from, pair->turns.begin() + to, 0.0);
+    if (OWN) turn_discs(discs, from, to);
+    turn_discs(discs, from, to);
+    for (int n = from; n < to; n++) pair->turns[discs ? discs[n] : n] = 0.0;
   }
   range = {{lo[0], lo[1]}, {hi[0], hi[1]}};
 }
@@ -226,12 +228,13 @@ double FixJumpStep::spin_rate(int i) const
 }
 
 /** Spin over half a step, and the speeds of the rims. */
-void FixJumpStep::turn_discs(int from, int to)
+void FixJumpStep::turn_discs(const int *discs, int from, int to)
 {
   double *const __restrict omega = atom->omega[0];
   const double *const __restrict torque = pair->turns.data();
   const double rate = spin_rate(0);
-  for (int i = from; i < to; i++) {
+  for (int n = from; n < to; n++) {
+    const int i = discs ? discs[n] : n;
     omega[3 * i + 2] += (pair->sizes ? spin_rate(i) : rate) * torque[i];
     pair->rim[i] = pair->radius_of(i) * omega[3 * i + 2];
   }
@@ -266,7 +269,11 @@ void FixJumpStep::initial_integrate(int)
   if (!seen && !is_seen_at_end()) pair->keep_uncleared();
   const auto move = drift_of(own, seen);
   Range ranges[jump::MOST_THREADS];
-  const int parts = pair->in_parts(atom->nlocal, [&](int from, int to, int part) { (this->*move)(from, to, ranges[part]); });
+  int parts = pair->in_parts_of_list([&](const int *discs, int count, int part) {
+    (this->*move)(discs, 0, count, ranges[part]);
+  });
+  if (parts == 0)
+    parts = pair->in_parts(atom->nlocal, [&](int from, int to, int part) { (this->*move)(nullptr, from, to, ranges[part]); });
   for (int axis = 0; axis < 2; axis++) {
     double &lo = pair->range_lo[axis], &hi = pair->range_hi[axis];
     lo = ranges[0].lo[axis];
@@ -317,7 +324,7 @@ void FixJumpStep::kick(int from, int to)
     at(x, i) = Vec2{disc[i].x, disc[i].y};
     at(v, i) = Vec2{disc[i].vx, disc[i].vy} + (rate * pushed(f, i) + (rate == 0.0 ? Vec2{} : kick));
   }
-  if (pair->spin) turn_discs(from, to);
+  if (pair->spin) turn_discs(nullptr, from, to);
 }
 
 /** Diameter of a disc; the same operations as in lammps_jump/scene/sizes.py, so that both take the same piece. */

@@ -69,6 +69,7 @@ class FixJumpStep : public Fix {
 
  private:
   static constexpr int SLOT = 4;    // numbers of a slot
+  static constexpr size_t FEW_NEAR = 128;    // discs beside a wall for which threads are not worth while
   // diameters; of walls of many faces each one more near a disc costs time
   static constexpr double NEAR_MARGIN = 0.5, NEAR_MARGIN_OF_MANY = 0.15;
 
@@ -146,18 +147,19 @@ class FixJumpStep : public Fix {
   struct alignas(64) Range {
     double lo[2], hi[2];
   };
-  using Drift = void (FixJumpStep::*)(int, int, Range &);
-  template <bool SIZES, bool STAYS, bool OWN, bool SEEN> void drift(int, int, Range &);
+  using Drift = void (FixJumpStep::*)(const int *, int, int, Range &);
+  template <bool SIZES, bool STAYS, bool OWN, bool SEEN> void drift(const int *, int, int, Range &);
   Drift drift_of(bool, bool) const;
   void watch_others();
   bool is_seen_before_forces() const;
   bool is_seen_at_end() const;
   void end_steps();
   void kick(int, int);
-  void turn_discs(int, int);
+  void turn_discs(const int *, int, int);
   void write_contacts();
   void push(Wall &);
   template <jump::Friction, jump::Touch, bool SIZES> void push(Wall &);
+  template <jump::Friction, jump::Touch, bool SIZES> void push(const Wall &, int, double *);
   template <jump::Friction, jump::Touch, class Own>
   void touch(const Wall &, int, const Touched &, const Own &, double *);
 };

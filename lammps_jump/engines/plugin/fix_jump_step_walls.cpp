@@ -225,7 +225,8 @@ void FixJumpStep::touch(const Wall &wall, int i, const Touched &where, const Own
   on_wall[2] -= (a.x - to_x - x0) * out.fy - (a.y - to_y - y0) * out.fx;
 }
 
-template <Friction FRICTION, Touch TOUCH, bool SIZES> void FixJumpStep::push(Wall &wall)
+/** Forces of a wall on its discs, or on those of one part (from 0), and the sums on the wall. */
+template <Friction FRICTION, Touch TOUCH, bool SIZES> void FixJumpStep::push(const Wall &wall, int part, double *on_wall)
 {
   double reach = wall.law.reach;
   using Own = std::conditional_t<SIZES, jump::OwnLaw<double>, const jump::Law &>;
@@ -236,11 +237,11 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void FixJumpStep::push(Wal
   const auto *const disc = pair->disc.data();
   const bool stays = pair->any_fixed();
   jump::FaceContact found[jump::MOST];
-  double on_wall[4] = {0.0, 0.0, 0.0, 0.0};
   const auto &near = wall.near;
   const int rows = (int) near.discs.size();
   for (int r = 0; r < rows; r++) {
     const int i = near.discs[r], first = near.last[r], count = near.last[r + 1] - first;
+    if (part >= 0 && pair->part_of(i) != part) continue;
     if (stays && pair->is_fixed(i)) continue;    // walls and fixed discs do not feel each other
     double x = disc[i].x, y = disc[i].y;
     if (wall.motion.moves) wall.motion.inward(x, y);
@@ -271,6 +272,21 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void FixJumpStep::push(Wal
       }
     }
   }
+}
+
+template <Friction FRICTION, Touch TOUCH, bool SIZES> void FixJumpStep::push(Wall &wall)
+{
+  double on_wall[4] = {0.0, 0.0, 0.0, 0.0};
+  const bool sums = wall.probe >= 0 || wall.motion.is_lid || pair->record;    // in the order of the discs
+  const int parts = sums || jump::has_springs(FRICTION) || wall.near.discs.size() < FEW_NEAR ? 0 : pair->number_of_parts();
+  if (parts > 0) {
+    pair->team.run(parts, [&](int part) {
+      double of_part[4] = {0.0, 0.0, 0.0, 0.0};
+      push<FRICTION, TOUCH, SIZES>(wall, part, of_part);
+    });
+    return;
+  }
+  push<FRICTION, TOUCH, SIZES>(wall, -1, on_wall);
   wall.motion.lid.push[0] = on_wall[0];
   wall.motion.lid.push[1] = on_wall[1];
   const auto &rate = wall.motion.centred;
@@ -279,6 +295,7 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void FixJumpStep::push(Wal
     for (int c = 0; c < columns; c++) window[columns * wall.probe + c] += on_wall[c];
 }
 
+/** Forces of a wall on its discs, and what a probe sums. */
 void FixJumpStep::push(Wall &wall)
 {
   wall.law.eps = jump::SIGN_RAMP * pair->largest_speed;

@@ -65,10 +65,11 @@ class PairJumpDisc : public Pair {
   jump::Friction friction = jump::Friction::NONE;
   jump::Touch touch = jump::Touch::SHARP;
   double largest_speed = 0.0;                        // all ranks, of the last force evaluation, m/s
-  std::vector<Disc> disc;                            // local discs, then those of other ranks
+  std::vector<Disc, jump::Lines<Disc>> disc;         // local discs, then those of other ranks
   std::vector<double> rim;                           // R omega, with spin
   // forces (x, y of each disc) and moments; not in LAMMPS' array, which it clears in one thread each step
-  std::vector<double> pushes, turns;
+  std::vector<double, jump::Lines<double>> pushes;
+  std::vector<double> turns;
   std::vector<double> radii, inverse_masses;         // with sizes; in the order of the discs
   std::vector<double> tags;                          // ids, with springs
   std::vector<double> bulk;                          // radii that stand for masses, with fixed discs
@@ -85,6 +86,9 @@ class PairJumpDisc : public Pair {
   void pack_size(int);
   double largest_overlap() const;
   template <class Run> int in_parts(int, const Run &);
+  template <class Run> int in_parts_of_list(const Run &);
+  int number_of_parts() const { return divided == team.size() && divided > 1 ? (int) parts.size() : 0; }
+  int part_of(int i) const { return home[i]; }
   void keep_uncleared();
   void hand_over_forces();
   void take_forces();
@@ -121,33 +125,45 @@ class PairJumpDisc : public Pair {
   void remember_order();
   double largest_squared_speed() const;
   void find_largest_speed();
-  /** A force on a disc that an earlier part of the list may have too. */
+  /** A force on a disc that two parts may have. */
   struct Late {
-    int disc;
+    int disc, order;    // the order is the place of the pair's first disc
     double fx, fy, moment;
   };
-  /** A part of the list, which a thread takes. Discs are meant by their places in the order of the cells. */
+  /** A part of the discs, which a thread takes. */
   struct Part {
-    size_t begin = 0, border = 0, end = 0;    // pairs; from the border on no disc is in an earlier part
-    int taken = 0;                            // discs before this one may be in earlier parts
-    int own_end = 0;                          // discs from this one on may be in later parts
-    std::vector<Late> late;
+    std::vector<int> discs;            // local ones
+    std::vector<int> first, second;    // its pairs
+    size_t pairs = 0;
+    std::vector<int> edge, across;     // discs of pairs over a cut: its own, those of others
+    std::vector<size_t> over;          // such pairs
+    std::vector<int> copy_of;          // of each disc of others: -N for the Nth copy
+    int copies = 0;                    // the first copy
+    std::vector<Late> late[2];         // with springs: at the cuts before and behind the part
   };
   static constexpr int LOCKS = 64;
+  static constexpr int DISCS_A_LINE = 4;    // of memory, of pushes
+  static constexpr int FLAT = 28;           // columns a row from which on parts are of columns (measured)
+  static constexpr int LEAST_ROWS = 4, LEAST_COLUMNS = 8;    // of a part: no disc is beside two cuts
+  static constexpr int ROOM_FOR_NEW = 1024; // local discs that may come before the list is divided anew
   std::vector<Part> parts;
-  bool parted = false;               // whether the parts are those of this list
+  int divided = 0;                   // for how many threads the list is divided; 0: it is not
   size_t built = 0;                  // pairs that were found together, in the order of the cells; others come behind
   int row = 0;                       // cells of a row
+  int room = 0;                      // of local discs, before the copies of the parts
   int first_group = 0;               // LAMMPS' own number, while it is told another
   std::vector<int> place;            // of each disc in the order of the cells
+  std::vector<uint8_t> home, beside; // of each disc: its part; 1 + the part before the cut it is beside, or 0
   std::atomic_flag locks[LOCKS] = {};
 
   void evaluate(size_t, size_t);
   void divide(int);
-  void evaluate_part(size_t, size_t, const Part *, std::vector<Late> *);
-  template <jump::Friction, jump::Touch, bool SIZES> void evaluate_part(size_t, size_t, const Part *, std::vector<Late> *);
-  void sum_up(int, const int *, const int *, const double (*)[2], const double *, const double *, int,
-              std::vector<Late> &);
+  void fill(Part &, int);
+  void take_copies(const Part &);
+  void evaluate_list(size_t, size_t, Part *);
+  template <jump::Friction, jump::Touch, bool SIZES> void evaluate_list(size_t, size_t, Part *);
+  void add(Part &, int, int, const double *, double, double);
+  void add_late();
   double *remembered(int, int, const Part *);
   void note(int, int, const double *);
 };
@@ -158,6 +174,23 @@ template <class Run> int PairJumpDisc::in_parts(int n, const Run &run)
   const int count = n < 64 * team.size() ? 1 : team.size();
   const auto begin = [&](int part) { return (int) ((int64_t) n * part / count); };
   team.run(count, [&](int part) { run(begin(part), begin(part + 1), part); });
+  return count;
+}
+
+/** Call run(discs, count, part) for the parts of the discs, if there are some now; returns how many.
+
+    Each thread has the discs whose contacts it sums: they stay in its cache, but for those at the edge. */
+template <class Run> int PairJumpDisc::in_parts_of_list(const Run &run)
+{
+  const int count = number_of_parts();
+  if (count == 0) return 0;
+  team.run(count, [&](int part) {
+    for (const int i : parts[part].edge) {    // other threads have read them: ask for all at once
+      __builtin_prefetch(&disc[i], 1);
+      __builtin_prefetch(&pushes[2 * i], 1);
+    }
+    run(parts[part].discs.data(), (int) parts[part].discs.size(), part);
+  });
   return count;
 }
 

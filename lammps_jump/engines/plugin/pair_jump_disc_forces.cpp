@@ -48,7 +48,7 @@ void PairJumpDisc::find_largest_speed()
 /** Where disc i remembers its contact with disc j: its tangential spring, COUNT before its rolling one; null: nowhere. */
 double *PairJumpDisc::remembered(int i, int j, const Part *part)
 {
-  const bool shared = part && (place[i] < part->taken || place[i] >= part->own_end);
+  const bool shared = part && beside[i];
   auto &lock = locks[i % LOCKS];
   if (shared)
     while (lock.test_and_set(std::memory_order_acquire)) {}    // another thread is in the slots of this disc, or one like it
@@ -83,39 +83,67 @@ void PairJumpDisc::list_contacts(std::vector<jump::ContactRow> &rows)
   slots.grows = grew;
 }
 
-/** Add the forces of n contacts to the discs, but keep those on discs that earlier parts may have. */
-void PairJumpDisc::sum_up(int n, const int *one, const int *two, const double (*force_on)[2], const double *twist_one,
-                          const double *twist_two, int taken, std::vector<Late> &late)
+/** The discs of other parts, as they are in this step. */
+void PairJumpDisc::take_copies(const Part &part)
 {
-  const int *const __restrict at = place.data();
-  const int nlocal = atom->nlocal;
-  double *const __restrict f = pushes.data();
-  double *const __restrict torque = twist_one ? turns.data() : nullptr;
-  const auto add = [&](int disc, const Vec2 &push, double moment) {
-    if (at[disc] < taken) {
-      late.push_back({disc, push[0], push[1], moment});
-      return;
+  int to = part.copies;
+  if (springs.there) return;
+  for (const int from : part.across) {
+    disc[to] = disc[from];
+    pushes[2 * to] = pushes[2 * to + 1] = 0.0;    // of no use
+    if (spin) {
+      rim[to] = rim[from];
+      turns[to] = 0.0;
     }
-    *reinterpret_cast<Vec2 *>(f + 2 * disc) += push;
-    if (torque) torque[disc] += moment;
-  };
-  for (int c = 0; c < n; c++) {
-    const Vec2 push = *reinterpret_cast<const Vec2 *>(force_on[c]);
-    add(one[c], push, torque ? -twist_one[c] : 0.0);
-    if (two[c] < nlocal) add(two[c], -push, torque ? -twist_two[c] : 0.0);
+    if (sizes) radii[to] = radii[from];    // inserted discs change theirs
+    if (any_fixed()) bulk[to] = bulk[from];
+    to++;
   }
 }
 
-/** Forces of the pairs from one place in the list to another, which belong to a part of it, or to none (null).
+/** Add the force of a contact with springs to the discs of a part, but keep that on discs beside a cut. */
+void PairJumpDisc::add(Part &part, int i, int j, const double *push, double turn_i, double turn_j)
+{
+  const int own = (int) (&part - parts.data());
+  const auto add = [&](int disc, double fx, double fy, double moment) {
+    if (beside[disc]) {
+      part.late[beside[disc] - 1 == own].push_back({disc, place[i], fx, fy, moment});
+      return;
+    }
+    pushes[2 * disc] += fx;
+    pushes[2 * disc + 1] += fy;
+    if (spin) turns[disc] += moment;
+  };
+  add(i, push[0], push[1], turn_i);
+  if (j < atom->nlocal) add(j, -push[0], -push[1], turn_j);
+}
 
-    With `late` forces on discs that earlier parts may have too are kept there: each sum is in the order of the list,
-    whatever the parts are. */
+/** Add what was kept at the cuts, in the order of the list. */
+void PairJumpDisc::add_late()
+{
+  const auto add = [&](const Late &one) {
+    pushes[2 * one.disc] += one.fx;
+    pushes[2 * one.disc + 1] += one.fy;
+    if (spin) turns[one.disc] += one.moment;
+  };
+  for (size_t c = 0; c + 1 < parts.size(); c++) {
+    const auto &behind = parts[c + 1].late[0];
+    auto b = behind.begin();
+    for (const Late &one : parts[c].late[1]) {
+      for (; b != behind.end() && b->order < one.order; b++) add(*b);
+      add(one);
+    }
+    for (; b != behind.end(); b++) add(*b);
+  }
+}
+
+/** Forces of the pairs from one place to another in the list, or in a part of it. */
 template <Friction FRICTION, Touch TOUCH, bool SIZES>
-void PairJumpDisc::evaluate_part(size_t from, size_t to, const Part *part, std::vector<Late> *late)
+void PairJumpDisc::evaluate_list(size_t from, size_t to, Part *part)
 {
   const Disc *const __restrict at = disc.data();
-  const int *const __restrict one = first.data();
-  const int *const __restrict two = second.data();
+  const int *const __restrict one = part ? part->first.data() : first.data();
+  const int *const __restrict two = part ? part->second.data() : second.data();
   const double *const __restrict own_radius = radii.data();
   const jump::Law rule = law;
   const int nlocal = atom->nlocal;
@@ -197,8 +225,8 @@ void PairJumpDisc::evaluate_part(size_t from, size_t to, const Part *part, std::
       if constexpr (SPRINGS) stretch[c] = bent[c] = turns[c] = 0.0;
     }
     for (int c = 0; c < whole; c += LANES) {
-      Lanes part[4];
-      jump::columns(between + c, part);
+      Lanes between_of[4];
+      jump::columns(between + c, between_of);
       const Lanes rim_speed = jump::has_spin(FRICTION) ? *reinterpret_cast<const Lanes *>(rims + c) : Lanes{};
       const Lanes *const ri = reinterpret_cast<const Lanes *>(radius_one + c);
       const Lanes *const rj = reinterpret_cast<const Lanes *>(radius_two + c);
@@ -214,10 +242,10 @@ void PairJumpDisc::evaluate_part(size_t from, size_t to, const Part *part, std::
         }
       }
       if constexpr (SIZES)
-        out = jump::contact_force<FRICTION, TOUCH>(rule, jump::own_law(rule, *ri + *rj, *bi, *bj), part[0], part[1], part[2],
-                                                   part[3], rim_speed, &held);
+        out = jump::contact_force<FRICTION, TOUCH>(rule, jump::own_law(rule, *ri + *rj, *bi, *bj), between_of[0], between_of[1], between_of[2],
+                                                   between_of[3], rim_speed, &held);
       else
-        out = jump::contact_force<FRICTION, TOUCH>(rule, rule, part[0], part[1], part[2], part[3], rim_speed, &held);
+        out = jump::contact_force<FRICTION, TOUCH>(rule, rule, between_of[0], between_of[1], between_of[2], between_of[3], rim_speed, &held);
       jump::rows_of_two(out.fx, out.fy, force_on + c);
       if constexpr (SPRINGS) {
         *reinterpret_cast<Lanes *>(stretch + c) = held.slide;
@@ -252,13 +280,13 @@ void PairJumpDisc::evaluate_part(size_t from, size_t to, const Part *part, std::
       for (int c = 0; c < n; c++) note(i_of[c], j_of[c], force_on[c]);
       continue;
     }
-    if (late) {
-      sum_up(n, i_of, j_of, force_on, SPIN ? twist : nullptr, DENT ? twist_two : twist, part->taken, *late);
-      continue;
-    }
     for (int c = 0; c < n; c++) {
       const int i = i_of[c], j = j_of[c];
       const Vec2 push = *reinterpret_cast<const Vec2 *>(force_on[c]);
+      if (SPRINGS && part && (beside[i] || beside[j])) {
+        add(*part, i, j, force_on[c], SPIN ? -twist[c] : 0.0, SPIN ? -(DENT ? twist_two : twist)[c] : 0.0);
+        continue;
+      }
       *reinterpret_cast<Vec2 *>(f + 2 * i) += push;
       if (jump::has_spin(FRICTION)) torque[i] -= twist[c];
       if (j < nlocal) {
@@ -317,32 +345,27 @@ void PairJumpDisc::evaluate(size_t from, size_t to)
   const int count = team.size();
   if (count > 1 && !record && from == 0 && to >= built && built >= FEW_PAIRS * (size_t) count) {
     divide(count);
-    team.run(count, [&](int c) {
+    team.run((int) parts.size(), [&](int c) {
       Part &part = parts[c];
-      part.late.clear();
-      evaluate_part(part.begin, part.border, &part, &part.late);
-      evaluate_part(part.border, part.end, &part, nullptr);
+      take_copies(part);
+      for (auto &late : part.late) late.clear();
+      evaluate_list(0, part.pairs, &part);
     });
-    for (const auto &part : parts)
-      for (const auto &one : part.late) {
-        pushes[2 * one.disc] += one.fx;
-        pushes[2 * one.disc + 1] += one.fy;
-        if (spin) turns[one.disc] += one.moment;
-      }
+    if (springs.there) add_late();
     from = built;
   }
-  evaluate_part(from, to, nullptr, nullptr);
+  evaluate_list(from, to, nullptr);
   if (slots.full >= 0)
     error->one(FLERR, "jump/disc: disc {} touches more than the {} others it can remember: contacts are too deep",
                atom->tag[slots.full], slots.count);
 }
 
-void PairJumpDisc::evaluate_part(size_t from, size_t to, const Part *part, std::vector<Late> *late)
+void PairJumpDisc::evaluate_list(size_t from, size_t to, Part *part)
 {
   jump::with_branch(friction, touch, [&](auto f, auto t) {
     constexpr Friction F = decltype(f)::value;
     constexpr Touch T = decltype(t)::value;
-    sizes ? evaluate_part<F, T, true>(from, to, part, late) : evaluate_part<F, T, false>(from, to, part, late);
+    sizes ? evaluate_list<F, T, true>(from, to, part) : evaluate_list<F, T, false>(from, to, part);
   });
 }
 

@@ -52,7 +52,7 @@ void PairJumpDisc::build_list()
   const int nlocal = atom->nlocal;
   const int n = nlocal + ring.count();
   candidates = interior = built = 0;
-  parted = false;
+  divided = 0;
   for (int c = 0; c < 2; c++) moved[c] = moved_here[c] = 0.0;
   first_across.clear();
   second_across.clear();
@@ -182,33 +182,107 @@ size_t PairJumpDisc::keep_local(size_t found)
   return local;
 }
 
-/** Divide the pairs that were found together into parts of the same length, for the threads.
+/** Divide the discs, and with them the pairs that were found together, into as many parts for the threads, or fewer.
 
-    The discs of a part and of those before it end in the row of cells above its last pair: the next part leaves the sums
-    on these to the end of the step. */
-void PairJumpDisc::divide(int count)
+    A part is a stretch of rows of cells, as the discs lie in memory; of columns in very flat flows, though there each row
+    is cut, and what the processor fetches ahead behind a cut belongs to another part. It has all pairs of its discs in
+    the order of the list. A pair over a cut is in both parts, each with a copy of the disc of the other, so that a
+    part adds to its own discs alone: each sum is in the order of the list, whatever the parts are. Springs know no two
+    places of a contact: with them only the part of the first disc has a pair, and what it adds to discs beside a cut is
+    kept until all parts have ended. */
+void PairJumpDisc::divide(int most)
 {
-  if (parted && (int) parts.size() == count) return;
-  parted = true;
-  parts.resize(count);
+  if (divided == most) return;
+  divided = most;
+  const int n = (int) sorted.size() - 8, nlocal = atom->nlocal, rows = (int) (cell_start.size() - 1) / row - 1;
+  const bool upright = row > FLAT * rows;
+  const int lines = upright ? row : rows, least = upright ? LEAST_COLUMNS : LEAST_ROWS;
+  const int count = std::max(1, std::min(most, lines / least));
   place.resize(disc.size());
-  const int n = (int) sorted.size() - 8;
-  in_parts(n, [&](int from, int to, int) {
-    for (int s = from; s < to; s++) place[sorted[s]] = s;
-  });
-  const auto pair_of = [&](int s) {    // the first pair of the discs from place s on
-    return std::partition_point(first.begin(), first.begin() + built, [&](int i) { return place[i] < s; }) - first.begin();
-  };
-  int taken = 0;
-  for (int c = 0; c < count; c++) {
-    Part &part = parts[c];
-    part.begin = c == 0 ? 0 : parts[c - 1].end;
-    part.own_end = c + 1 == count ? n : place[first[built * (c + 1) / count]];
-    part.end = c + 1 == count ? built : std::max<size_t>(pair_of(part.own_end), part.begin);
-    part.taken = taken;
-    part.border = std::clamp<size_t>(pair_of(taken), part.begin, part.end);
-    if (part.end > part.begin) taken = std::max(taken, cell_start[cell_of[first[part.end - 1]] + row + 3]);
+  home.resize(disc.size());
+  std::vector<int> line_of(disc.size());
+  for (int y = 0, c = 0; y < rows; y++)
+    for (int x = 0; x < row; x++, c++)
+      for (int s = cell_start[c + 1]; s < cell_start[c + 2]; s++) {
+        line_of[sorted[s]] = upright ? x : y;
+        place[sorted[s]] = s;
+      }
+  std::vector<size_t> before(lines + 1, 0);    // pairs of the lines before
+  for (size_t p = 0; p < built; p++) before[line_of[first[p]] + 1]++;
+  for (int l = 0; l < lines; l++) before[l + 1] += before[l];
+  std::vector<uint8_t> part_of(lines);
+  for (int c = 0, l = 0; c < count; c++) {
+    const int even = (int) (std::lower_bound(before.begin(), before.end(), built * (c + 1) / count) - before.begin());
+    const int end = c + 1 == count ? lines : std::clamp(even, l + least, lines - least * (count - 1 - c));
+    for (; l < end; l++) part_of[l] = (uint8_t) c;
   }
+  for (int i = 0; i < n; i++) home[i] = part_of[line_of[i]];
+  // discs that share a line of memory are in one part, where they are not at the two ends of a row
+  for (int i = 0; i + DISCS_A_LINE <= n; i += DISCS_A_LINE) {
+    const auto group = home.begin() + i;
+    const auto ends = std::minmax_element(group, group + DISCS_A_LINE);
+    if (*ends.second - *ends.first == 1) std::fill_n(group, DISCS_A_LINE, home[i]);
+  }
+  parts.resize(count);
+  if (springs.there) beside.assign(disc.size(), 0);
+  team.run(count, [&](int c) { fill(parts[c], c); });
+  int copies = nlocal + ring.count() + ROOM_FOR_NEW;
+  room = copies;
+  for (auto &part : parts) {
+    copies += DISCS_A_LINE - copies % DISCS_A_LINE;    // its copies begin with a line of memory
+    part.copies = copies;
+    copies += (int) part.across.size();
+  }
+  reserve(copies);
+  home.resize(disc.size());    // of discs that come later, too
+  for (auto &part : parts)
+    for (auto *list : {&part.first, &part.second})
+      for (const size_t p : part.over)
+        if ((*list)[p] < 0) (*list)[p] = part.copies - 1 - (*list)[p];
+}
+
+/** The discs and pairs of a part; -1 - N stands for its Nth copy of a disc of another part. */
+void PairJumpDisc::fill(Part &part, int own)
+{
+  const uint8_t *const __restrict of = home.data();
+  const int n = atom->nlocal;
+  part.discs.clear();
+  part.edge.clear();
+  part.across.clear();
+  part.over.clear();
+  for (int i = 0; i < n; i++)
+    if (of[i] == own) part.discs.push_back(i);
+  make_room(built + 4, part.first, part.second);    // four are read at a time
+  part.copy_of.assign(home.size(), 0);
+  int *const __restrict one = part.first.data();
+  int *const __restrict two = part.second.data();
+  const auto copy = [&](int i) {
+    int &known = part.copy_of[i];
+    if (known == 0) {
+      part.across.push_back(i);
+      known = -(int) part.across.size();
+    }
+    return known;
+  };
+  size_t pairs = 0;
+  for (size_t p = 0; p < built; p++) {
+    const int i = first[p], j = second[p];
+    const bool has_i = of[i] == own, has_j = of[j] == own;
+    if (!has_i && (!has_j || springs.there)) continue;
+    one[pairs] = i;
+    two[pairs] = j;
+    if (!has_i || !has_j) {
+      part.edge.push_back(has_i ? i : j);
+      if (springs.there) {
+        __atomic_store_n(&beside[j], (uint8_t) (std::min(own, (int) of[j]) + 1), __ATOMIC_RELAXED);
+      } else {
+        part.over.push_back(pairs);
+        (has_i ? two : one)[pairs] = copy(has_i ? j : i);
+      }
+    }
+    pairs++;
+  }
+  part.pairs = pairs;
 }
 
 /** New discs at the end, the others as they were: add the pairs of the new ones. */
@@ -216,6 +290,12 @@ void PairJumpDisc::append_to_list(int from)
 {
   const int n = atom->nlocal;
   check_discs(from, n);
+  if (n > room) divided = 0;    // their places are those of copies
+  if (divided > 0)
+    for (int j = from; j < n; j++) {
+      home[j] = (uint8_t) (parts.size() - 1);
+      parts.back().discs.push_back(j);
+    }
   for (int j = from; j < n; j++) {
     make_room(candidates + j + 1, first, second);
     for (int i = 0; i < j; i++) {

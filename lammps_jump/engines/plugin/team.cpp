@@ -102,6 +102,7 @@ void Team::help(int own)
     }
     if (quits) return;
     seen = job;
+    __builtin_prefetch(&marks[own], 1);    // comes while the next one is waited for
     inside++;
     if (open) take_parts(own);
     inside--;

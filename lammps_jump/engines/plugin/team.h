@@ -13,6 +13,7 @@
 #include <condition_variable>
 #include <cstdint>
 #include <mutex>
+#include <new>
 #include <thread>
 #include <vector>
 
@@ -20,6 +21,17 @@ namespace jump {
 
 constexpr int MOST_THREADS = 64;
 extern std::atomic<int> threads_now;    // of the run of this process, for who looks on
+
+/** An allocator whose arrays begin with a line of memory: threads then know which numbers share one. */
+template <class T> struct Lines {
+  using value_type = T;
+  Lines() = default;
+  template <class Other> Lines(const Lines<Other> &) {}
+  T *allocate(size_t n) { return static_cast<T *>(::operator new(n * sizeof(T), std::align_val_t(64))); }
+  void deallocate(T *at, size_t) { ::operator delete(at, std::align_val_t(64)); }
+  friend bool operator==(const Lines &, const Lines &) { return true; }
+  friend bool operator!=(const Lines &, const Lines &) { return false; }
+};
 
 class Team {
  public:
@@ -48,13 +60,13 @@ class Team {
 
   int threads = 1;
   std::vector<std::thread> helpers;
-  // the job; written while nobody is inside
+  // the job, in one line of memory; written while nobody is inside
+  alignas(64) std::atomic<uint64_t> job{0};    // its number
+  std::atomic<bool> open{false};
+  int parts = 0;
   Call call = nullptr;
   const void *context = nullptr;
-  int parts = 0;
   Mark marks[MOST_THREADS];
-  alignas(64) std::atomic<uint64_t> job{0};    // its number
-  alignas(64) std::atomic<bool> open{false};
   alignas(64) std::atomic<int> inside{0};      // helpers that may touch the job
   alignas(64) std::atomic<int> wanted{1};      // threads that take part
   std::atomic<int> asleep{0};
