@@ -19,6 +19,7 @@ from PIL import Image
 import lammps_jump as lj
 from lammps_jump.case.templates import scene_names
 from lammps_jump.provenance import versions
+from lammps_jump.runs.results import animate
 
 DOCS = Path(__file__).parents[1]
 FOLDER = DOCS / "stored"
@@ -32,6 +33,8 @@ Every scene of `inputs/`. `lammps-jump new SCENE` prints its case. Pictures are 
 it. The build of this site runs all scenes whose engine takes less than 20 s. Of the others it shows stored results,
 and checks that they are of today's case.
 """
+FILMED = "quick_jump", {"run.output_interval": 0.04, "analysis.figures": "none"}
+"""Scene and changes of the film on the first page."""
 COLOURS, WIDTH = 128, 1400
 """Of stored pictures, which git keeps for good."""
 
@@ -66,6 +69,17 @@ def make(docs: Path) -> None:
         blocks.append(f"```console\n$ lammps-jump build-and-run inputs/{name}.yaml\n```\n")
         blocks.append(f'<a href="reports/{name}.html">Play its report</a>{said}\n')
     (docs / "_made" / "gallery.md").write_text("\n".join(blocks))
+
+
+def film(docs: Path) -> None:
+    """Write the film of the first page where it is not of the run that is there."""
+    name, changes = FILMED
+    made = run(lj.load_case(INPUTS / f"{name}.yaml", changes), docs / "_made" / "runs" / "film")
+    out, dump = docs / "_made" / "extra" / "film.mp4", made.folder / "dump.lammpstrj"
+    if not out.exists() or out.stat().st_mtime < dump.stat().st_mtime:
+        out.parent.mkdir(parents=True, exist_ok=True)
+        out.unlink(missing_ok=True)
+        animate(made.folder, out, fps=20)
 
 
 def run(case: lj.Case, folder: Path) -> lj.Run:

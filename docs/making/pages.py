@@ -19,6 +19,7 @@ def make(docs: Path) -> None:
         (made / "measured").mkdir(parents=True, exist_ok=True)
         write(made / "measured" / f"{path.stem}.md", measured.fragment(path.stem, place=made / "measured"))
     gallery.make(docs)
+    gallery.film(docs)
     inputs = docs / "notebooks" / "inputs"  # where the notebook looks for its case
     if not inputs.exists():
         inputs.symlink_to(docs.parent / "inputs", target_is_directory=True)
