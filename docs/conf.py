@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Settings of the documentation site; ``make docs`` builds it."""
 
+import logging
+import os
 import sys
 from pathlib import Path
 
@@ -29,6 +31,8 @@ nb_output_stderr = "remove"  # progress lines
 nb_execution_raise_on_error = True
 nb_execution_timeout = 300
 nb_execution_show_tb = True
+os.environ["IPYTHONDIR"] = str(HERE / "_made" / "ipython")  # not the settings of who builds; `pages` writes these
+logging.getLogger("traitlets").setLevel(logging.WARNING)
 
 autodoc_typehints = "none"  # the docstrings tell the types
 autodoc_member_order = "bysource"
@@ -36,7 +40,8 @@ napoleon_google_docstring = False
 
 html_theme = "furo"
 html_title = f"lammps-jump {version}"
-html_static_path: list[str] = []
+html_static_path = ["making/site"]
+html_css_files = ["site.css"]
 html_extra_path = ["_made/extra"]
 html_copy_source = False
 html_show_sphinx = False

@@ -26,7 +26,7 @@ from lammps_jump.studies.stress import limits
 from lammps_jump.studies.stress.study import draw_map
 from lammps_jump.studies.table import markdown
 
-from . import crossed
+from . import crossed, jumps
 
 ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "docs" / "measured"
@@ -302,6 +302,18 @@ MEASURES: dict[str, Measure] = {
     "cross_energy_box_16": _cross("energy_box_16", 8),
     "cross_quick_jump": _cross("quick_jump", 6),
     "cross_dam_break": _cross("dam_break", 6),
+    "stream": Measure(
+        "build-and-run inputs/hydraulic_jump_frictionless.yaml --set run.output_interval=0.05 --force",
+        lambda: case_keys({"run.output_interval": 0.05}, scene="hydraulic_jump_frictionless"),
+        jumps.stream_rows,
+        jumps.stream_table,
+    ),
+    "starts": Measure(
+        f"build-and-run inputs/quick_jump.yaml --members 16 --collect {','.join(jumps.STARTS)}",
+        lambda: case_keys({}),
+        jumps.starts_rows,
+        jumps.starts_table,
+    ),
 }
 """By the name of the file in ``docs/measured``."""
 

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from PIL import Image
 
 DOCS = Path(__file__).parents[2] / "docs"
 sys.path.insert(0, str(DOCS))
@@ -48,3 +49,11 @@ def test_a_run_that_was_left_by_an_ended_build_is_made_anew(tmp_path):
     other = lj.load_case(gallery.INPUTS / "energy_box_7.yaml", {"run.duration": 0.01, "analysis.figures": "none"})
     gallery.run(other, tmp_path / "run")
     assert gallery.run(case, tmp_path / "run").summary["simulated_time"] == pytest.approx(0.02, rel=1e-3)  # whole steps
+
+
+def test_each_scene_has_a_card(tmp_path):
+    assert all(f":link: scene-{name}\n" in gallery.contents() for name in scene_names())
+    Image.new("RGB", (100, 400)).save(tmp_path / "tall.png")
+    gallery.fit(tmp_path / "tall.png", tmp_path / "card.png")
+    with Image.open(tmp_path / "card.png") as card:
+        assert card.size == gallery.CARD
