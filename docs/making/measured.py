@@ -26,7 +26,7 @@ from lammps_jump.studies.stress import limits
 from lammps_jump.studies.stress.study import draw_map
 from lammps_jump.studies.table import markdown
 
-from . import crossed
+from . import crossed, laws
 
 ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "docs" / "measured"
@@ -302,6 +302,7 @@ MEASURES: dict[str, Measure] = {
     "cross_energy_box_16": _cross("energy_box_16", 8),
     "cross_quick_jump": _cross("quick_jump", 6),
     "cross_dam_break": _cross("dam_break", 6),
+    "validation": Measure("validate", laws.keys, laws.rows, laws.table),
 }
 """By the name of the file in ``docs/measured``."""
 

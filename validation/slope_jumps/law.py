@@ -11,6 +11,10 @@ from lammps_jump.studies.validation import DERIVED, LOOKED_UP, Found, Law, Point
 
 SLOPES = (26.0, 28.0, 30.0, 32.0)
 """Degrees."""
+RELATION = (
+    "`sequent_ratio` of lammps_jump.physics.jump: the ingredients of the relation of Méjean, Faug & Einav 2017, "
+    "J. Fluid Mech. 816, by its abstract"
+)
 
 
 def points(quick: bool) -> list[Point]:
@@ -39,7 +43,7 @@ def rows(found: Found) -> list[Row]:
     reason = (
         "5 %: the thrust at the inlet, 3 % of what flows in, is that upstream of the front; at the fall it is left out"
     )
-    source = "momentum along the bed with weight, bed and sill; form as Méjean, Faug & Einav 2017"
+    source = "momentum along the bed with weight, bed and sill; the forces that Méjean, Faug & Einav 2017 name"
     for name, ones in found.items():
         mean, half = mean_of([one["left"] for one in ones])
         words = f"{name}: momentum that flow, thrust, weight, bed and sill leave over"
@@ -71,6 +75,11 @@ def rows(found: Found) -> list[Row]:
                 "a trend: numbers were not found",
             )
         )
+    reason = "the relation is hydrostatic, and grains press less or more; no limit was set before the first runs"
+    for name, ones in found.items():
+        mean, half = mean_of([one["sequent"] / one["relation"] - 1 for one in ones])
+        words = f"{name}: y2/y1 over the relation with density, weight and bed, less 1"
+        made.append(Row(words, 0.0, DERIVED, RELATION, mean, half, None, reason))
     fits = {
         "rest": "zone at rest before the sill, m",
         "front": "length of the front, m",
@@ -118,6 +127,12 @@ LAW = Law(
         "for a result: the slopes are those from 26 to 32 degrees. At 20 degrees the discs lock and the front walks "
         "to the inlet.",
         "Published numbers for such jumps were not found, so the trends of the abstracts and the balance are held.",
+        "Méjean, Faug & Einav 2017 say in their abstract what Bélanger's equation lacks: weight and friction over the "
+        "length of the jump, and the change of density. Their relation takes them in. It needs that length.",
+        "The balance here has the same forces. They are measured: the weight of the discs and the force on the bed, "
+        "over the whole chute, and the force on the sill. So no length and no coefficient of friction is assumed.",
+        "The depth ratio is also held against momentum over the jump alone, with hydrostatic pressure on both sides. "
+        "Their formula was not read; ours is derived from the same forces.",
         "At rest is the lowest 0.45 m where it is slower than 0.05 of the jet.",
     ),
 )
