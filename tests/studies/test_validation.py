@@ -186,8 +186,9 @@ def test_verdicts(ours, half, limits, verdict):
     ],
 )  # fmt: skip
 def test_digits_that_decide_nothing_are_not_shown(ours, half, limits, text):
-    row = plain(vars(Row("q", 0.0, LOOKED_UP, "here", ours, half, limits, "because")))
-    assert validation.ours_text(row).replace("\N{MINUS SIGN}", "-") == text
+    row = vars(Row("q", 0.0, LOOKED_UP, "here", ours, half, limits, "because"))
+    for one in (row, plain(row)):
+        assert validation.ours_text(one).replace("\N{MINUS SIGN}", "-") == text
 
 
 def test_reasons_that_rows_share_stand_once_and_what_is_outside_is_explained():

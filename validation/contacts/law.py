@@ -163,7 +163,7 @@ class Quantity(NamedTuple):
     def row(self, value: float) -> Row:
         """The row of a value."""
         limits = around(self.exact, by=self.tolerance)
-        source = f"{self.source}; test {self.test} {CHUNG}" if self.test else self.source
+        source = f"{self.source}; test{'s' * ('and' in self.test)} {self.test} {CHUNG}" if self.test else self.source
         return Row(self.name, self.exact, DERIVED, source, value, limits=limits, reason=self.reason)
 
 

@@ -75,12 +75,15 @@ def rows(found: Found) -> list[Row]:
                 "a trend: numbers were not found",
             )
         )
-    reason = "the relation is hydrostatic, and grains press less or more; no limit was set before the first runs"
+    reason = (
+        "the relation is hydrostatic, and the grains behind the front are not; no limit was set before the first runs"
+    )
     for name, ones in found.items():
-        mean, half = mean_of([one["sequent"] / one["relation"] - 1 for one in ones])
+        mean, half = mean_of([one["relation"] for one in ones])
         words = f"{name}: y2/y1 over the relation with density, weight and bed, less 1"
         made.append(Row(words, 0.0, DERIVED, RELATION, mean, half, None, reason))
     fits = {
+        "presses": "thrust behind the front over that of water as heavy and high",
         "rest": "zone at rest before the sill, m",
         "front": "length of the front, m",
         "belanger_deviation": "y2 over Bélanger's, less 1",

@@ -6,7 +6,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from math import ceil, isinf, log10
+from math import ceil, isinf, log10, nan
 from pathlib import Path
 from typing import Any
 
@@ -40,7 +40,7 @@ def ours_text(row: Data) -> str:
     """Our value, cut to its interval; without one, to a small part of the accepted range."""
     if row["ours"] is None:
         return ABSENT
-    if row["interval"]:
+    if (row["interval"] or nan) > 0:
         return typeset(shown(row["ours"], error=row["interval"]))
     low, high = row["limits"] or (None, None)
     if low is None or high is None or isinf(high - low):
