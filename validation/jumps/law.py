@@ -82,8 +82,9 @@ LAW = Law(
     figure,
     (
         "With jets of 19 and 21 m/s the front walks to the inlet at the sill that energy asks for. Theirs is lower, so "
-        "that it stands. At 24 and 26 m/s the inlet drowned even with 0.6 of the height: Froude numbers above 8 are "
-        "not reached.",
+        "that it stands.",
+        "At 24 and 26 m/s the inlet drowned with 0.6 of the height. At 24 m/s it drowned with half, too, and with "
+        "discs of 0.1 m. So Froude numbers above 7.3 in the frame of the front are not reached.",
         "A jet of discs loses speed on its way: its Froude number before the jump is below that of the inlet.",
         "Jumps of grains on a slope are the law slope_jumps.",
     ),
