@@ -104,16 +104,16 @@ def figure(found: Found) -> Figure:
         styles = ("-", "--", "-.", ":")
         for (name, ones), style in zip(found.items(), styles, strict=False):
             left.plot(ones[0]["x"], np.mean([one["depth"] for one in ones], axis=0), style, color=BLUE, label=name)
-        left.set_xlabel("x along the bed, m")
-        left.set_ylabel("mass depth, m")
+        left.set_xlabel("x along the bed [m]")
+        left.set_ylabel("mass depth [m]")
         left.legend(frameon=False)
         for number, mark, words, colour in (("front", "o", "front", BLUE), ("rest", "s", "zone at rest", GREY)):
             for count, (name, ones) in enumerate(found.items()):
                 values = [one[number] for one in ones]
                 label = words if count == 0 else None
                 right.plot([_degrees(name)] * len(values), values, mark, color=colour, mfc="none", label=label)
-        right.set_xlabel("slope, degrees")
-        right.set_ylabel("length, m")
+        right.set_xlabel("slope [degrees]")
+        right.set_ylabel("length [m]")
         right.set_ylim(bottom=0)
         right.legend(frameon=False)
     return made
