@@ -29,9 +29,9 @@ from lammps_jump.script import write_script
 CASE = Path(__file__).parent.parent / "inputs" / "dam_break.yaml"
 AREA = 48.0
 """m² of the column: 4 m by 12 m."""
-WORK = 1.2e7
+WORK = 6e7
 """Disc-steps of a run, but at least `FEWEST` steps."""
-FEWEST = 10
+FEWEST = 20
 PARTS = ("Pair", "Neigh", "Comm", "Modify", "Other")
 
 

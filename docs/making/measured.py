@@ -26,7 +26,7 @@ from lammps_jump.studies.stress import limits
 from lammps_jump.studies.stress.study import draw_map
 from lammps_jump.studies.table import markdown
 
-from . import crossed, jumps
+from . import crossed, jumps, laws
 
 ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "docs" / "measured"
@@ -314,6 +314,7 @@ MEASURES: dict[str, Measure] = {
         jumps.starts_rows,
         jumps.starts_table,
     ),
+    "validation": Measure("validate", laws.keys, laws.rows, laws.table),
 }
 """By the name of the file in ``docs/measured``."""
 

@@ -3,10 +3,11 @@
 
 from __future__ import annotations
 
+import csv
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from math import nan
+from math import isfinite, nan
 from pathlib import Path
 from typing import Any
 
@@ -122,22 +123,54 @@ def measured_of(path: Path, columns: Mapping[str, str]) -> dict[str, np.ndarray]
     CaseError
         No such file or column, or a value that is no number, with its line.
     """
-    import pandas as pd
-
-    try:
-        rows = pd.read_csv(path, comment="#", skipinitialspace=True)
-    except (OSError, ValueError) as error:
-        raise CaseError(f"{path} cannot be read as a CSV table: {error}") from None
+    (_, heads), *rows = table_of(path)
     found = {}
     for name in columns.values():
-        if name not in rows:
-            raise CaseError(f"{path} has no column {name}; there are {', '.join(map(str, rows.columns))}")
-        found[name] = pd.to_numeric(rows[name], errors="coerce").to_numpy(float)
-        if wrong := np.flatnonzero(~np.isfinite(found[name])).tolist():
-            raise CaseError(
-                f"{path}, row {wrong[0] + 1} below the heads: {name} is {rows[name].iloc[wrong[0]]}, no number"
-            )
+        if heads.count(name) != 1:
+            apart = "; put commas between the columns" if any(sign in heads[0] for sign in ";\t") else ""
+            many = "no column" if name not in heads else "more than one column"
+            raise CaseError(f"{path} has {many} {name}; there are {', '.join(heads)}{apart}")
+        found[name] = np.array([finite(path, line, name, cells[heads.index(name)]) for line, cells in rows])
     return found
+
+
+def table_of(path: Path) -> list[tuple[int, list[str]]]:
+    """Number and cells of each line of a CSV file, heads first, without empty lines and those that begin with #.
+
+    Raises
+    ------
+    CaseError
+        It cannot be read, has no row, or a row has more or fewer values than there are heads.
+    """
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        told = error.strerror if isinstance(error, OSError) else "it is no text in UTF-8"
+        raise CaseError(f"{path} cannot be read: {told}; name a CSV file with a line of heads") from None
+    kept = [
+        (number, line) for number, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith("#")
+    ]
+    rows = [(number, [cell.strip() for cell in next(csv.reader([line]))]) for number, line in kept]
+    if len(rows) <= FEWEST:
+        raise CaseError(f"{path} has {max(0, len(rows) - 1)} rows below its heads; {FEWEST} are needed")
+    for number, cells in rows:
+        if len(cells) != len(rows[0][1]):
+            raise CaseError(f"{path}, line {number}: {len(cells)} values, but {len(rows[0][1])} heads")
+    return rows
+
+
+def finite(path: Path, line: int, name: str, cell: str) -> float:
+    """A cell as a number; CaseError, with its place, where it is none."""
+    try:
+        value = float(cell)
+    except ValueError:
+        value = nan
+    if not isfinite(value):
+        raise CaseError(
+            f"{path}, line {line}, column {name}: {cell!r} is no finite number; write 1.5 or 2e-3, or begin the line "
+            "with # to leave it out"
+        )
+    return value
 
 
 def starts_of(folder: Path) -> list[Path]:

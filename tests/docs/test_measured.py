@@ -11,8 +11,9 @@ import pytest
 DOCS = Path(__file__).parents[2] / "docs"
 sys.path.insert(0, str(DOCS))
 
-from making import measured  # noqa: E402
+from making import laws, measured  # noqa: E402
 
+LAW = laws.find_laws(laws.TREE, ["starting_angle"])["starting_angle"]
 FILES = sorted(path.stem for path in measured.FOLDER.glob("*.json"))
 
 
@@ -42,6 +43,23 @@ def test_a_stale_table_is_found(tmp_path):
     assert measured.stale(path.stem, tmp_path) == sorted([first, last, "a case that is gone"])
     with pytest.raises(ValueError, match=r"a case that is gone.*make measured X=sensitivity_restitution"):
         measured.fragment(path.stem, tmp_path)
+
+
+def test_a_law_that_has_changed_is_found(tmp_path):
+    folder = Path(shutil.copytree(laws.TREE / "starting_angle", tmp_path / "starting_angle"))
+
+    def key(name, old, new):
+        path = folder / name
+        before = path.read_text()
+        path.write_text(before.replace(old, new))
+        found = laws.key(folder, LAW)
+        path.write_text(before)
+        return found
+
+    same = laws.keys()["starting_angle"]
+    assert laws.key(folder, LAW) == key("law.py", "def figure(", "def figure(  ") == same
+    assert key("law.py", "-0.5", "-0.6") != same
+    assert key("measure.py", "import", "import  ") != same
 
 
 def test_figures_are_drawn_from_the_stored_rows(tmp_path):

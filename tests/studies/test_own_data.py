@@ -2,6 +2,7 @@
 """A person's measured curve against that of a run: known distances, and what is refused."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -59,7 +60,7 @@ def test_what_is_refused(tmp_path, data, columns, said):
     run = made_run(tmp_path / "run")
     if "units" in said:
         data.write_text("t,h\n1,100\n2,200\n")
-    with pytest.raises(CaseError, match=said.replace("(", r"\(")):
+    with pytest.raises(CaseError, match=re.escape(said)):
         compare_with_data(run, data, columns, tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
@@ -71,9 +72,29 @@ def test_a_value_that_is_no_number_and_the_command(tmp_path, data, capsys, monke
     assert _status(["compare", str(run), str(data), "--columns", "time=t,gauges.depth_5=h"]) == 0
     assert "| gauges.depth_5 | h | 3 of 4 |" in capsys.readouterr().out
     assert (tmp_path / "run_against_wave" / "compared.png").exists()
-    data.write_text("t,h\n1,two\n2,3\n")
-    with pytest.raises(CaseError, match="row 1 below the heads: h is two"):
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("# mine\nt,h\n1,2\n\n2,two\n3,4\n", "wave.csv, line 5, column h: 'two' is no finite number; write"),
+        ("t,h\n1,\n2,3\n", "line 2, column h: '' is no finite number"),
+        ("t,h\n1,inf\n2,3\n", "line 2, column h: 'inf' is no finite number"),
+        ("t,h\n1,2,3\n2,3\n", "line 2: 3 values, but 2 heads"),
+        ("t;h\n1;2\n2;3\n", "no column t; there are t;h; put commas between the columns"),
+        ("t,h,h\n1,2,3\n2,3,4\n", "more than one column h; there are t, h, h"),
+        ("t,h\n1,2\n", "has 1 rows below its heads; 2 are needed"),
+        ("", "has 0 rows below its heads"),
+        (b"\xff\xfet\x00", "cannot be read: it is no text in UTF-8; name a CSV file"),
+    ],
+)
+def test_what_is_wrong_in_a_file_is_told_with_its_place(tmp_path, data, text, said):
+    run = made_run(tmp_path / "run")
+    data.write_bytes(text if isinstance(text, bytes) else text.encode())
+    with pytest.raises(CaseError, match=re.escape(said)):
         compare_with_data(run, data, "time=t,gauges.depth_5=h", tmp_path / "out")
+    with pytest.raises(CaseError, match=re.escape("none.csv cannot be read: No such file")):
+        compare_with_data(run, tmp_path / "none.csv", "time=t,gauges.depth_5=h", tmp_path / "out")
 
 
 def _status(words):

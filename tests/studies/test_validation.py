@@ -9,8 +9,10 @@ import pytest
 
 from lammps_jump.cli.app import main
 from lammps_jump.errors import CaseError, SetupError
+from lammps_jump.files import plain
 from lammps_jump.studies import validation
 from lammps_jump.studies.validation import LOOKED_UP, Row, around, mean_of
+from lammps_jump.studies.validation.page import explained
 from lammps_jump.sweeps.pool import Outcome
 
 MEASURE = """
@@ -172,6 +174,35 @@ def test_laws_are_listed_and_what_is_not_there_is_named(laws, tmp_path, monkeypa
 )  # fmt: skip
 def test_verdicts(ours, half, limits, verdict):
     assert Row("q", 1.0, LOOKED_UP, "here", ours, half, limits, "because").verdict == verdict
+
+
+@pytest.mark.parametrize(
+    ("ours", "half", "limits", "text"),
+    [
+        (4.3e-17, nan, (-1e-9, 1e-9), "below 1e-10"), (5.237e-5, nan, (-5e-4, 5e-4), "5e-5"),
+        (3.5e-4, nan, (-0.05, 0.05), "0.000"), (0.666671, nan, (0.6663, 0.6671), "0.66667"),
+        (-0.109037, nan, (-0.1112, -0.1052), "-0.1090"), (0.0834, 0.011, (-0.2, 0.0), "0.083 ± 0.011"),
+        (1234.5, nan, (500.0, 3000.0), "1234"), (2.5431, nan, (0.0, inf), "2.543"), (2.5431, nan, None, "2.543"),
+    ],
+)  # fmt: skip
+def test_digits_that_decide_nothing_are_not_shown(ours, half, limits, text):
+    row = vars(Row("q", 0.0, LOOKED_UP, "here", ours, half, limits, "because"))
+    for one in (row, plain(row)):
+        assert validation.ours_text(one).replace("\N{MINUS SIGN}", "-") == text
+
+
+def test_reasons_that_rows_share_stand_once_and_what_is_outside_is_explained():
+    rows = [
+        Row("one", 0.0, LOOKED_UP, "book", 0.5, nan, (0.0, 1.0), "so"), Row("two", 0.0, LOOKED_UP, "book", 2.0, nan,
+        (0.0, 1.0), "so"), Row("three", 0.0, LOOKED_UP, "book", 2.0, 1.5, (0.0, 1.0), "so", "it is soft"),
+        Row("four", None, "", "", 2.0, reason="no number was found"),
+    ]  # fmt: skip
+    assert explained([vars(row) | {"verdict": row.verdict} for row in rows]) == [
+        "one; two; three. Source: book. Accepted: so.",
+        "four. No gate: no number was found.",
+        "Why outside: two (not met): not known.",
+        "Why outside: three (near): it is soft.",
+    ]
 
 
 def test_rows_say_where_they_come_from():

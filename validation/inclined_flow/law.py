@@ -197,6 +197,6 @@ LAW = Law(
     (
         "Discs of ± 20 %, μ 0.5, e 0.5, spin, springs along contacts; rough bed of discs of 1.2 d, periodic channel of "
         "30 d. I = (shear rate) √(m/P), m = ρ d²; packing with π d²/4 for a disc. The last third of each run counts.",
-        "The slope at which a layer at rest begins to flow was not measured: a scene has one slope.",
+        "The slope at which a layer at rest begins to flow is the law starting_angle.",
     ),
 )

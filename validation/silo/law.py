@@ -116,7 +116,7 @@ def rows(found: Found) -> list[Row]:
         made.append(
             Row("change of the outflow, fill 1.2 to 1.5 widths over 1.5 to 1.8", 0.0, LOOKED_UP,
                 "Mankoc et al. 2007, 0707.4550, sec. I: independent above 1.2 widths",
-                *mean_of([change_with_fill(one) for one in filled]), (-0.05, 0.05), "5 %",
+                *mean_of([change_with_fill(one) for one in filled]), (-0.05, 0.05), "5 % was set before the runs",
                 "outflow falls a little while the bin empties; three starts do not tell it from none")
         )  # fmt: skip
     return made

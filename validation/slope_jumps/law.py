@@ -11,6 +11,10 @@ from lammps_jump.studies.validation import DERIVED, LOOKED_UP, Found, Law, Point
 
 SLOPES = (26.0, 28.0, 30.0, 32.0)
 """Degrees."""
+RELATION = (
+    "`sequent_ratio` of lammps_jump.physics.jump: the ingredients of the relation of Méjean, Faug & Einav 2017, "
+    "J. Fluid Mech. 816, by its abstract"
+)
 
 
 def points(quick: bool) -> list[Point]:
@@ -39,7 +43,7 @@ def rows(found: Found) -> list[Row]:
     reason = (
         "5 %: the thrust at the inlet, 3 % of what flows in, is that upstream of the front; at the fall it is left out"
     )
-    source = "momentum along the bed with weight, bed and sill; form as Méjean, Faug & Einav 2017"
+    source = "momentum along the bed with weight, bed and sill; the forces that Méjean, Faug & Einav 2017 name"
     for name, ones in found.items():
         mean, half = mean_of([one["left"] for one in ones])
         words = f"{name}: momentum that flow, thrust, weight, bed and sill leave over"
@@ -71,7 +75,15 @@ def rows(found: Found) -> list[Row]:
                 "a trend: numbers were not found",
             )
         )
+    reason = (
+        "the relation is hydrostatic, and the grains behind the front are not; no limit was set before the first runs"
+    )
+    for name, ones in found.items():
+        mean, half = mean_of([one["relation"] for one in ones])
+        words = f"{name}: y2/y1 over the relation with density, weight and bed, less 1"
+        made.append(Row(words, 0.0, DERIVED, RELATION, mean, half, None, reason))
     fits = {
+        "presses": "thrust behind the front over that of water as heavy and high",
         "rest": "zone at rest before the sill, m",
         "front": "length of the front, m",
         "belanger_deviation": "y2 over Bélanger's, less 1",
@@ -92,16 +104,16 @@ def figure(found: Found) -> Figure:
         styles = ("-", "--", "-.", ":")
         for (name, ones), style in zip(found.items(), styles, strict=False):
             left.plot(ones[0]["x"], np.mean([one["depth"] for one in ones], axis=0), style, color=BLUE, label=name)
-        left.set_xlabel("x along the bed, m")
-        left.set_ylabel("mass depth, m")
+        left.set_xlabel("x along the bed [m]")
+        left.set_ylabel("mass depth [m]")
         left.legend(frameon=False)
         for number, mark, words, colour in (("front", "o", "front", BLUE), ("rest", "s", "zone at rest", GREY)):
             for count, (name, ones) in enumerate(found.items()):
                 values = [one[number] for one in ones]
                 label = words if count == 0 else None
                 right.plot([_degrees(name)] * len(values), values, mark, color=colour, mfc="none", label=label)
-        right.set_xlabel("slope, degrees")
-        right.set_ylabel("length, m")
+        right.set_xlabel("slope [degrees]")
+        right.set_ylabel("length [m]")
         right.set_ylim(bottom=0)
         right.legend(frameon=False)
     return made
@@ -118,6 +130,12 @@ LAW = Law(
         "for a result: the slopes are those from 26 to 32 degrees. At 20 degrees the discs lock and the front walks "
         "to the inlet.",
         "Published numbers for such jumps were not found, so the trends of the abstracts and the balance are held.",
+        "Méjean, Faug & Einav 2017 say in their abstract what Bélanger's equation lacks: weight and friction over the "
+        "length of the jump, and the change of density. Their relation takes them in. It needs that length.",
+        "The balance here has the same forces. They are measured: the weight of the discs and the force on the bed, "
+        "over the whole chute, and the force on the sill. So no length and no coefficient of friction is assumed.",
+        "The depth ratio is also held against momentum over the jump alone, with hydrostatic pressure on both sides. "
+        "Their formula was not read; ours is derived from the same forces.",
         "At rest is the lowest 0.45 m where it is slower than 0.05 of the jet.",
     ),
 )

@@ -60,6 +60,8 @@ def chute(run: Run) -> dict:
         "speed": found["speed"],
         "belanger_deviation": found["belanger_deviation"],
         "sequent": found["y2"] / found["y1"],
+        "relation": local["sequent_ratio"] / local["full_relation_ratio"] - 1,
+        "presses": local["pressure_coefficient_2"],
         "front": _rise(edges, mass / (len(times) * BIN * density), found["y1"]),
         "rest": _length_at_rest(low_push, low_mass, scene),
         "weight": weight / float(flux_in),

@@ -13,6 +13,8 @@ from .law import Point as Point
 from .law import Row as Row
 from .law import around as around
 from .law import mean_of as mean_of
+from .page import number as number
+from .page import ours_text as ours_text
 from .page import summary_text as summary_text
 from .study import PAGE_FILE as PAGE_FILE
 from .study import default_folder as default_folder

@@ -134,6 +134,8 @@ class Law:
         ``figure(found)``: a matplotlib figure without pyplot, readable in grey, with units. Pure.
     notes : tuple of str
         Paragraphs for the page: what is stated, what is left out and why.
+    table : callable, optional
+        ``table(found)``: heads and rows of a table below the figure. Pure.
     """
 
     title: str
@@ -142,6 +144,7 @@ class Law:
     rows: Callable[[Found], Sequence[Row]]
     figure: Callable[[Found], Figure]
     notes: tuple[str, ...] = ()
+    table: Callable[[Found], Sequence[Sequence[str]]] | None = None
 
 
 def mean_of(values: Sequence[float]) -> tuple[float, float]:

@@ -3,9 +3,10 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
-from collections.abc import Mapping
-from math import isinf
+from collections.abc import Mapping, Sequence
+from math import ceil, isinf, log10, nan
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,12 @@ from lammps_jump.studies.table import markdown
 from lammps_jump.units import shown
 
 ABSENT = "—"
+UNKNOWN = "not known"
+"""Said of a value outside whose law does not explain it."""
+PARTS = 100
+"""A value without an interval is cut to this part of the accepted range: finer digits decide nothing."""
+PLAIN = 4
+"""Decimal places up to which a zero is written with its places."""
 Data = Mapping[str, Any]
 
 
@@ -21,27 +28,38 @@ def number(value: float | str | None) -> str:
     """A number with four digits, words as they are."""
     if value is None:
         return ABSENT
-    return value if isinstance(value, str) else shown(float(value)).replace("-", "−")  # noqa: RUF001
+    return value if isinstance(value, str) else typeset(shown(float(value)))
+
+
+def typeset(text: str) -> str:
+    """A number with a minus sign, and an exponent without zeros before it."""
+    return re.sub(r"e([+-])0*(\d)", r"e\1\2", text).replace("e+", "e").replace("-", "−")  # noqa: RUF001
 
 
 def ours_text(row: Data) -> str:
-    """Our value, cut to its interval."""
+    """Our value, cut to its interval; without one, to a small part of the accepted range."""
     if row["ours"] is None:
         return ABSENT
-    error = row["interval"]
-    return shown(row["ours"], error=error).replace("-", "−") if error else number(row["ours"])  # noqa: RUF001
+    if (row["interval"] or nan) > 0:
+        return typeset(shown(row["ours"], error=row["interval"]))
+    low, high = row["limits"] or (None, None)
+    if low is None or high is None or isinf(high - low):
+        return number(row["ours"])
+    places = max(0, -ceil(log10((high - low) / PARTS)))
+    rounded = round(row["ours"], places)
+    if places > PLAIN and not rounded:
+        return f"below {typeset(f'{10.0**-places:.0e}')}"
+    return typeset(f"{rounded:.{places}f}" if abs(rounded) >= 1e-3 or not rounded else shown(rounded, digits=2))
 
 
 def distance_text(row: Data) -> str:
-    """The distance: per cent of the published value, or the difference where that is 0."""
-    if row["distance"] is None:
+    """The distance, per cent of the published value; none where that is 0, because ours is the distance then."""
+    if row["distance"] is None or not row["published"]:
         return ABSENT
-    if not row["published"]:
-        return number(row["distance"])
     share = 100 * row["distance"]
     if abs(share) < 1e-3:
         return "below 0.001 %"
-    return f"{share:+.{1 if abs(share) >= 0.1 else 2 if abs(share) >= 0.01 else 3}f} %".replace("-", "−")  # noqa: RUF001
+    return typeset(f"{share:+.{1 if abs(share) >= 0.1 else 2 if abs(share) >= 0.01 else 3}f} %")
 
 
 def limits_text(row: Data) -> str:
@@ -51,7 +69,9 @@ def limits_text(row: Data) -> str:
     low, high = row["limits"]
     if low is None or isinf(low):
         return f"below {number(high)}"
-    return f"above {number(low)}" if high is None or isinf(high) else f"{number(low)} to {number(high)}"
+    if high is None or isinf(high):
+        return f"above {number(low)}"
+    return f"−{number(high)} to {number(high)}" if low == -high else f"{number(low)} to {number(high)}"  # noqa: RUF001
 
 
 def published_text(row: Data) -> str:
@@ -97,7 +117,8 @@ def write_page(report: Data, path: Path) -> Path:
     made = [f"{name} {version}" for name, version in report["versions"].items()]
     about = (
         f"{verdicts(report)}. Met: our value is among the accepted ones. Near: only its interval reaches them. "
-        "Fit: a value of ours without a gate, because no published number was found."
+        "Not met: neither; the section of the law says why. Fit: a value of ours without a gate; its section says why. "
+        "Where the published value is 0, ours is the distance."
     )
     form = "Short form: fewer and shorter runs; its verdicts mean little. " if report["quick"] else ""
     how = f"{form}Commit {report['commit'] or 'unknown'}; {', '.join(made)}; {report['machine']['processor']}."
@@ -113,18 +134,28 @@ def section_of(law: Data, folder: Path) -> Section:
     blocks: list[Any] = [Text(law["question"]), *(Text(f"Failed: {text}", "bad") for text in law["failures"])]
     if law["figure"]:
         blocks.append(picture(folder / law["figure"], law["title"]))
+    if law["table"]:
+        heads, *lines = law["table"]
+        blocks.append(Table(lines, heads))
     blocks += [Text(note) for note in law["notes"]]
-    blocks.append(Items([explained(row) for row in law["rows"]]))
+    blocks.append(Items(explained(law["rows"])))
     return Section(law["title"], blocks)
 
 
-def explained(row: Data) -> str:
-    """A row in sentences."""
-    parts = [f"{row['quantity']}: {ours_text(row)}, {row['verdict']}."]
-    if row["published"] is not None:
-        parts.append(f"Published: {published_text(row)}, {row['source']}.")
-    accepted = "No gate" if row["limits"] is None else f"Accepted: {limits_text(row)}"
-    parts.append(f"{accepted}: {row['reason'].rstrip('.')}.")
-    if row["verdict"] in ("near", "not met") and row["why"]:
-        parts.append(f"Why: {row['why'].rstrip('.')}.")
-    return " ".join(parts)
+def explained(rows: Sequence[Data]) -> list[str]:
+    """What is not in the table: source and reason of the rows, one sentence for those that share them, and why."""
+    alike: dict[tuple[str, ...], list[str]] = {}
+    for row in rows:
+        alike.setdefault((row["source"] if row["published"] is not None else "", row["reason"]), []).append(
+            row["quantity"]
+        )
+    texts = []
+    for (source, reason), names in alike.items():
+        gated = any(row["limits"] is not None for row in rows if row["quantity"] in names)
+        said = f"Source: {source.rstrip('.')}. " if source else ""
+        texts.append(f"{'; '.join(names)}. {said}{'Accepted' if gated else 'No gate'}: {reason.rstrip('.')}.")
+    outside: dict[str, list[str]] = {}
+    for row in rows:
+        if row["verdict"] in ("near", "not met"):
+            outside.setdefault(row["why"].rstrip(".") or UNKNOWN, []).append(f"{row['quantity']} ({row['verdict']})")
+    return texts + [f"Why outside: {'; '.join(names)}: {why}." for why, names in outside.items()]

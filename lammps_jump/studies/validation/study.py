@@ -178,6 +178,7 @@ def outcome(law: Law, pieces: Sequence[Piece], store: Store, figure: Path) -> di
         "rows": [{**vars(row), "distance": row.distance, "verdict": row.verdict} for row in rows],
         "failures": failures,
         "figure": f"figures/{figure.name}" if rows else None,
+        "table": law.table(found) if rows and law.table else None,
         "measured": with_keys(found, pieces),
     }
 

@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Table of ``lammps-jump validate``, from ``validation.json``, and keys that tell when it is stale."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from lammps_jump import load_case
+from lammps_jump.files import plain
+from lammps_jump.identity import short_hash
+from lammps_jump.studies.validation import Law, find_laws, summary_text
+from lammps_jump.studies.validation.find import LAW_FILE, MEASURE_FILE, TREE
+
+FIGURE = "\ndef figure("
+"""What stands before it in a ``law.py`` decides the table: points, closed forms, limits."""
+
+
+def rows(folder: Path) -> Mapping[str, Any]:
+    """What the table needs of a study; the rest of its file is curves and single runs.
+
+    Raises
+    ------
+    ValueError
+        The study is the short form, or not of every law, or a run failed.
+    """
+    found = json.loads((folder / "validation.json").read_text(encoding="utf-8"))
+    failed = [f"{name}: {text}" for name, law in found["laws"].items() for text in law["failures"]]
+    if found["quick"] or failed or found["laws"].keys() != find_laws(TREE).keys():
+        raise ValueError(f"{folder}: run `lammps-jump validate` for all laws, without --quick; failed: {failed}")
+    return {"laws": {name: {"rows": law["rows"], "failures": []} for name, law in found["laws"].items()}}
+
+
+def table(data: Mapping[str, Any]) -> str:
+    """The table of all laws, Markdown."""
+    return summary_text(data)
+
+
+@cache
+def keys() -> dict[str, str]:
+    """Hash of what decides the rows of each law, as it is today."""
+    return {name: key(TREE / name, law) for name, law in find_laws(TREE).items()}
+
+
+def key(folder: Path, law: Law) -> str:
+    """Hash of the cases, options and starts of a law, of its measuring functions, and of what makes rows of them.
+
+    Engines are left out: which of them run differs from machine to machine.
+    """
+    points = set()
+    for point in law.points(False):
+        case = load_case(folder / point.case).replace(point.changes).hash if point.case else None
+        options = {name: value for name, value in plain(point.options).items() if name != "kernel"}
+        points.add(short_hash({"case": case, "measure": point.measure, "options": options, "starts": point.starts}))
+    texts = [(folder / name).read_text(encoding="utf-8") for name in (MEASURE_FILE, LAW_FILE)]
+    return short_hash({"points": sorted(points), "text": [text.partition(FIGURE)[0] for text in texts]})
