@@ -294,7 +294,7 @@ MEASURES: dict[str, Measure] = {
     "speed_dam_break": _speed("dam_break"),
     "speed_quick_jump": _speed("quick_jump", " --quick"),
     "scale": Measure(
-        "benchmarks/scale.py 1e3 1e4 1e5 1e6",
+        "benchmarks/scale.py 1e3 1e4 1e5 1e6 1e7",
         lambda: case_keys({}, scene="dam_break"),
         lambda folder: {"rows": json.loads((folder / "scale.json").read_text())},
         _scale_table,
