@@ -42,6 +42,8 @@ LOOPS, LEDGER, EVENTS, STATE = (
 CHECKPOINT = "lammps_jump/engines/checkpoint.py"
 LAW_H, WALLS_CPP = (f"lammps_jump/engines/plugin/{name}" for name in ("contact_law.h", "fix_jump_step_walls.cpp"))
 PAIR_CPP = "lammps_jump/engines/plugin/pair_jump_disc_forces.cpp"
+FIX_CPP = "lammps_jump/engines/plugin/fix_jump_step.cpp"
+ARRAY_TESTS = "integration/test_compiled_arrays.py"
 STOCK, WRITE = "lammps_jump/script/stock.py", "lammps_jump/dump/write.py"
 FOLDERS, FILES_PY = "lammps_jump/folders.py", "lammps_jump/files.py"
 QUOTING, PROGRESS = "lammps_jump/quoting.py", "lammps_jump/cli/progress.py"
@@ -110,6 +112,9 @@ DEFECTS = [
            PLUGIN_TESTS),
     Defect("sign", WALLS_CPP, "* out.fy - (a.y", "* out.fy + (a.y", PLUGIN_TESTS),
     Defect("sign", PAIR_CPP, "rims[c] = rim[i] + rim[j];", "rims[c] = rim[i] - rim[j];", PLUGIN_TESTS),
+    Defect("left out", FIX_CPP, "  if (own) end_steps();\n  own = false;", "  own = false;", ARRAY_TESTS),
+    Defect("left out", FIX_CPP, "others_look || step == output->next || step", "others_look || step", ARRAY_TESTS),
+    Defect("left out", PAIR_CPP, "if (sizes) radii[to] = radii[from];", "", "integration/test_threads.py"),
     Defect("formula", "analysis/profiles.py", "(a * sqrt(1.0 - a * a) + asin(a)) / pi",
            "(a * sqrt(1.0 - a) + asin(a)) / pi", "analysis/test_profiles.py"),
     Defect("left out", "analysis/profiles.py", "np.where(some, height / safe, np.nan) - bed",

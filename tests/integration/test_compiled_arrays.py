@@ -25,6 +25,8 @@ LOOKS = {
 }
 LAWS = {"plain": {}, "spin": dict(friction=0.3, rotation=True), "sign": dict(friction=0.3, law="sign")}
 
+RUBBING = scene(*CLOUD, FLOOR, friction=0.3, rotation=True)
+
 
 def state(run):
     return np.hstack([run.discs(name) for name in ("x", "v", "omega")])
@@ -56,31 +58,54 @@ def test_a_run_in_parts_is_one_run(lammps, plugin, tmp_path, undisturbed, law):
         assert np.array_equal(found, undisturbed[law])
 
 
-def test_what_is_seen_is_the_state_of_the_step(lammps, plugin, tmp_path):
-    """A frame in the middle of a run, a value at the end of some steps, and a run that ends before its last step."""
-    case = scene(*CLOUD, FLOOR, friction=0.3, rotation=True)
-    lines = [*compiled(case, plugin, tmp_path), QUIET, "compute heat all ke"]
+@pytest.fixture(scope="module")
+def at_step(lammps, plugin, tmp_path_factory):
+    """State and kinetic energy of step 131, at which nobody else looks."""
+    lines = [*compiled(RUBBING, plugin, tmp_path_factory.mktemp("b")), QUIET, "compute heat all ke"]
     with Run(lammps, lines) as run:
-        expected = state(run.do("run 130"))
-        heat = run.engine.extract_compute("heat", 0, 0)
+        return state(run.do("run 131")), run.engine.extract_compute("heat", 0, 0)
+
+
+def test_a_frame_is_the_state_of_its_step(lammps, plugin, tmp_path, at_step):
     look = [
-        f"dump look all custom 130 {tmp_path / 'look'} id x y vx vy",
+        f"dump look all custom 131 {tmp_path / 'look'} id x y vx vy",
         "dump_modify look format float %.17g sort id",
-        "variable heat equal c_heat",
-        f"fix look all print 13 '$(step) ${{heat}}' file {tmp_path / 'heat'} screen no",
-        "variable step equal step",
-        "fix stop all halt 130 v_step == 130 error soft",
         "thermo 1000",
     ]
-    with Run(lammps, [*lines, *look]) as run:
-        found = state(run.do("run 500"))
-        assert run.engine.extract_global("ntimestep") == 130
-    assert np.array_equal(found, expected)
+    with Run(lammps, [*compiled(RUBBING, plugin, tmp_path), QUIET, *look]) as run:
+        run.do("run 230")
     frames = (tmp_path / "look").read_text().split("ITEM: TIMESTEP\n")
     rows = np.array([line.split() for line in frames[-1].splitlines()[8:]], float)
-    assert np.array_equal(rows[:, 1:3], expected[:, :2]) and np.array_equal(rows[:, 3:5], expected[:, 3:5])
-    seen = np.loadtxt(tmp_path / "heat")
-    assert seen[-1] == pytest.approx([130, heat], rel=1e-6)  # printed with ten digits
+    assert frames[-1].startswith("131\n")
+    assert np.array_equal(rows[:, 1:3], at_step[0][:, :2]) and np.array_equal(rows[:, 3:5], at_step[0][:, 3:5])
+
+
+def test_a_fix_at_the_end_of_steps_sees_the_state_of_the_step(lammps, plugin, tmp_path, at_step):
+    look = [
+        "compute heat all ke",
+        "variable heat equal c_heat",
+        "variable step equal step",
+        f"fix look all print 131 '${{step}} ${{heat}}' file {tmp_path / 'heat'} screen no",
+        "thermo 1000",
+    ]
+    with Run(lammps, [*compiled(RUBBING, plugin, tmp_path), QUIET, *look]) as run:
+        run.do("run 230")
+    assert np.loadtxt(tmp_path / "heat")[-1] == pytest.approx([131, at_step[1]], rel=1e-6)  # printed with ten digits
+
+
+def test_a_run_whose_time_is_over_ends_with_the_state_of_its_step(lammps, plugin, tmp_path, at_step):
+    with Run(lammps, [*compiled(RUBBING, plugin, tmp_path), QUIET, "thermo 1000"]) as run:
+
+        def call(_, step, count, ids, positions, forces):
+            forces[:] = 0.0
+            if step == 131:
+                run.engine.lib.lammps_force_timeout(run.engine.lmp)
+
+        run.do("fix step_hook all external pf/callback 1 1")  # the id of a fix that reads the step alone
+        run.engine.set_fix_external_callback("step_hook", call)
+        found = state(run.do("run 230"))
+        assert run.engine.extract_global("ntimestep") == 131
+    assert np.array_equal(found, at_step[0])
 
 
 def test_groups_of_neighbour_lists_are_refused(lammps, plugin, tmp_path):
