@@ -179,7 +179,7 @@ void PairJumpDisc::pack()
 
 /** Let LAMMPS leave its arrays of forces and torques as they are in this step: nothing reads them.
 
-    Until the forces are evaluated it takes the discs for those of a group, of which there are none here. */
+    LAMMPS then clears only the forces of a group. Until the forces are evaluated this group has no disc. */
 void PairJumpDisc::keep_uncleared()
 {
   first_group = atom->nfirst;

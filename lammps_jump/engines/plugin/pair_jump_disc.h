@@ -151,7 +151,7 @@ class PairJumpDisc : public Pair {
   size_t built = 0;                  // pairs that were found together, in the order of the cells; others come behind
   int row = 0;                       // cells of a row
   int room = 0;                      // of local discs, before the copies of the parts
-  int first_group = 0;               // LAMMPS' own number, while it is told another
+  int first_group = 0;               // atom->nfirst, which is 0 while LAMMPS is to clear no forces
   std::vector<int> place;            // of each disc in the order of the cells
   std::vector<uint8_t> home, beside; // of each disc: its part; 1 + the part before the cut it is beside, or 0
   std::atomic_flag locks[LOCKS] = {};

@@ -87,7 +87,6 @@ void PairJumpDisc::list_contacts(std::vector<jump::ContactRow> &rows)
 void PairJumpDisc::take_copies(const Part &part)
 {
   int to = part.copies;
-  if (springs.there) return;
   for (const int from : part.across) {
     disc[to] = disc[from];
     pushes[2 * to] = pushes[2 * to + 1] = 0.0;    // of no use
@@ -225,8 +224,8 @@ void PairJumpDisc::evaluate_list(size_t from, size_t to, Part *part)
       if constexpr (SPRINGS) stretch[c] = bent[c] = turns[c] = 0.0;
     }
     for (int c = 0; c < whole; c += LANES) {
-      Lanes between_of[4];
-      jump::columns(between + c, between_of);
+      Lanes gap[4];
+      jump::columns(between + c, gap);
       const Lanes rim_speed = jump::has_spin(FRICTION) ? *reinterpret_cast<const Lanes *>(rims + c) : Lanes{};
       const Lanes *const ri = reinterpret_cast<const Lanes *>(radius_one + c);
       const Lanes *const rj = reinterpret_cast<const Lanes *>(radius_two + c);
@@ -242,10 +241,10 @@ void PairJumpDisc::evaluate_list(size_t from, size_t to, Part *part)
         }
       }
       if constexpr (SIZES)
-        out = jump::contact_force<FRICTION, TOUCH>(rule, jump::own_law(rule, *ri + *rj, *bi, *bj), between_of[0], between_of[1], between_of[2],
-                                                   between_of[3], rim_speed, &held);
+        out = jump::contact_force<FRICTION, TOUCH>(rule, jump::own_law(rule, *ri + *rj, *bi, *bj), gap[0], gap[1],
+                                                   gap[2], gap[3], rim_speed, &held);
       else
-        out = jump::contact_force<FRICTION, TOUCH>(rule, rule, between_of[0], between_of[1], between_of[2], between_of[3], rim_speed, &held);
+        out = jump::contact_force<FRICTION, TOUCH>(rule, rule, gap[0], gap[1], gap[2], gap[3], rim_speed, &held);
       jump::rows_of_two(out.fx, out.fy, force_on + c);
       if constexpr (SPRINGS) {
         *reinterpret_cast<Lanes *>(stretch + c) = held.slide;

@@ -53,7 +53,7 @@ def ours_text(row: Data) -> str:
 
 
 def distance_text(row: Data) -> str:
-    """The distance, per cent of the published value; none where that is 0, because ours is the distance then."""
+    """The distance in per cent of the published value; none where the published value is 0."""
     if row["distance"] is None or not row["published"]:
         return ABSENT
     share = 100 * row["distance"]
@@ -117,7 +117,7 @@ def write_page(report: Data, path: Path) -> Path:
     made = [f"{name} {version}" for name, version in report["versions"].items()]
     about = (
         f"{verdicts(report)}. Met: our value is among the accepted ones. Near: only its interval reaches them. "
-        "Not met: neither; the section of the law says why. Fit: a value of ours without a gate; its section says why. "
+        "Not met: neither is. Fit: there is no gate. The section of the law says why. "
         "Where the published value is 0, ours is the distance."
     )
     form = "Short form: fewer and shorter runs; its verdicts mean little. " if report["quick"] else ""
