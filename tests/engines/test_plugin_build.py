@@ -17,7 +17,7 @@ from children import run_child
 
 from lammps_jump.cli import tools
 from lammps_jump.engines.choice import choose
-from lammps_jump.engines.plugin import availability, build, carried, plugin_path
+from lammps_jump.engines.plugin import availability, build, carried, plugin_path, trust
 from lammps_jump.errors import SetupError
 from lammps_jump.scene.build import handmade_scene
 
@@ -212,7 +212,7 @@ def test_a_compiler_that_makes_garbage_is_named(make_believe):
         plugin_path()
 
 
-@pytest.mark.parametrize("which", ["library", "record", "folder", "kernels", "root"])
+@pytest.mark.parametrize("which", ["library", "record", "folder", "kernels", "root", "above"])
 @pytest.mark.parametrize("how", ["owner", "group", "everybody"])
 @pytest.mark.fault("surroundings")
 def test_what_others_own_or_may_change_is_not_loaded(make_believe, monkeypatch, which, how):
@@ -220,12 +220,9 @@ def test_what_others_own_or_may_change_is_not_loaded(make_believe, monkeypatch, 
     path = plugin_path()
     above = path.parents
     place = {"library": path, "record": above[0] / "build.json", "folder": above[0], "kernels": above[1]}.get(which)
-    place = place or above[2]
+    place = place or above[2 if which == "root" else 3]
     if how != "owner":
         place.chmod(place.stat().st_mode | (stat.S_IWOTH if how == "everybody" else stat.S_IWGRP))
-        if which in ("kernels", "root"):  # what others put there would be theirs
-            assert availability().path == path
-            return
     elif os.getuid() == 0:
         os.chown(place, 12345, -1)
     else:
@@ -239,18 +236,51 @@ def test_what_others_own_or_may_change_is_not_loaded(make_believe, monkeypatch, 
 
 
 @pytest.mark.fault("surroundings")
-def test_what_is_built_can_be_changed_by_its_owner_alone(make_believe):
+def test_a_sticky_folder_above_and_a_link_on_the_way(make_believe, monkeypatch, tmp_path):
+    """Nobody else can take away what lies in a sticky folder; a link counts with the way to what it names."""
+    make_believe()
+    shared = tmp_path / "shared"
+    shared.mkdir()
+    monkeypatch.setenv("LAMMPS_JUMP_CACHE", str(shared / "cache"))
+    shared.chmod(0o1777)
+    path = plugin_path()
+    assert availability().path == path
+    (tmp_path / "link").symlink_to(shared / "cache")
+    monkeypatch.setenv("LAMMPS_JUMP_CACHE", str(tmp_path / "link"))
+    assert availability().available
+    shared.chmod(0o777)
+    assert not availability().available and str(shared) in availability().reason
+    shared.chmod(0o755)
+    (tmp_path / "loop").symlink_to(tmp_path / "loop")
+    monkeypatch.setenv("LAMMPS_JUMP_CACHE", str(tmp_path / "loop"))
+    with pytest.raises(SetupError, match="LAMMPS_JUMP_CACHE"):
+        plugin_path()
+
+
+@pytest.mark.fault("surroundings")
+def test_the_way_up_ends_at_the_home_folder(monkeypatch, tmp_path):
+    home = tmp_path / "open" / "home"
+    home.mkdir(parents=True)
+    home.parent.chmod(0o777)
+    monkeypatch.setattr(trust, "_home", lambda: home)
+    trust.require_own(home / "cache" / "library")
+    home.chmod(0o777)
+    with pytest.raises(SetupError, match="chmod go-w"):
+        trust.require_own(home / "cache" / "library")
+
+
+@pytest.mark.fault("surroundings")
+def test_what_is_built_can_be_changed_by_its_owner_alone(make_believe, monkeypatch, tmp_path):
     """With a umask of 002 the whole group could change the code that runs as this user."""
     make_believe()
+    monkeypatch.setenv("LAMMPS_JUMP_CACHE", str(tmp_path / "new" / "cache"))
     before = os.umask(0o002)
     try:
         path = plugin_path()
     finally:
         os.umask(before)
-    modes = {
-        place.name: place.stat().st_mode & 0o777 for place in (*path.parents[:3], path, path.parent / "build.json")
-    }
-    assert list(modes.values()) == [0o700, 0o700, 0o700, 0o755, 0o644]
+    made = (*path.parents[:4], path, path.parent / "build.json", path.parent / "lock")
+    assert [place.stat().st_mode & 0o777 for place in made] == [0o700, 0o700, 0o700, 0o700, 0o755, 0o644, 0o600]
     assert availability().path == path
 
 

@@ -10,7 +10,6 @@ with the record written after it, which holds its checksum: a half-written or da
 
 from __future__ import annotations
 
-import fcntl
 import hashlib
 import json
 import os
@@ -35,6 +34,7 @@ from lammps_jump.provenance import package_version
 
 from .carried import FOLDER as CARRIED
 from .carried import LIBRARY, MOST_BYTES, RECORD, SOURCES, Carried, check_loads, fitting, needs, sources
+from .trust import locked_alone, require_own
 
 FLAGS = (
     "-std=c++17",
@@ -165,7 +165,7 @@ def _recipe() -> _Recipe:
         digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
     library = cache_folder() / digest.hexdigest()[:20] / LIBRARY
     _require_nameable(library)
-    _require_own(library)
+    require_own(library, _record(library))
     units = tuple(str(path) for path in files if path.suffix == ".cpp")
     return _Recipe(tuple(full), units, compiler.splitlines()[0], library)
 
@@ -186,26 +186,6 @@ def _is_whole(library: Path) -> bool:
 def _is_plugin(code: bytes) -> bool:
     """Whether bytes are a library that LAMMPS can ask for styles."""
     return code.startswith(b"\x7fELF") and b"lammpsplugin_init" in code
-
-
-def _folders(library: Path) -> list[Path]:
-    """The folders of a library: that of the cache itself first, its own last."""
-    root = cache_folder().parent
-    return [root, *reversed([path for path in library.parents if path.is_relative_to(root) and path != root])]
-
-
-def _require_own(library: Path) -> None:
-    """A library runs as code of this user; SetupError where another one owns it or may change it, or its folders."""
-    folders = _folders(library)
-    for path in (*folders, library, _record(library)):
-        with suppress(OSError):
-            found = path.stat()
-            writable = found.st_mode & 0o022 and path not in folders[:-1]  # a file put there would be another owner's
-            if found.st_uid not in (os.getuid(), 0) or writable:
-                raise SetupError(
-                    f"{path} belongs to another user, or others may change it, so that it is not used; delete it, or "
-                    "name a folder of your own in the variable LAMMPS_JUMP_CACHE"
-                )
 
 
 def _require_nameable(library: Path) -> None:
@@ -266,10 +246,9 @@ def _kept(library: Path, make: Callable[[], None], force: bool = False) -> Path:
     if not force and _is_whole(library):
         return library
     try:
-        for folder in _folders(library):
-            folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        with open(library.parent / "lock", "a") as lock:
-            fcntl.flock(lock, fcntl.LOCK_EX)  # the system frees it even where its holder dies
+        for folder in reversed(library.parents):
+            folder.mkdir(mode=0o700, exist_ok=True)  # whatever the umask, as for the lock: nobody else may write
+        with locked_alone(library.parent / "lock"):
             if force or not _is_whole(library):  # another process may have made it meanwhile
                 make()
     except OSError as error:
@@ -289,7 +268,7 @@ def _carried_library() -> tuple[Carried | None, Path | None, str]:
     with suppress(OSError, ValueError, KeyError, TypeError):
         return None, None, str(read_json(_record(library))["fails"])
     _require_nameable(library)
-    _require_own(library)
+    require_own(library, _record(library))
     return carried, library, ""
 
 
