@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Never, Self
 
 import yaml
 from pydantic import ValidationError
@@ -24,6 +24,7 @@ from .derived import Derived
 from .explain import explain
 from .fields import CaseFields
 from .parts import old_words
+from .parts.base import HOW_TO_CHANGE
 from .tables import read_tables
 from .templates import described, of_another_case
 from .text import CaseSource, override, parse_source, read_source
@@ -93,6 +94,15 @@ class ReadCase:
             source.data.pop("description")
             source.left_out = name
         return cls(_validated(source, changes, default_name), source)
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Never:
+            if name in CaseFields.model_fields:
+                raise AttributeError(
+                    f"a case has no attribute '{name}': case.fields.{name} reads it, and {HOW_TO_CHANGE}"
+                )
+            raise AttributeError(f"a case has no attribute '{name}'")
 
     @property
     def name(self) -> str:

@@ -220,13 +220,22 @@ def check_sizes(case: CaseFields, source: CaseSource, sizes: Sizes | None) -> li
                 f"sloping surface; for a hydraulic jump take contact.friction up to {LEVEL_FRICTION:g}"
             )
     notes += _against_inflow(case)
-    for index, item in enumerate(case.initial):
-        if sizes and isinstance(item, Column) and item.hydrostatic and not item.settle and case.gravity:
-            notes.append(
-                f"initial[{index}]: discs of several sizes start touching, without the overlaps of hydrostatic: true, "
-                "and sink by 2 to 4 % at first; settle gives them time behind the gate (settle: 2)"
-            )
-    return notes
+    return notes + _sinking(case, sizes)
+
+
+def _sinking(case: CaseFields, sizes: Sizes | None) -> list[str]:
+    """A note on columns of several sizes that would settle behind their gate, if they were given time."""
+    sink = [
+        f"initial[{index}]"
+        for index, item in enumerate(case.initial)
+        if isinstance(item, Column) and item.hydrostatic and item.gate and not item.settle and not any(item.velocity)
+    ]
+    if not (sizes and sink and case.gravity):
+        return []
+    return [
+        f"{', '.join(sink)}: discs of several sizes start touching, without the overlaps of hydrostatic: true, and "
+        "sink by 2 to 4 % at first; settle gives them time behind the gate (settle: 2)"
+    ]
 
 
 def adapted(case: CaseFields, scene: Beginning, inlets: tuple[InletRow, ...]) -> tuple[str, ...]:

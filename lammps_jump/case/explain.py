@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Iterator
 from dataclasses import fields, is_dataclass
 from typing import Any, get_args, get_type_hints
 
@@ -10,14 +12,19 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
 from lammps_jump.errors import CaseError
-from lammps_jump.quoting import echoed, shortened
+from lammps_jump.quoting import echoed
 
 from .fields import CaseFields
+from .parts import other_words
 from .text import CaseSource, PathKey, nearest
 
 UNKNOWN = ("extra_forbidden", "unexpected_keyword_argument")
 """What pydantic calls a key that a model or a dataclass does not have."""
 
+CLOSE = 0.75
+"""Likeness of spelling from which a word is taken for a misspelt one, before words of the same meaning elsewhere."""
+MOST_NAMED = 3
+"""Fields of other groups that a message names."""
 SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
 """Bounds as pydantic calls them."""
 
@@ -29,6 +36,8 @@ def explain(error: ValidationError, source: CaseSource, model: type[BaseModel] =
     problems.sort(key=lambda problem: problem["type"] not in UNKNOWN)
     first = problems[0]
     path = _data_path(first["loc"], source.whole)
+    if first["type"] == "union_tag_invalid":
+        path += ("kind",)
     path += getattr(first.get("ctx", {}).get("error"), "path", ())  # of a `PlaceError`
     more = f" ({len(problems) - 1} more after this one)" if len(problems) > 1 else ""
     return CaseError(f"{source.place(path)}: {_sentence(first, path, model)}{more}")
@@ -52,10 +61,7 @@ def _data_path(location: tuple, data: Any) -> PathKey:
 def _sentence(problem: dict, path: PathKey, model: type[BaseModel]) -> str:
     kind, context, value = problem["type"], problem.get("ctx", {}), problem.get("input")
     if kind in UNKNOWN:
-        known = (getattr(item, "NO_FIELDS", {}).get(str(path[-1])) for item in _models_at(problem["loc"][:-1], model))
-        if hint := next(filter(None, known), None):
-            return f"unknown field; {hint}"
-        return f"unknown field; {nearest(str(path[-1]), list(_fields(_models_at(problem['loc'][:-1], model))))}"
+        return f"unknown field; {_meant(path, _models_at(problem['loc'][:-1], model), model)}"
     if kind == "missing":
         return "is required and not there; `lammps-jump new hydraulic_jump` shows a whole case"
     if kind.startswith(("greater_than", "less_than")):
@@ -64,9 +70,7 @@ def _sentence(problem: dict, path: PathKey, model: type[BaseModel]) -> str:
     if kind == "literal_error":
         return f"{echoed(value)} is not known; allowed is {context['expected']}"
     if kind in ("union_tag_not_found", "union_tag_invalid"):
-        known = ", ".join(f"'{_tag(item)}'" for item in _models_at(problem["loc"], model))
-        tags = context.get("expected_tags", known)
-        return f"kind: {shortened(str(context.get('tag', 'missing')))} is not known; allowed is {tags}"
+        return _kind(context.get("tag"), value, [_tag(item) or "" for item in _models_at(problem["loc"], model)])
     if kind == "value_error":
         return str(context["error"])
     if kind == "string_pattern_mismatch":
@@ -78,6 +82,47 @@ def _sentence(problem: dict, path: PathKey, model: type[BaseModel]) -> str:
     if kind in ("model_type", "model_attributes_type", "dataclass_type", "dict_type"):
         return f"{echoed(value)} is a single value; this field is a group of fields (`lammps-jump new` shows one)"
     return f"{echoed(value)} does not fit: {problem['msg'][0].lower()}{problem['msg'][1:]}"
+
+
+def _meant(path: PathKey, models: list[type], whole: type[BaseModel]) -> str:
+    """What a key that is not known may mean: a field of its group by meaning or spelling, or one of another group."""
+    word, known = str(path[-1]), list(_fields(models))
+    own = (getattr(item, "NO_FIELDS", {}).get(word) for item in models)
+    if hint := next(filter(None, own), None):
+        return hint
+    group = ".".join(part for part in path[:-1] if isinstance(part, str))
+    found = other_words.meanings(word) if whole is CaseFields else []
+    here = [one for one in found if one.group == group and one.name in known]
+    if here or difflib.get_close_matches(word, known, n=1, cutoff=CLOSE):
+        return f"write {here[0]}" if here else nearest(word, known)
+    away = {one.path: str(one) for one in found if one.group != group}
+    if whole is CaseFields:
+        away |= {other: other for other in _paths(whole) if other.rpartition(".")[2] == word and other not in away}
+    if not away:
+        return nearest(word, known)
+    texts = list(away.values()) if len(away) == 1 else list(away)[:MOST_NAMED]
+    return f"perhaps {' or '.join(texts)} is meant"
+
+
+def _paths(model: type, group: str = "") -> Iterator[str]:
+    """Dotted names of the fields of a case."""
+    for name, field in fields_of(model).items():
+        if name != "kind":
+            yield f"{group}.{name}".lstrip(".")
+            for inner in _models(field.annotation):
+                yield from _paths(inner, f"{group}.{name}".lstrip("."))
+
+
+def _kind(tag: object, value: object, known: list[str]) -> str:
+    """A group whose kind is missing or not known: the kinds, and the one that is meant."""
+    allowed = ", ".join(f"'{one}'" for one in known)
+    if tag is None:
+        typed = " ('type' is called kind here)" if isinstance(value, dict) and "type" in value else ""
+        return f"kind is missing{typed}; allowed is {allowed}"
+    meant = [one for one in other_words.kinds(str(tag)) if one in known]
+    meant = meant or difflib.get_close_matches(str(tag), known, n=1)
+    hint = f"; did you mean '{meant[0]}'?" if meant else ""
+    return f"{echoed(tag)} is not known; allowed is {allowed}{hint}"
 
 
 def fields_of(model: type) -> dict[str, FieldInfo]:

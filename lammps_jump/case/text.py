@@ -76,6 +76,8 @@ class CaseSource:
         Folder of the case file; tables may lie there and below. A case from elsewhere has none.
     tables : dict
         Path of a wall or motion -> the table that its `file` names.
+    options : dict
+        Field -> the option of the command line that gives it, in place of the file.
     translated : bool
         An earlier version wrote it with words that are old now.
     """
@@ -88,6 +90,7 @@ class CaseSource:
     left_out: str = ""
     folder: Path | None = None
     tables: dict[PathKey, Table] = field(default_factory=dict)
+    options: dict[str, str] = field(default_factory=dict)
     translated: bool = False
 
     @property
@@ -104,6 +107,8 @@ class CaseSource:
 
     def place(self, path: PathKey) -> str:
         """Where `path` stands: ``case.yaml:12: contact.friction`` (the nearest line known) or the ``--set`` text."""
+        if option := self.options.get(str(path[0]) if path else ""):
+            return f"{option} {dotted_path(path[1:])}".rstrip()
         dotted = dotted_path(path)
         for length in range(len(path), 0, -1):
             if path[:length] in self.overrides:

@@ -37,6 +37,9 @@ OTHERS = (
 )  # fmt: skip
 """Parts of ``summary.json`` beside the analyses whose numbers can be collected."""
 
+OPTIONS = {"axes": "--axis", "most_members": "--most-members"}
+"""Options of the command line whose names are not those of their fields."""
+
 
 class Range(Strict):
     """Equal steps from one value to another; of logarithms, with ``scale: log``."""
@@ -234,6 +237,8 @@ def read_study(source: str | Path | Mapping[str, object] | ReadCase, **given: An
     if isinstance(given.get("set"), Mapping):
         given["set"] = {**(file.data.get("set") or {}), **given["set"]}
     file.data |= given
+    if not isinstance(source, Mapping):
+        file.options = {name: OPTIONS.get(name, f"--{name}") for name in given if name in StudyFields.model_fields}
     old_words.refuse(file, study=True)
     try:
         fields = StudyFields.model_validate(file.data)

@@ -63,7 +63,7 @@ def doubts(*walls):
         ("{name: a, kind: plane, axis: x, at: -9, side: above, motion: {kind: rotate, rate: 1}}", "motion", "no end"),
         (wall("{kind: table}"), "motion", "needs points"),
         (wall("{kind: rotate, rate: 1, form: 2}"), "motion.form", "'from'"),
-        (wall("{kind: spin}"), "motion", "'oscillate'"),
+        (wall("{kind: spin}"), "motion.kind", "'oscillate'"),
         (wall("null", stiffness="1e10"), "stiffness", "too stiff"),
     ],
 )  # fmt: skip

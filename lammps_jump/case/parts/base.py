@@ -33,8 +33,14 @@ def no_truth(value: Any) -> Any:
 
 Whole = Annotated[int, BeforeValidator(no_truth)]
 
+HOW_TO_CHANGE = "case.replace({'contact.friction': 0.1}) makes a changed case"
+
 
 class Strict(BaseModel):
     """Frozen model that refuses unknown keys."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        """Refuse a change in place, with the way to make one."""
+        raise AttributeError(f"{name}: the fields of a case do not change; {HOW_TO_CHANGE}")
