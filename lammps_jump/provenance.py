@@ -20,6 +20,15 @@ def package_version(package: str) -> str | None:
         return None
 
 
+def wheel_file(package: str, name: str) -> Path | None:
+    """A file of an installed wheel, by its name or the end of its path; None where either is not there."""
+    try:
+        files = metadata.files(package) or []
+    except metadata.PackageNotFoundError:
+        return None
+    return next((Path(str(file.locate())).resolve() for file in files if file.match(name)), None)
+
+
 __version__ = package_version("lammps-jump") or "unknown"
 
 
@@ -42,3 +51,19 @@ def machine() -> dict[str, str | int | None]:
         "system": platform.system(),
         "architecture": platform.machine(),
     }
+
+
+def usable_cores(root: Path = Path("/sys/fs/cgroup")) -> int:
+    """Cores this process may use by its affinity and by the limits of its control groups (version 2); at least 1."""
+    cores = float(len(os.sched_getaffinity(0)))
+    try:
+        own = Path("/proc/self/cgroup").read_text().rpartition("::")[2].strip().lstrip("/")
+    except OSError:
+        own = ""
+    for folder in (root / own, *(root / own).parents):
+        with suppress(OSError, ValueError, IndexError):
+            quota, period = (folder / "cpu.max").read_text().split()  # "max 100000" is no limit, and no number
+            cores = min(cores, float(quota) / float(period))
+        if folder == root:
+            break
+    return max(1, round(cores))

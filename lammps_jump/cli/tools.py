@@ -6,13 +6,14 @@ from __future__ import annotations
 import json
 import sys
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 import lammps_jump.case as cases
-from lammps_jump import cli, engines, files, runs, studies
+from lammps_jump import cli, compiling, engines, files, runs, studies
 
 from .options import Accuracy, CaseFile, Commands, EngineName, Kernel, Sets, assignments, place
 
@@ -23,7 +24,10 @@ SCHEMA_LINE = """\
 """Head of a starting case, for editors that know the language server of YAML."""
 
 app = typer.Typer(rich_markup_mode=None)
-kernels = typer.Typer(cls=Commands, help="The compiled plugin for LAMMPS.", no_args_is_help=True, rich_markup_mode=None)
+kernels = typer.Typer(
+    cls=Commands, help="What is compiled: the core and the plugin for LAMMPS.", no_args_is_help=True,
+    rich_markup_mode=None,
+)  # fmt: skip
 app.add_typer(kernels, name="kernels")
 
 
@@ -89,14 +93,19 @@ def doctor() -> None:
 def kernels_build(
     force: Annotated[bool, typer.Option("--force", help="Build again even where a whole one is cached.")] = False,
 ) -> None:
-    """Build the plugin into the cache, for administrators and for job files; prints its path."""
-    print(engines.plugin.plugin_path(force=force))
+    """Build the plugin for LAMMPS and the core into the cache, for administrators and job files; prints their paths."""
+    found = compiling.build_all(engines.plugin.PRODUCTS, force=force, tell=partial(print, file=sys.stderr))
+    print(*(path for path in found if isinstance(path, Path)), sep="\n")
+    print(*(reason for reason in found if isinstance(reason, str)), sep="\n", end="", file=sys.stderr)
+    if not all(isinstance(path, Path) for path in found):
+        raise typer.Exit(1)
 
 
 @kernels.command("status")
 def kernels_status() -> None:
-    """Tell whether the plugin can be used here."""
-    status = engines.plugin.availability()
-    print(status.reason or "usable")
-    if not status.available:
+    """Tell whether the plugin and the core can be used here."""
+    states = {product.title: compiling.availability(product) for product in engines.plugin.PRODUCTS}
+    for title, status in states.items():
+        print(f"{title}: {status.reason}")
+    if not all(status.available for status in states.values()):
         raise typer.Exit(1)

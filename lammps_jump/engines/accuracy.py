@@ -21,7 +21,7 @@ from lammps_jump.errors import CaseError
 from lammps_jump.physics import contact
 from lammps_jump.physics.slip import FRICTION_LAWS, slip_warnings
 
-from .plugin.build import availability
+from .plugin.product import availability
 
 STORE = Path(__file__).with_name("calibration.json")
 KINDS = {

@@ -4,16 +4,15 @@
 from __future__ import annotations
 
 import os
-from contextlib import suppress
 from dataclasses import replace
-from pathlib import Path
 
 from lammps_jump.errors import CaseError, SetupError
+from lammps_jump.provenance import usable_cores
 from lammps_jump.scene.scene import Scene
 from lammps_jump.script.stock import lacking, lacking_everywhere
 
 from .lammps.loader import check_installed
-from .plugin.build import availability, plugin_path
+from .plugin.product import availability, plugin_path
 from .setting import Setting
 
 KERNELS = ("auto", "stock", "compiled")
@@ -104,22 +103,6 @@ def usable_kernels() -> tuple[list[str], list[str]]:
     if status.available:
         return ["stock", "compiled", "native"], []
     return ["stock", "native"], [f"compiled kernel left out: {status.reason}"]
-
-
-def usable_cores(root: Path = Path("/sys/fs/cgroup")) -> int:
-    """Cores this process may use by its affinity and by the limits of its control groups (version 2); at least 1."""
-    cores = float(len(os.sched_getaffinity(0)))
-    try:
-        own = Path("/proc/self/cgroup").read_text().rpartition("::")[2].strip().lstrip("/")
-    except OSError:
-        own = ""
-    for folder in (root / own, *(root / own).parents):
-        with suppress(OSError, ValueError, IndexError):
-            quota, period = (folder / "cpu.max").read_text().split()  # "max 100000" is no limit, and no number
-            cores = min(cores, float(quota) / float(period))
-        if folder == root:
-            break
-    return max(1, round(cores))
 
 
 def free_cores() -> int:

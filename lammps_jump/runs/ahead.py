@@ -13,10 +13,10 @@ import lammps_jump.runs as runs
 from lammps_jump.case.case import ReadCase
 from lammps_jump.dump.check import FrameCheck
 from lammps_jump.dump.tail import GrowingDump
-from lammps_jump.engines.choice import usable_cores
 from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import JumpError
 from lammps_jump.files import DUMP_NAMES
+from lammps_jump.provenance import usable_cores
 
 if TYPE_CHECKING:
     from lammps_jump.analysis.passes import Gathered

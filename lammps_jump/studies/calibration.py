@@ -23,7 +23,7 @@ from typing import Any
 import pandas as pd
 
 from lammps_jump import load_case
-from lammps_jump.engines import usable_cores
+from lammps_jump.provenance import usable_cores
 from lammps_jump.sweeps import Pool, Say, Store, run_starts, table
 
 from .sensitivity import JUMP_CASE, QUICK_CHANGES, starts_of

@@ -19,9 +19,10 @@ import pandas as pd
 from lammps_jump import Case, load_case
 from lammps_jump.analysis.draw.style import BLUE, GREY, RED, drawing, save
 from lammps_jump.case.templates import scene_folder
-from lammps_jump.engines import usable_cores, usable_kernels
+from lammps_jump.engines import usable_kernels
 from lammps_jump.files import plain
 from lammps_jump.physics import jump
+from lammps_jump.provenance import usable_cores
 from lammps_jump.sweeps import Made, Pool, Say, Start, Store, run_starts
 
 from .runs import middle

@@ -19,10 +19,10 @@ from lammps_jump.case.case import ReadCase
 from lammps_jump.case.parts import old_words
 from lammps_jump.case.text import read_text
 from lammps_jump.dump.exports import csv_text, write_netcdf
-from lammps_jump.engines.choice import usable_cores
 from lammps_jump.errors import CaseError, ResumeError, RunInterrupted
 from lammps_jump.files import SWEEP_FILES, write_json, write_text
 from lammps_jump.folders import Marker, clear
+from lammps_jump.provenance import usable_cores
 from lammps_jump.runs.folder import run_folder
 from lammps_jump.runs.run import Case
 from lammps_jump.runs.state import OLD_WORDS

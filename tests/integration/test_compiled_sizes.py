@@ -11,11 +11,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from lammps_jump.compiling.compiler import find_compiler
 from lammps_jump.engines.child import close_idle
 from lammps_jump.engines.lammps.drive import plugin_arguments
 from lammps_jump.engines.lammps.loader import load_lammps, program
 from lammps_jump.engines.native import NativeSimulation
-from lammps_jump.engines.plugin.build import find_compiler, plugin_path
+from lammps_jump.engines.plugin import plugin_path
 from lammps_jump.errors import SetupError
 from lammps_jump.physics import contact, law
 from lammps_jump.physics.slip import SIGN_RAMP

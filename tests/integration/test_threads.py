@@ -9,7 +9,8 @@ from made_up import INPUTS, plugin_or_skip
 import lammps_jump as lj
 from lammps_jump.engines import Setting, run
 from lammps_jump.engines.checkpoint import read_checkpoint
-from lammps_jump.engines.choice import THREADS, choose_threads, usable_cores
+from lammps_jump.engines.choice import THREADS, choose_threads
+from lammps_jump.provenance import usable_cores
 
 FLOOR = [{"name": "floor", "kind": "plane", "axis": "y", "at": 0, "side": "above"}]
 SCENES = {

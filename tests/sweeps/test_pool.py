@@ -9,8 +9,8 @@ from pathlib import Path
 import pool_calls
 import pytest
 
-from lammps_jump.engines.choice import usable_cores
 from lammps_jump.errors import RunInterrupted
+from lammps_jump.provenance import usable_cores
 from lammps_jump.sweeps import pool as pools
 from lammps_jump.sweeps import worker
 from lammps_jump.sweeps.pool import Pool

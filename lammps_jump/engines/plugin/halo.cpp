@@ -12,7 +12,7 @@
 using namespace LAMMPS_NS;
 
 namespace {
-constexpr int LOOKS = 1000;    // before waiting in earnest, which lets others have the core and is slower to answer
+constexpr int MOST_LOOKS = 1000;    // before waiting in earnest, which lets others have the core and is slower to answer
 constexpr int DISCS = 7402;    // tag that LAMMPS does not use
 
 /** Numbers that stand for a disc in a message. */
@@ -104,7 +104,7 @@ void JumpHalo::start(const PairJumpDisc &pair)
 void JumpHalo::finish(PairJumpDisc &pair)
 {
   int all = 0;
-  for (int look = 0; look < LOOKS && !all; look++)
+  for (int look = 0; look < MOST_LOOKS && !all; look++)
     MPI_Testall((int) requests.size(), requests.data(), &all, MPI_STATUSES_IGNORE);
   if (!all) MPI_Waitall((int) requests.size(), requests.data(), MPI_STATUSES_IGNORE);
   const int words = words_of(pair);

@@ -6,14 +6,15 @@ from __future__ import annotations
 import platform
 import shutil
 
+from lammps_jump.compiling.build import build_for
+from lammps_jump.compiling.carried import carried_folder
 from lammps_jump.errors import SetupError
 
-from .build import build_for
-from .carried import FOLDER, LEVELS
+from .product import PRODUCTS
 
 
 def build_all() -> None:
-    """Build the plugin for each level of `LEVELS`, in place of what stood there.
+    """Build each product for each of its levels, in place of what stood there.
 
     Raises
     ------
@@ -22,9 +23,10 @@ def build_all() -> None:
     """
     if platform.machine() != "x86_64":
         raise SetupError(f"libraries are carried for x86_64, not for {platform.machine()}: `pip wheel .` makes a wheel")
-    shutil.rmtree(FOLDER, ignore_errors=True)
-    for level in LEVELS:
-        print(build_for(level))
+    for product in PRODUCTS:
+        shutil.rmtree(carried_folder(product), ignore_errors=True)
+        for level in product.levels:
+            print(build_for(product, level))
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from lammps_jump.case import ReadCase
-from lammps_jump.engines import plugin
+from lammps_jump.compiling.cache import cache_folder
 from lammps_jump.errors import CaseError
 from lammps_jump.files import plain, read_json
 from lammps_jump.identity import short_hash
@@ -32,7 +32,7 @@ def measured_key(discs: Discs, flow: Flow) -> str:
 
 def store_of(key: str) -> Path:
     """File of what is measured, in the cache (LAMMPS_JUMP_CACHE)."""
-    return plugin.build.cache_folder().parent / "fluid" / f"{key}.json"
+    return cache_folder().parent / "fluid" / f"{key}.json"
 
 
 def slosh_depth(discs: Discs, flow: Flow) -> float:

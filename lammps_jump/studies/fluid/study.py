@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 
 from lammps_jump import Case
-from lammps_jump.engines import usable_cores
 from lammps_jump.errors import CaseError
 from lammps_jump.files import write_json, write_text
+from lammps_jump.provenance import usable_cores
 from lammps_jump.sweeps import Pool, Say, Store, table
 
 from . import page, shear, slosh, sound

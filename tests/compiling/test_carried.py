@@ -10,7 +10,9 @@ import shutil
 
 import pytest
 
-from lammps_jump.engines.plugin import availability, build, carried, plugin_path
+from lammps_jump.compiling import build, carried
+from lammps_jump.compiling.cache import RECORD, cache_folder
+from lammps_jump.engines.plugin import PLUGIN, availability, plugin_path
 from lammps_jump.errors import SetupError
 
 
@@ -19,19 +21,20 @@ def carry(plugin, tmp_path, monkeypatch):
     """A function that puts a library for some levels into the package; changes of its record by name."""
     monkeypatch.setenv("LAMMPS_JUMP_CACHE", str(tmp_path / "cache"))
     monkeypatch.setenv("CXX", "no-such-compiler")
-    monkeypatch.setattr(carried, "FOLDER", tmp_path / "carried")
+    for module in (build, carried):
+        monkeypatch.setattr(module, "carried_folder", lambda _: tmp_path / "carried")
     monkeypatch.setattr(carried, "processor_flags", lambda: carried.LEVELS["x86-64-v4"])
 
     def put(*levels, code=None, **changes):
         for level in levels:
-            library = carried.FOLDER / level / carried.LIBRARY
+            library = tmp_path / "carried" / level / PLUGIN.library
             library.parent.mkdir(parents=True)
             if code is None:
                 shutil.copyfile(plugin, library)
             else:
                 library.write_bytes(code)
-            record = {**carried.needs(), "sha256": hashlib.sha256(library.read_bytes()).hexdigest(), **changes}
-            library.with_name(carried.RECORD).write_text(json.dumps(record))
+            record = {**carried.needs(PLUGIN), "sha256": hashlib.sha256(library.read_bytes()).hexdigest(), **changes}
+            library.with_name(RECORD).write_text(json.dumps(record))
 
     return put
 
@@ -41,7 +44,7 @@ def test_a_carried_library_is_tried_once_and_kept_without_a_compiler(carry, plug
     carry("x86-64-v3", "x86-64-v4")
     assert "built for x86-64-v4: will be tried" in availability().reason
     path = plugin_path()
-    assert path.read_bytes() == plugin.read_bytes() and path.is_relative_to(build.cache_folder())
+    assert path.read_bytes() == plugin.read_bytes() and path.is_relative_to(cache_folder())
     monkeypatch.setattr(build, "check_loads", pytest.fail)
     assert plugin_path() == path == availability().path
 
@@ -50,9 +53,9 @@ def test_a_carried_library_is_tried_once_and_kept_without_a_compiler(carry, plug
 def test_the_level_is_that_of_the_processor(carry, monkeypatch):
     carry("x86-64-v3", "x86-64-v4")
     monkeypatch.setattr(carried, "processor_flags", lambda: carried.LEVELS["x86-64-v3"])
-    assert carried.fitting()[0].level == "x86-64-v3"
+    assert carried.fitting(PLUGIN)[0].level == "x86-64-v3"
     monkeypatch.setattr(carried, "processor_flags", lambda: frozenset({"sse2"}))
-    assert carried.fitting()[0] is None
+    assert carried.fitting(PLUGIN)[0] is None
     with pytest.raises(SetupError, match="no-such-compiler is not found"):
         plugin_path()
     assert "need a processor of level x86-64-v3" in availability().reason
@@ -62,22 +65,22 @@ def test_the_level_is_that_of_the_processor(carry, monkeypatch):
 @pytest.mark.parametrize("name", ["lammps", "mpich", "machine", "sources"])
 def test_a_library_for_other_versions_is_not_taken(carry, name):
     carry("x86-64-v4", **{name: "2019.1"})
-    assert carried.fitting()[0] is None
+    assert carried.fitting(PLUGIN)[0] is None
     assert f"built for another {name} 2019.1" in availability().reason
 
 
 @pytest.mark.lammps
 @pytest.mark.fault("surroundings")
 @pytest.mark.parametrize("damage", ["library", "record", "no record"])
-def test_a_damaged_carried_library_is_not_taken(carry, damage):
+def test_a_damaged_carried_library_is_not_taken(carry, damage, tmp_path):
     carry("x86-64-v4")
-    library = carried.FOLDER / "x86-64-v4" / carried.LIBRARY
+    library = tmp_path / "carried" / "x86-64-v4" / PLUGIN.library
     if damage == "library":
         library.write_bytes(library.read_bytes()[:-1])
     elif damage == "record":
-        library.with_name(carried.RECORD).write_text("[1, 2")
+        library.with_name(RECORD).write_text("[1, 2")
     else:
-        library.with_name(carried.RECORD).unlink()
+        library.with_name(RECORD).unlink()
     assert "is damaged; reinstall lammps-jump" in availability().reason
 
 

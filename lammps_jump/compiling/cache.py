@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The cache of compiled code: one folder an entry, named by the hash of all that the code depends on.
+
+An entry counts only with the record written after it, which holds its checksum: a half-written or damaged file is
+made again. It is not used where others may change it (`trust.py`).
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from platformdirs import user_cache_path
+
+from lammps_jump.errors import SetupError
+from lammps_jump.files import read_file, read_json, whole
+
+from .trust import locked_alone, require_own
+
+RECORD = "build.json"
+MOST_BYTES = 100_000_000
+
+Made = tuple[bytes, dict[str, Any]]
+"""Code, and what its record says of it."""
+
+
+def cache_folder() -> Path:
+    """Folder of the compiled code: LAMMPS_JUMP_CACHE, else XDG_CACHE_HOME/lammps-jump, else ~/.cache/lammps-jump."""
+    override = os.environ.get("LAMMPS_JUMP_CACHE")
+    return (Path(override) if override else user_cache_path("lammps-jump")) / "kernels"
+
+
+def record_of(code: Path) -> Path:
+    """The file that holds the checksum of a file of code."""
+    return code.with_name(RECORD)
+
+
+def checksum(code: bytes) -> str:
+    """SHA-256."""
+    return hashlib.sha256(code).hexdigest()
+
+
+def is_whole(code: Path, is_made: Callable[[bytes], bool]) -> bool:
+    """Whether a file is there, is what it should be, and is the one that its record was written for."""
+    try:
+        record, data = read_json(record_of(code)), read_file(code, MOST_BYTES)
+        return is_made(data) and record["sha256"] == checksum(data)
+    except (OSError, ValueError, KeyError, TypeError):
+        return False
+
+
+def write(code: Path, made: Made) -> None:
+    """Write code and then its record, each in one move."""
+    data, record = made
+    for path, text, mode in (
+        (code, data, 0o755),  # whatever the umask of this user: nobody else may write
+        (record_of(code), json.dumps({**record, "sha256": checksum(data)}, indent=1).encode() + b"\n", 0o644),
+    ):
+        with whole(path) as new:
+            new.write_bytes(text)
+            new.chmod(mode)
+
+
+def kept(code: Path, is_made: Callable[[bytes], bool], make: Callable[[], Made], force: bool = False) -> Path:
+    """The file in the cache; `make` makes what is put there where it is not, one process at a time.
+
+    Raises
+    ------
+    SetupError
+        The cache cannot be written, or another user may change it; what `make` raises.
+    """
+    require_own(code, record_of(code))
+    if not force and is_whole(code, is_made):
+        return code
+    try:
+        for folder in reversed(code.parents):
+            folder.mkdir(mode=0o700, exist_ok=True)  # whatever the umask, as for the lock: nobody else may write
+        with locked_alone(code.parent / "lock"):
+            if force or not is_whole(code, is_made):  # another process may have made it meanwhile
+                write(code, make())
+    except OSError as error:
+        advice = "name a writable folder in the variable LAMMPS_JUMP_CACHE"
+        raise SetupError(f"compiled code cannot be kept in {code.parent} ({error}); {advice}") from None
+    return code

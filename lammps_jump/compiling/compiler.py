@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The C++ compiler of this machine: where it is, what it is, and running it."""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import shlex
+import shutil
+import subprocess
+from contextlib import suppress
+from functools import lru_cache
+from pathlib import Path
+from threading import BoundedSemaphore
+
+from lammps_jump.errors import SetupError
+from lammps_jump.provenance import usable_cores
+
+COMPILERS = ("c++", "g++", "clang++")
+ADVICE = "install a C++17 compiler (Debian: `apt install g++`), or name one in the variable CXX"
+SECONDS = 600.0
+
+_places = BoundedSemaphore(usable_cores())
+"""One compiler runs on each core, whatever is built."""
+
+
+def find_compiler() -> tuple[str, ...] | None:
+    """The C++ compiler as a command (CXX, c++, g++, clang++), or None."""
+    named = shlex.split(os.environ.get("CXX", ""))
+    for name, *words in [named] if named else ([name] for name in COMPILERS):
+        if found := shutil.which(name):
+            return (found, *words)
+    return None
+
+
+@lru_cache(maxsize=4)
+def compiler_version(command: tuple[str, ...]) -> str | None:
+    """The compiler's own words on its version, None where it does not run."""
+    try:
+        answer = subprocess.run([*command, "--version"], capture_output=True, text=True, timeout=30, check=True)
+    except (OSError, subprocess.SubprocessError):
+        return None
+    return answer.stdout.strip()
+
+
+def require_compiler(title: str) -> tuple[tuple[str, ...], str]:
+    """The compiler as a command, and its version.
+
+    Raises
+    ------
+    SetupError
+        There is none, or it does not run; says what to install.
+    """
+    command = find_compiler()
+    if command is None:
+        named = os.environ.get("CXX")
+        what = (
+            f"the compiler CXX={named} is not found" if named else f"no C++ compiler ({', '.join(COMPILERS)}) is found"
+        )
+        raise SetupError(f"{title} cannot be built: {what}; {ADVICE}")
+    version = compiler_version(command)
+    if version is None:
+        raise SetupError(f"{title} cannot be built: {command[0]} does not run; {ADVICE}")
+    return command, version
+
+
+def run_compiler(command: list[str], product: Path, title: str, version: str) -> bytes:
+    """Run the compiler where a core is free for it; the bytes of what it makes.
+
+    Raises
+    ------
+    SetupError
+        It makes nothing; with its words.
+    """
+    name = version.splitlines()[0]
+    try:
+        with _places:
+            done = subprocess.run(command, capture_output=True, text=True, timeout=SECONDS)
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise SetupError(f"{title} could not be built with {name}: {error}") from None
+    if done.returncode != 0 or not product.is_file():
+        lines = [line for line in done.stderr.splitlines() if "error" in line] or done.stderr.splitlines()
+        said = "; ".join(lines[:3]) or f"exit status {done.returncode}"
+        raise SetupError(f"{title} could not be built with {name}: {said}; {ADVICE}")
+    return product.read_bytes()
+
+
+@lru_cache(maxsize=1)
+def processor() -> str:
+    """Name and abilities of the processor, as far as the system tells."""
+    lines = []
+    with suppress(OSError):
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    told = {line for line in lines if line.startswith(("model name", "flags", "Features", "CPU part"))}
+    return json.dumps([platform.system(), platform.machine(), *(sorted(told) or [platform.processor()])])

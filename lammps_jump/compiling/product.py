@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What is compiled: the libraries of this project, their sources, and what their sources include.
+
+A library is described once, as a `Product`. Every file ``*.cpp`` of its folder belongs to it: a new file needs no entry
+in a list.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from lammps_jump.errors import SetupError
+from lammps_jump.provenance import package_version, wheel_file
+
+FLAGS = (
+    "-std=c++17",
+    "-O3",
+    "-ffp-contract=off",
+    "-fno-math-errno",
+    "-fno-trapping-math",
+    "-fvisibility=hidden",
+    "-fPIC",
+    "-pthread",
+)
+"""No -ffast-math and no contraction: sums keep their order, so that results are the same with every compiler."""
+
+_INCLUDE = re.compile(rb'^[ \t]*#[ \t]*include[ \t]*"([^"]+)"', re.MULTILINE)
+
+
+@dataclass(frozen=True, slots=True)
+class Wheel:
+    """A package whose headers a build includes.
+
+    Attributes
+    ----------
+    package : str
+    header : str
+        One of its headers, by the end of its path; the others lie beside it.
+    library : str
+        What must be loaded before a library that was built with it.
+    missing : str
+        How a message calls the headers, with its verb.
+    """
+
+    package: str
+    header: str
+    library: str
+    missing: str
+
+    @property
+    def headers(self) -> Path | None:
+        """Folder of the headers, or None."""
+        path = wheel_file(self.package, self.header)
+        return path.parent if path is not None and path.is_file() else None
+
+
+@dataclass(frozen=True, slots=True)
+class Product:
+    """A library that is compiled of sources of the package.
+
+    Attributes
+    ----------
+    name : str
+        The file is ``<name>.so``.
+    title : str
+        How a message calls it.
+    folder : Path
+        Of its sources.
+    export : str
+        A name that every whole library of it holds.
+    groups : tuple of tuple of str
+        Patterns of files that are compiled as one, because they include the same headers. A file that no group has is
+        compiled by itself.
+    also : tuple of Path
+        Further folders of headers of this project.
+    wheels : tuple of Wheel
+    advice : str
+        How to get the wheels.
+    levels : tuple of str
+        Levels of x86-64 for which a wheel of this project carries it, best first.
+    carried_flags : tuple of str
+        For the link of a library that is carried to other systems.
+    forbidden : str
+        Characters that the path of the library must not have.
+    """
+
+    name: str
+    title: str
+    folder: Path
+    export: str
+    groups: tuple[tuple[str, ...], ...] = ()
+    also: tuple[Path, ...] = ()
+    wheels: tuple[Wheel, ...] = ()
+    advice: str = ""
+    levels: tuple[str, ...] = ()
+    carried_flags: tuple[str, ...] = ()
+    forbidden: str = ""
+
+    @property
+    def library(self) -> str:
+        """Name of the file."""
+        return f"{self.name}.so"
+
+    def is_made(self, code: bytes) -> bool:
+        """Whether bytes look like a library of this product."""
+        return code.startswith(b"\x7fELF") and self.export.encode() in code
+
+    def units(self) -> list[tuple[str, ...]]:
+        """Names of the files of each unit of compiling; each file is in one.
+
+        Raises
+        ------
+        SetupError
+            There are no sources.
+        """
+        left = {path.name: path for path in sorted(self.folder.glob("*.cpp"))}
+        if not left:
+            raise SetupError(f"the sources of {self.title} are not in {self.folder}; reinstall lammps-jump")
+        units = []
+        for patterns in self.groups:
+            names = [name for pattern in patterns for name in left if left[name].match(pattern)]
+            names = list(dict.fromkeys(names))
+            units.append(tuple(names))
+            left = {name: path for name, path in left.items() if name not in names}
+        return [unit for unit in (*units, *((name,) for name in left)) if unit]
+
+    def included(self, unit: tuple[str, ...]) -> dict[str, bytes]:
+        """All files of this project that a unit is made of, by name and folder: its own, and what they include."""
+        found: dict[Path, bytes] = {}
+        waiting = [self.folder / name for name in unit]
+        while waiting:
+            path = waiting.pop()
+            if path in found:
+                continue
+            found[path] = path.read_bytes()
+            for name in _INCLUDE.findall(found[path]):
+                places = (folder / name.decode() for folder in (path.parent, self.folder, *self.also))
+                waiting += [place for place in places if place.is_file()][:1]  # others are the wheels'
+        return {f"{path.parent.name}/{path.name}": found[path] for path in sorted(found)}
+
+    def versions(self) -> dict[str, str]:
+        """Versions of the wheels that a build includes."""
+        return {wheel.package: package_version(wheel.package) or "none" for wheel in self.wheels}
+
+    def sources(self) -> str:
+        """Hash of all that the library is made of."""
+        digest = hashlib.sha256()
+        for unit in self.units():
+            for name, text in self.included(unit).items():
+                add(digest, name.encode(), text)
+        return digest.hexdigest()
+
+
+def add(digest: hashlib._Hash, *parts: bytes) -> None:
+    """Add parts to a hash so that their ends count."""
+    for part in parts:
+        digest.update(str(len(part)).encode() + b"\0" + part)

@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The library of the core: found or built at its first use, loaded once, and its functions bound to Python."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from numpy.ctypeslib import ndpointer
+
+from lammps_jump.compiling.build import library_path
+from lammps_jump.compiling.product import Product
+from lammps_jump.errors import SetupError
+
+VERSION = 1
+"""Of the interface, as in ``api.h``."""
+
+CORE = Product(
+    "jumpcore",
+    "the core",
+    Path(__file__).resolve().parent,
+    export="jump_core_version",
+    levels=("x86-64",),
+    carried_flags=("-static-libstdc++", "-static-libgcc"),  # older systems lack a recent C++ library
+)
+
+INTEGER, REAL = ctypes.c_int64, ctypes.c_double
+REALS, INTEGERS, SHORTS, BYTES = (ndpointer(kind, flags="C_CONTIGUOUS") for kind in ("f8", "i8", "i4", "u1"))
+"""Kinds of arguments: numbers, and contiguous arrays of float64, int64, int32 and uint8; others raise a TypeError."""
+
+
+class Struct(ctypes.Structure):
+    """A struct of the interface; a child has the name of that in C++ and its fields in the same order."""
+
+    @classmethod
+    def check(cls, library: ctypes.CDLL) -> None:
+        """SetupError where Python and C++ do not agree on the size."""
+        there = getattr(library, f"{cls.__name__}_size")()
+        if there != ctypes.sizeof(cls):
+            raise SetupError(f"{cls.__name__} has {there} bytes in the core, {ctypes.sizeof(cls)} in Python")
+
+
+@lru_cache(maxsize=1)
+def _loaded() -> tuple[ctypes.CDLL | None, str]:
+    """The library, or None and why."""
+    try:
+        library = ctypes.CDLL(str(library_path(CORE)))
+        found = library.jump_core_version()
+    except (SetupError, OSError, AttributeError) as error:
+        return None, str(error)
+    if found != VERSION:
+        return None, f"the core has version {found} of its interface, and {VERSION} is needed"
+    return library, ""
+
+
+def core() -> ctypes.CDLL | None:
+    """The library; None where it is neither carried by the package nor can be built here."""
+    return _loaded()[0]
+
+
+def why_absent() -> str:
+    """Why there is no core, in one sentence; empty where there is."""
+    return _loaded()[1]
+
+
+def require_core(what: str) -> ctypes.CDLL:
+    """The library.
+
+    Raises
+    ------
+    SetupError
+        There is none: `what` needs it.
+    """
+    library, reason = _loaded()
+    if library is None:
+        raise SetupError(f"{what} needs a C++ compiler, or a wheel of lammps-jump that carries the core: {reason}")
+    return library
+
+
+def function(name: str, *kinds: Any, result: Any = None) -> Callable[..., Any]:
+    """A function of the core with the kinds of its arguments; it needs the core where it is first called.
+
+    Parameters
+    ----------
+    name : str
+    kinds : ctypes types
+        `INTEGER`, `REAL`, `REALS` and so on.
+    result : ctypes type, optional
+    """
+
+    @lru_cache(maxsize=1)
+    def bound() -> Callable[..., Any]:
+        found = require_core(name)[name]  # each call makes an object of its own
+        found.argtypes, found.restype = kinds, result
+        for kind in kinds:
+            struct = getattr(kind, "_type_", None)
+            if isinstance(struct, type) and issubclass(struct, Struct):
+                struct.check(require_core(name))
+        return found
+
+    return lambda *arguments: bound()(*arguments)
