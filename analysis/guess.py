@@ -14,6 +14,7 @@ import numpy as np
 from lammps_jump.dump.frame import Frame, require_finite, ten_indices
 from lammps_jump.dump.read import Dump
 from lammps_jump.errors import DumpError
+from lammps_jump.physics import bodies
 from lammps_jump.physics.contact import Coefficients
 from lammps_jump.quoting import visible
 from lammps_jump.scene.motion import MovingWall
@@ -22,6 +23,9 @@ from lammps_jump.scene.walls import Block, Interval, Plane
 
 from .flow import Flow, radii_of
 
+PACKED, CLOSE, AROUND = 20, 0.15, 1.5
+"""So many discs are packed where half of them have their third neighbour within 1.5 times the closest distance, which
+may lie 15 % above a diameter that is given."""
 LOOSE = 1.03
 """Half of the discs have no neighbour within so many guessed diameters: equal discs touch, or these are dilute."""
 
@@ -34,6 +38,7 @@ def from_dump(
     density: float | None = None,
     bin_width: float | None = None,
     time_step: float | None = None,
+    kind: str | None = None,
 ) -> Flow:
     """Flow of a bare dump; what is not given is guessed, and said so in ``notes``.
 
@@ -49,17 +54,20 @@ def from_dump(
         dilute gas).
         Where diameters differ each disc has its own; the nominal diameter is then that of the mean mass.
     density : float, optional
-        kg/m^3, default 1000. The mass of a disc is that of a ``mass`` column, else density diameter^2 per metre of
-        width; with unequal discs, of the nominal one: masses go with the square of the diameter.
+        Of the material, kg/m^3. A ``mass`` column gives the mass, and with the diameters it tells the bodies; a density
+        that fits neither is refused. Without that column the mass is that of the bodies, by default density diameter^2
+        per metre of width, and the density 1000. Depths by mass count diameter^2 for each disc, whatever its mass.
     bin_width : float, optional
         m; default five diameters, or so that whole bins cover the floor.
     time_step : float, optional
         s, for dumps without ``ITEM: TIME``. Without either, steps stand in place of times, and nothing is made of them.
+    kind : {'spheres', 'cylinders', 'discs'}, optional
+        What masses are of, where masses and diameters do not tell it (`lammps_jump.physics.bodies`).
 
     Raises
     ------
     DumpError
-        A dump without any disc, one of three dimensions, or a value that is not positive.
+        A dump without any disc, one of three dimensions, a value that is not positive, masses that fit no body.
     """
     types = dict(diameter) if isinstance(diameter, Mapping) else {}
     given = [("density", density), ("time_step", time_step), ("bin_width", bin_width)]
@@ -72,10 +80,10 @@ def from_dump(
     frame = max(frames, key=lambda f: f.n)
     nominal, sized = _diameter(frame, diameter, notes)
     _require_a_plane(frames, nominal, dump.path)
-    if density is None:
-        density = 1000.0
-        notes.append("Density taken as 1000 kg/m3.")
-    mass = _mass(frame, density * nominal**2, sized, notes)
+    if diameter is not None and not types:
+        _require_touch(frame, nominal, dump.path)
+    diameters = 2 * radii_of(frame, types) if sized else np.full(frame.n, nominal)
+    mass = _mass(frame, diameters, density, kind, notes)
     notes.append("Gravity taken as 9.81 m/s2.")
     edges = [_edges(f, radii_of(f, types) if sized else 0.5 * nominal) for f in frames if f.n]
     left, low, right = (np.concatenate(part) for part in zip(*edges, strict=True))
@@ -87,7 +95,7 @@ def from_dump(
         name=name or visible(dump.path.name),
         description="",
         diameter=nominal,
-        density=float(density),
+        density=mass / nominal**2,  # of discs that stand in squares: a depth by mass is one of the same discs
         gravity=(0.0, -9.81),
         coefficients=known_coefficients(mass=mass, time_step=time_step),
         friction_law="viscous",
@@ -201,14 +209,63 @@ def _timed(dump: Dump, time_step: float | None, notes: list[str]) -> bool:
     return clocked or time_step is not None
 
 
-def _mass(frame: Frame, by_density: float, sized: bool, notes: list[str]) -> float:
-    """Mass of the nominal disc, kg per metre of width: from the dump, else by density and diameter."""
-    if "mass" in frame.columns:
-        mass = float(np.mean(frame.columns["mass"]) if sized else np.median(frame.columns["mass"]))
-        notes.append(f"Mass {mass:.6g} kg from the dump's mass column ({'mean' if sized else 'median'}).")
+def _mass(frame: Frame, diameters: np.ndarray, density: float | None, given: str | None, notes: list[str]) -> float:
+    """Mean mass of a body, kg per metre of width: from the dump, else by density and diameter."""
+    nominal, thickness = float(np.sqrt(np.mean(diameters**2))), float(np.mean(diameters))
+    if "mass" not in frame.columns:
+        if density is None:
+            density = 1000.0
+            notes.append("Density taken as 1000 kg/m3.")
+        kind = given or "discs"
+        mass = bodies.per_width(kind, bodies.mass_of(kind, nominal, density), nominal)
+        formula = {"spheres": "density x π/6 x diameter^2", "cylinders": "density x π/4 x diameter^2"}
+        notes.append(f"Mass taken as {formula.get(kind, 'density x diameter^2')} = {mass:.6g} kg per metre of width.")
         return mass
-    notes.append(f"Mass taken as density x diameter^2 = {by_density:.6g} kg per metre of width.")
-    return by_density
+    masses = frame.columns["mass"]
+    mean = float(np.mean(masses))
+    kinds, said = _bodies(masses, diameters, density, given)
+    notes.append(f"Mass {mean:.6g} kg from the dump's mass column (mean).")
+    notes.append(said)
+    return bodies.per_width(kinds[0], mean, thickness) if len(kinds) == 1 else mean
+
+
+def _bodies(
+    masses: np.ndarray, diameters: np.ndarray, density: float | None, given: str | None
+) -> tuple[tuple[str, ...], str]:
+    """What the bodies are, and a sentence on it.
+
+    Raises
+    ------
+    DumpError
+        Masses, diameters and what is given contradict each other.
+    """
+    found = {kind: bodies.density_of(kind, masses, diameters) for kind in bodies.SHAPES}
+    listed = ", ".join(f"{kind} of {value:.4g} kg/m3" for kind, value in found.items())
+    told = bodies.told(masses, diameters, density)
+    if density is not None and (not told or (given and given not in told)):
+        raise DumpError(
+            f"density = {density:g} kg/m3{f' of {given}' if given else ''}: masses of {np.mean(masses):.4g} kg and "
+            f"diameters of {np.mean(diameters):.4g} m are those of {listed}. Give one of these densities, or none; "
+            "or give the right diameter (--diameter)."
+        )
+    kinds = (given,) if given else told
+    if not kinds:
+        return kinds, (
+            f"Masses and diameters are of no body of one material ({listed}). Say which with --bodies; until then "
+            "masses count per metre of width. Depths hold: they count diameter^2 for each disc."
+        )
+    names = " or ".join(f"{kind} of {found[kind]:.4g} kg/m3" for kind in kinds)
+    how = "as given" if given else "by mass and diameter"
+    if "spheres" not in kinds:
+        return kinds, f"Bodies: {names}, {how}; masses are per metre of width."
+    if len(kinds) > 1:
+        return kinds, (
+            f"Bodies: {names}: masses and diameters fit these. Say which with --bodies spheres, cylinders or discs; "
+            "until then masses count per metre of width. Depths hold: they count diameter^2 for each disc."
+        )
+    return kinds, (
+        f"Bodies: {names}, {how}. Their layer is one mean diameter wide, and masses are per metre of that width."
+    )
 
 
 def _diameter(frame: Frame, diameter: float | Mapping[int, float] | None, notes: list[str]) -> tuple[float, bool]:
@@ -231,13 +288,31 @@ def _diameter(frame: Frame, diameter: float | Mapping[int, float] | None, notes:
     return 2 * float(np.sqrt(np.mean(radii**2))), True
 
 
-def _guess_diameter(frame: Frame, notes: list[str]) -> float:
-    if frame.n < 2:
-        raise DumpError("one disc and no diameter or radius column: give the diameter.")
+def _nearest(frame: Frame, neighbours: int = 1) -> np.ndarray:
+    """Distances of each disc to the nearest ones, m, shape (n, neighbours); infinite where there are fewer."""
     from scipy.spatial import cKDTree
 
     points = np.column_stack([frame.x, frame.y])
-    nearest = cKDTree(points).query(points, k=2)[0][:, 1]
+    return cKDTree(points).query(points, k=neighbours + 1)[0][:, 1:]
+
+
+def _require_touch(frame: Frame, diameter: float, path: Path) -> None:
+    """DumpError where discs are packed, each with three others around it, further apart than a diameter (m)."""
+    if frame.n < PACKED:
+        return
+    near = _nearest(frame, 3)
+    closest = float(np.quantile(near[:, 0], 0.01))
+    if closest > (1.0 + CLOSE) * diameter and float(np.median(near[:, 2])) <= AROUND * closest:
+        raise DumpError(
+            f"{path}: diameter = {diameter:g} m: discs lie packed {closest:.4g} m apart, with air between "
+            f"discs of that size. Give their diameter (--diameter {closest:.4g}), or leave it out."
+        )
+
+
+def _guess_diameter(frame: Frame, notes: list[str]) -> float:
+    if frame.n < 2:
+        raise DumpError("one disc and no diameter or radius column: give the diameter.")
+    nearest = _nearest(frame)[:, 0]
     diameter = float(np.quantile(nearest, 0.01))
     if not diameter > 0:
         raise DumpError("discs lie on top of each other: the diameter cannot be guessed; give it.")

@@ -20,7 +20,7 @@ from lammps_jump.units import as_summary, is_bound, numbers_of, shown
 
 from . import draw, energy, front
 from .beds.slope import AlongBed, sloping_stretch
-from .budgets import inflow, stations
+from .budgets import depths, inflow, stations
 from .contacts import ContactCollector
 from .devices import drum, hopper, waves
 from .draw.aside import aside
@@ -93,6 +93,7 @@ QUANTITIES = {
     "layers": Quantity(layers.Layers, layers.LayerSums, layers.analyse, layers.tables, layers.figures, layers.section),
     "heap": Quantity(heap.Heap, heap.HeapWatch, heap.analyse, heap.tables, heap.figures, heap.section),
     "rest": Quantity(rest.Rest, rest.RestWatch, rest.analyse, rest.tables, rest.figures, rest.section),
+    "depth": Quantity(depths.Depths, None, depths.analyse, lambda _: {}, lambda *_: {}, depths.section),
 }
 """By the key in ``summary.json``, in the order of the report."""
 BESIDE_FORCES = {"reflected_wave": ReflectedWave, "identity": Identity}

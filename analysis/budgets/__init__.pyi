@@ -1,3 +1,4 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
+from . import depths as depths
 from . import inflow as inflow
 from . import stations as stations

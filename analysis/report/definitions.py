@@ -103,6 +103,11 @@ rest          from the first frame on after which, up to the end: median speed b
               0.05 d, number of discs as it is; at least for 20 √(d/g), with all gates open
 sinking       fall of the highest edge over the last 20 √(d/g)
 """,
+    "depth": """\
+by mass       Σ d² of the discs over the length: as deep as the same discs would stand in squares
+surface       free surface over the bed; both are means of the window, where that is two diameters or more
+over          touching discs have 0.8 to 1.2; a dump beyond 1.5 is refused: its discs overlap
+""",
     "energy": """\
 kinetic, spin, potential (−m g·r), elastic (k δ²/2) energy of all discs, per metre of width
 drift         straight-line change over the record, over the energy at the start

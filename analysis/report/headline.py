@@ -44,6 +44,10 @@ DISCS = (-0.2, 0.0)
 """Mean difference of fronts of frictionless discs from Martin & Moyce's water, five starts (docs/theory.md)."""
 
 
+FELL = 0.01
+"""Run-out over base from which on a column has fallen: a bed that lies as it lay is none."""
+
+
 def _waves(waves: Mapping) -> str:
     if waves.get("height") is None:
         return ""
@@ -69,7 +73,7 @@ def _heap(heap: Mapping) -> str:
         return ""
     rests = "still moves" if heap.get("at_rest") is False else "is at rest" if heap.get("at_rest") else "stands"
     slope = "" if heap.get("angle") is None else f", its flanks slope at {heap['angle']:.0f} degrees"
-    if heap.get("run_out_over_base") is None:
+    if (heap.get("run_out_over_base") or 0.0) < FELL:
         return f"A {'heap' if slope else 'bed'} of {_short(heap['height'])} m {rests}{slope}."
     return f"The column has run out {_short(heap['run_out_over_base'])} times its base and {rests}{slope}."
 

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from shlex import quote
 
@@ -56,6 +56,9 @@ WITH_ERRORS = {
     "force.*": Force, "force.reflected_wave": ReflectedWave,
 }  # fmt: skip
 """Parts of ``summary.json`` that hold standard errors within this run."""
+
+OPTIONS = {"hopper": "outlet"}
+"""Options of the command that ask a bare dump for a quantity, where they have another name."""
 
 REPEAT = """\
 lammps-jump build-and-run case.yaml --out again
@@ -218,12 +221,17 @@ def _command(summary: Mapping) -> list[Text | Code]:
     """The command that makes the results again."""
     if "given" not in summary:
         return [Text("In this run folder, with the versions below:"), Code(REPEAT)]
-    options = [
-        f"--{key.replace('_', '-')} "
-        + (",".join(f"{k}={v:g}" for k, v in value.items()) if isinstance(value, Mapping) else f"{value:g}")
-        for key, value in summary["given"].items()
-    ]
+    options = [text for key, value in summary["given"].items() for text in _option(key, value)]
     return [Code(" ".join(["lammps-jump analyze", quote(summary["name"]), *options]))]
+
+
+def _option(key: str, value: object) -> list[str]:
+    """What was given with a bare dump, as options of its command."""
+    if key == "analyses" and isinstance(value, Sequence):
+        return [f"--{OPTIONS.get(name, name)}" for name in value]
+    if isinstance(value, Mapping):
+        value = ",".join(f"{kind}={number:g}" for kind, number in value.items())
+    return [f"--{key.replace('_', '-')} {value if isinstance(value, str) else format(value, 'g')}"]
 
 
 def _how(summary: Mapping) -> Section:

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import isfinite, nan
 from typing import Any, NamedTuple
 
+from lammps_jump.analysis.budgets.depths import Depths
 from lammps_jump.analysis.budgets.inflow import Delivery
 from lammps_jump.analysis.devices.drum import Drum
 from lammps_jump.analysis.devices.hopper import Hopper
@@ -132,6 +133,7 @@ FOUND = (
     Wanted("energy.potential", Energy),
     Wanted("inflow.delivered", Delivery, "asked", "inflow.asked"),
     Wanted("inflow.froude", Delivery),
+    Wanted("depth.mass", Depths, "surface", "depth.surface"),
 )
 """In the order of the page; those that a summary holds and that go with its verdict are shown, at most `MOST`."""
 

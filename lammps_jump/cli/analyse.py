@@ -19,6 +19,11 @@ from .progress import print_summary
 
 app = typer.Typer(rich_markup_mode=None)
 
+OfADump = Annotated[
+    bool,
+    typer.Option(help="Look for this; a bare dump is looked at for a jump and a front otherwise.", show_default=False),
+]
+
 FOLDER = "Run folder, or folder of a dump's results."
 OR_STUDY = "Folder of a run, of a study, or of a dump's results."
 
@@ -43,17 +48,32 @@ def analyze(
             help="Disc diameter, m or '2 cm'; of each type: 1=0.2,2=0.1 (of a bare dump; default: guessed).",
         ),
     ] = None,
-    density: Annotated[float | None, quantity("kg/m^3", "Density, kg/m^3 (of a bare dump; default 1000).")] = None,
+    density: Annotated[
+        float | None,
+        quantity("kg/m^3", "Density of the material, kg/m^3 (of a bare dump; default: from its masses, else 1000)."),
+    ] = None,
+    bodies: Annotated[
+        Literal["spheres", "cylinders", "discs"] | None,
+        typer.Option("--bodies", help="What its masses are of (of a bare dump; default: told by mass and diameter)."),
+    ] = None,
     time_step: Annotated[
         float | None, quantity("s", "Time step, s or '0.1 ms' (of a bare dump without times).")
     ] = None,
     bin_width: Annotated[float | None, quantity("m", "Width of a profile bin, m.")] = None,
+    jump: OfADump = False,
+    front: OfADump = False,
+    heap: OfADump = False,
+    rest: OfADump = False,
+    layers: OfADump = False,
+    outlet: OfADump = False,
     set_: Sets = None,
     quiet: Quiet = False,
     verbose: Verbose = False,
 ) -> None:
     """Depth profiles, jump, front, forces and figures of a run folder or of any dump."""
-    guessed = {"--diameter": diameter, "--density": density, "--time-step": time_step}
+    asked = {"jump": jump, "front": front, "heap": heap, "rest": rest, "layers": layers, "hopper": outlet}
+    analyses = tuple(name for name, wanted in asked.items() if wanted)
+    guessed = {"--diameter": diameter, "--density": density, "--time-step": time_step, "--bodies": bodies}
     of_a_dump = {"--out": out, "--case": case, **guessed}
     target = targets[0]
     if len(targets) == 1 and target.is_dir() and (target / "case.yaml").exists():
@@ -63,8 +83,10 @@ def analyze(
                     f"{option} {value}: {target} is a run folder, whose case says all that and whose results stay in "
                     f"it; {option} goes with a bare dump: name the dump file itself to analyse it as one"
                 )
+        sets = [*(set_ or []), *([f"analysis.bin_width={bin_width}"] * bool(bin_width))]
+        sets += [f"analysis.{name}=true" for name in analyses]
         with told(quiet):
-            runs.start.reanalyse(target, [*(set_ or []), *([f"analysis.bin_width={bin_width}"] * bool(bin_width))])
+            runs.start.reanalyse(target, sets)
         if not quiet:
             print_summary(lj.open_run(target).summary, target, verbose=verbose)
         return
@@ -76,7 +98,8 @@ def analyze(
     loaded = None if case is None else lj.load_case(case, set_ or [])
     with told(quiet):
         path = dump.find_dump(*targets)
-        summary, folder = runs.results.analyse_dump(path, loaded, diameter, density, bin_width, out, time_step)
+        given = runs.results.Given(diameter, density, time_step, bin_width, bodies, analyses)
+        summary, folder = runs.results.analyse_dump(path, loaded, given, out)
     if not quiet:
         print_summary(summary, folder, verbose=verbose)
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,6 +16,7 @@ import numpy as np
 from lammps_jump import folders
 from lammps_jump.analysis import draw as drawing
 from lammps_jump.analysis import quantities
+from lammps_jump.analysis.budgets import depths
 from lammps_jump.analysis.flow import Flow, from_scene
 from lammps_jump.analysis.guess import from_dump
 from lammps_jump.analysis.passes import Collector, Gathered, feed, with_velocities
@@ -46,9 +47,57 @@ if TYPE_CHECKING:
 log = logging.getLogger(__name__)
 
 OF_A_DUMP = ("jump", "front")
-"""What is looked for in a bare dump."""
-GIVEN = ("diameter", "density", "time_step", "bin_width")
-"""What may be given with a bare dump."""
+"""What is looked for in a bare dump where nothing is asked for."""
+
+
+@dataclass(frozen=True)
+class Given:
+    """What may be given with a bare dump; None, or nothing, where it is not.
+
+    Attributes
+    ----------
+    diameter : float or mapping of int to float, optional
+        m; of each type where it is a mapping.
+    density : float, optional
+        Of the material, kg/m^3; default 1000, or that of the masses in the dump.
+    time_step : float, optional
+        s; for a dump without times.
+    bin_width : float, optional
+        m.
+    bodies : str, optional
+        spheres, cylinders or discs.
+    analyses : tuple of str
+        Names of quantities to look for, by default `OF_A_DUMP`.
+    """
+
+    diameter: float | Mapping[int, float] | None = None
+    density: float | None = None
+    time_step: float | None = None
+    bin_width: float | None = None
+    bodies: str | None = None
+    analyses: tuple[str, ...] = ()
+
+    @property
+    def wanted(self) -> tuple[str, ...]:
+        """Quantities to look for; the depths always."""
+        return ("depth", *(self.analyses or OF_A_DUMP))
+
+    @property
+    def known(self) -> dict[str, Any]:
+        """What was given, as it stands in ``summary.json``."""
+        return {name: value for name, value in vars(self).items() if value not in (None, ())}
+
+    @classmethod
+    def of(cls, summary: Mapping[str, Any]) -> Given:
+        """That of a summary."""
+        names = {field.name for field in fields(cls)}
+        given = {key: value for key, value in (summary.get("given") or {}).items() if key in names}
+        if isinstance(sizes := given.get("diameter"), Mapping):
+            given["diameter"] = {int(kind): value for kind, value in sizes.items()}
+        return cls(**given | {"analyses": tuple(given.get("analyses", ()))})
+
+
+NOTHING_GIVEN = Given()
 
 
 @dataclass(frozen=True)
@@ -149,13 +198,7 @@ def analyse_in_memory(case: ReadCase, folder: Path) -> Found:
 
 
 def analyse_dump(
-    target: Path,
-    case: ReadCase | None,
-    diameter: float | Mapping[int, float] | None,
-    density: float | None,
-    bin_width: float | None,
-    out: Path | None,
-    time_step: float | None = None,
+    target: Path, case: ReadCase | None, given: Given = NOTHING_GIVEN, out: Path | None = None
 ) -> tuple[dict[str, Any], Path]:
     """Analyse a dump that is no run's; its summary, and the folder that holds the results.
 
@@ -165,38 +208,35 @@ def analyse_dump(
         The dump, a folder that holds one, or the pattern of its files.
     case : ReadCase, optional
         The case that belongs to it.
-    diameter, bin_width : float, optional
-        m; the diameter of each type where it is a mapping.
-    density : float, optional
-        kg/m^3; default 1000.
+    given : Given
     out : Path, optional
         Folder of the results; default beside the dump.
-    time_step : float, optional
-        s; for a dump without times.
 
     Raises
     ------
     CaseError, DumpError
     """
     path = find_dump(target)
-    flow = _flow(path, case, diameter, density, time_step, bin_width)
-    low, high = flow.x_range
-    if bin_width is not None and not (high - low) / MOST_BINS <= bin_width <= high - low:
+    flow = _flow(path, case, given)
+    (low, high), width = flow.x_range, given.bin_width
+    if width is not None and not (high - low) / MOST_BINS <= width <= high - low:
         raise CaseError(
-            f"--bin-width {bin_width}: allowed is {(high - low) / MOST_BINS:.2g} to {high - low:.4g} m, the length of "
+            f"--bin-width {width}: allowed is {(high - low) / MOST_BINS:.2g} to {high - low:.4g} m, the length of "
             f"the channel in {path}"
         )
     stem = path.name.split(".")[0].replace("*", "").strip("_-")
     folder = out or path.parent / f"{stem or 'dump'}_analysis"
-    given = {"diameter": diameter, "density": density, "time_step": time_step, "bin_width": bin_width}
-    known = {name: value for name, value in given.items() if value is not None}
-    summary: dict[str, Any] = {"name": visible(path.name), "given": known, "versions": versions()}
+    summary: dict[str, Any] = {"name": visible(path.name), "given": given.known, "versions": versions()}
     summary |= {"case_yaml": case.to_yaml()} if case else {}
     with _results_folder(folder, path) as stage:
         if (folder / "forces.csv").is_file():
             (stage / "forces.csv").symlink_to((folder / "forces.csv").absolute())
         packer = FramePacker(flow)
-        summary |= quantities.analyse(flow, path, stage, OF_A_DUMP, watch=[IdCheck(path), packer])
+        places = (stage, path.parent)
+        gathered = quantities.collect(flow, open_dump(path), places, given.wanted, [IdCheck(path), packer])
+        if note := depths.require_agreement(gathered):
+            gathered = replace(gathered, warnings=(*gathered.warnings, note))
+        summary |= quantities.analyse(flow, path, stage, given.wanted, gathered=gathered)
         report.write_report(stage, summary, case.to_yaml() if case else "", player=make_player(packer, stage))
         write_summary(stage, summary)
         folders.clear(folder, RESULT_FILES)
@@ -229,20 +269,19 @@ def _results_folder(folder: Path, dump: Path) -> Iterator[Path]:
         raise
 
 
-def _flow(
-    path: Path,
-    case: ReadCase | None,
-    diameter: float | Mapping[int, float] | None = None,
-    density: float | None = None,
-    time_step: float | None = None,
-    bin_width: float | None = None,
-) -> Flow:
+def _flow(path: Path, case: ReadCase | None, given: Given = NOTHING_GIVEN) -> Flow:
     """The flow of a dump: that of its case, else what can be guessed."""
     if case is not None:
         water = case.fields.analysis.front == "water"
-        return from_scene(case.scene(), bin_width=bin_width, water=water, folder=path.parent)
-    known = {"diameter": diameter, "density": density or 1000.0, "time_step": time_step, "bin_width": bin_width}
-    return from_dump(open_dump(path), **known)
+        return from_scene(case.scene(), bin_width=given.bin_width, water=water, folder=path.parent)
+    return from_dump(
+        open_dump(path),
+        diameter=given.diameter,
+        density=given.density,
+        bin_width=given.bin_width,
+        time_step=given.time_step,
+        kind=given.bodies,
+    )
 
 
 def is_of_a_dump(folder: Path) -> bool:
@@ -274,18 +313,16 @@ def flow_of_dump(folder: Path) -> Flow:
         The dump is gone.
     """
     summary = summary_of_dump(folder)
-    given = {key: value for key, value in (summary.get("given") or {}).items() if key in GIVEN}
-    if isinstance(sizes := given.get("diameter"), Mapping):
-        given["diameter"] = {int(kind): value for kind, value in sizes.items()}
     case = ReadCase.parse(summary["case_yaml"], stored=True) if "case_yaml" in summary else None
-    return _flow(find_dump(folder), case, **given)
+    return _flow(find_dump(folder), case, Given.of(summary))
 
 
 def draw_dump(folder: Path, ending: str = "png") -> list[Path]:
     """Draw every figure of a folder of results of a bare dump into its ``figures``; the paths."""
     with folders.locked(folder):
-        wanted = {name: quantities.QUANTITIES[name] for name in OF_A_DUMP}
-        gathered = quantities.collect(flow_of_dump(folder), read_dump(folder), [folder], OF_A_DUMP)
+        names = Given.of(summary_of_dump(folder)).wanted
+        wanted = {name: one for name, one in quantities.QUANTITIES.items() if name in names}
+        gathered = quantities.collect(flow_of_dump(folder), read_dump(folder), [folder], names)
         results = {name: result for name, one in wanted.items() if (result := one.analyse(gathered)) is not None}
         return draw_all(Found(gathered, results, ()), folder, ending)
 

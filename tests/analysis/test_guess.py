@@ -20,7 +20,7 @@ from lammps_jump.dump.frame import make_frame
 from lammps_jump.dump.read import open_dump
 from lammps_jump.dump.write import DumpWriter
 from lammps_jump.errors import DumpError
-from lammps_jump.runs.results import analyse_dump
+from lammps_jump.runs.results import Given, analyse_dump
 
 pytestmark = pytest.mark.usefixtures("blank_pictures")
 
@@ -40,7 +40,7 @@ def bore(folder, columns=COLUMNS, *, timed=False, name="flow_7.lammpstrj", frame
 
 
 def analysed(path, **given):
-    folder = analyse_dump(path, None, D, None, None, None, **given)[1]
+    folder = analyse_dump(path, None, Given(D, **given))[1]
     return json.loads((folder / "summary.json").read_text()), folder
 
 
@@ -255,7 +255,7 @@ def test_results_of_a_dump_open_in_the_other_commands(tmp_path, monkeypatch, cap
     monkeypatch.setattr(film, "animate", lambda dump, flow, path, **_: path.write_text(f"{flow.bin_width} {len(dump)}"))
     monkeypatch.setattr(film, "has_ffmpeg", lambda: True)
     monkeypatch.chdir(tmp_path)
-    analyse_dump(bore(tmp_path, timed=True, frames=9), None, D, None, 0.5, None)
+    analyse_dump(bore(tmp_path, timed=True, frames=9), None, Given(D, bin_width=0.5))
     made, drawn = "flow_7_analysis", "0.5 9"  # the flow as it was analysed
     for arguments, file, said in (
         (("export", made, "--csv", "--vtk", "--pictures"), f"{made}/picture8.dat", ""),
@@ -272,3 +272,77 @@ def test_results_of_a_dump_open_in_the_other_commands(tmp_path, monkeypatch, cap
     (tmp_path / "flow_7.lammpstrj").unlink()
     status, _, message = call(monkeypatch, capsys, "figures", made)
     assert status == 2 and "flow_7.lammpstrj, which is no longer there" in message
+
+
+GRAIN = 0.015
+"""Diameter of spheres in a box, m."""
+
+
+def spheres(folder, *, density=2500.0, mass=lambda d, rho: np.pi / 6 * rho * d**3, radius=True, layers=8, frames=5):
+    """A bed of discs in squares in a box, as LAMMPS' ``atom_style sphere`` writes it: mass and radius in columns."""
+    x, y = columns_of_discs(layers, 0.0, 0.6, d=GRAIN)
+    more = {"mass": mass(GRAIN, density) + 0 * x} | ({"radius": 0.5 * GRAIN + 0 * x} if radius else {})
+    with DumpWriter(folder / "pour.dump", (*COLUMNS, *more)) as writer:
+        for k in range(frames):
+            values = {"id": np.arange(len(x)) + 1, "x": x, "y": y, "vx": 0 * x, "vy": 0 * x} | more
+            writer.write_frame(make_frame(500 * k, 0.5 * k, [[-0.1, 0.7], [-0.1, 0.9]], values))
+    return folder / "pour.dump"
+
+
+CYLINDERS, THESIS = (lambda d, rho: np.pi / 4 * rho * d**2), (lambda d, rho: rho * d**2)
+
+
+@pytest.mark.parametrize(
+    ("mass", "said", "per_width"),
+    [
+        (lambda d, rho: np.pi / 6 * rho * d**3, "Bodies: spheres of 2500 kg/m3", np.pi / 6 * 2500 * GRAIN**2),
+        (CYLINDERS, "Bodies: cylinders of 2500 kg/m3 or discs of 1963 kg/m3", np.pi / 4 * 2500 * GRAIN**2),
+        (THESIS, "Bodies: cylinders of 3183 kg/m3 or discs of 2500 kg/m3", 2500 * GRAIN**2),
+    ],
+    ids=["spheres", "cylinders", "discs"],
+)
+def test_bodies_are_told_and_depths_by_mass_do_not_depend_on_them(tmp_path, mass, said, per_width):
+    flow = from_dump(open_dump(spheres(tmp_path, mass=mass)))
+    assert any(note.startswith(said) for note in flow.notes), flow.notes
+    assert flow.scene.mass == pytest.approx(per_width)
+    found = compute_profiles(open_dump(tmp_path / "pour.dump"), flow)
+    inside = slice(1, -1)
+    assert found.mass_depth_mean.values[inside] == pytest.approx(8 * GRAIN, rel=1e-6)
+    assert found.surface_depth_mean.values[inside] == pytest.approx(8 * GRAIN, rel=0.02)
+    assert float(found.mass_total[0]) == pytest.approx(8 * 40 * per_width)
+
+
+def test_bodies_that_are_not_told_are_asked_for(tmp_path):
+    path = open_dump(spheres(tmp_path, mass=lambda d, rho: 1e-6))
+    flow = from_dump(path)
+    assert any("Say which with --bodies" in note for note in flow.notes)
+    assert any("Bodies: spheres of" in note for note in from_dump(path, kind="spheres").notes)
+    with pytest.raises(DumpError, match=r"density = 1000 kg/m3: masses of 1e-06 kg .* are those of spheres of 0\.56"):
+        from_dump(path, density=1000.0)
+    bare = from_dump(open_dump(bore(tmp_path, frames=1)), kind="cylinders", density=1000.0, diameter=D)
+    assert bare.scene.mass == pytest.approx(np.pi / 4 * 1000 * D**2)
+
+
+def test_a_dump_whose_depths_contradict_each_other_is_refused(tmp_path, monkeypatch, capsys):
+    for diameter, said in ((1.5 * D, "overlap, or lie behind each other"), (0.5 * D, "discs lie packed 0.2 m apart")):
+        path = bore(tmp_path, timed=True, frames=4)
+        status, _, message = call(monkeypatch, capsys, "analyze", path, "--diameter", diameter)
+        assert status == 2 and said in message and "--diameter" in message, message
+        assert [entry.name for entry in tmp_path.iterdir()] == [path.name], "nothing is left"
+    found, _ = analysed(path)
+    assert found["depth"]["ratio"] == pytest.approx(1, abs=0.02)
+
+
+def test_a_dump_of_grains_is_asked_for_a_heap(tmp_path, monkeypatch, capsys):
+    path = spheres(tmp_path)
+    status, said, message = call(monkeypatch, capsys, "analyze", path, "--heap", "--rest", "--layers")
+    assert status == 0, message
+    assert "ydraulic" not in said and "A bed of 0.12 m is at rest." in said
+    folder = tmp_path / "pour_analysis"
+    found = json.loads((folder / "summary.json").read_text())
+    assert found["heap"]["height"] == pytest.approx(8 * GRAIN, rel=0.01) and found["rest"]["time"] == 0.0
+    assert found["layers"]["packing"] == pytest.approx(np.pi / 4, rel=0.02)
+    assert "jump" not in found and found["given"] == {"analyses": ["heap", "rest", "layers"]}
+    assert "lammps-jump analyze pour.dump --heap --rest --layers" in (folder / "report.html").read_text()
+    status, said, message = call(monkeypatch, capsys, "figures", folder)
+    assert status == 0 and "figures/heap.png" in said and "jump_track" not in said, message

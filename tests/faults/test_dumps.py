@@ -41,13 +41,12 @@ def outcome(data: bytes, folder, *, figures: str = "none", **given) -> str:
     """What became of the analysis of a dump: empty, or the message of the refusal."""
     path = folder / "dump.lammpstrj"
     path.write_bytes(data)
-    options = {"diameter": None, "density": None, "bin_width": None} | given
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RuntimeWarning)
             with pytest.MonkeyPatch.context() as patch:
                 patch.setattr(quantities, "analyse", partial(ANALYSE, pictures=quantities.Pictures(figures)))
-                results.analyse_dump(path, None, out=folder / "out", **options)
+                results.analyse_dump(path, None, results.Given(**given), folder / "out")
     except DumpError as error:
         assert "\n" not in str(error) and len(str(error)) < 600
         return str(error)
