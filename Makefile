@@ -7,7 +7,7 @@ CASE   ?= inputs/stable_jump.yaml
 # README and CONTRIBUTING say the same; a test compares them
 TEST_TIME = 2 minutes on two free cores (7 the first time), 5 and more on busy ones
 
-.PHONY: run test check browser bench stress cross-validation validate sensitivity calibrate figures docs docs-test gallery measured lint doctor wheel test-repeat faults slurm clean
+.PHONY: run test check browser bench stress cross-validation validate sensitivity calibrate figures docs docs-test reference gallery measured lint doctor wheel test-repeat faults slurm clean
 
 # a stamp, so that the environment is made once and again when the dependencies change
 $(VENV)/.ready: pyproject.toml
@@ -81,6 +81,10 @@ docs: $(VENV)/.docs
 # commands and numbers of tutorials and how-to pages, some minutes
 docs-test: $(VENV)/.ready
 	$(BIN)/python -m pytest -m docs
+
+# the pages of docs/reference that are made from the program; a test fails where they are not those of today
+reference: $(VENV)/.ready
+	cd docs && $(abspath $(BIN))/python -m making.pages
 
 # results of the gallery's long scenes, docs/stored, some minutes; make gallery X=spillway makes one
 gallery: $(VENV)/.ready

@@ -3,15 +3,18 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
+from contextlib import redirect_stdout
+from io import StringIO
+
+from lammps_jump.cli.app import app
 
 HEAD = """\
 # All commands
 
 This page is what each command prints with `--help`.
 """
+WIDTH = 90
+"""Columns of a page."""
 GROUPS = {"kernels": ("build", "status")}
 """Commands that hold commands."""
 
@@ -27,8 +30,6 @@ def page() -> str:
 
 
 def _names() -> list[str]:
-    from lammps_jump.cli.app import app
-
     return [
         name.name or name.callback.__name__.replace("_", "-")
         for group in app.registered_groups
@@ -37,9 +38,7 @@ def _names() -> list[str]:
 
 
 def _block(words: tuple[str, ...]) -> str:
-    command = [sys.executable, "-m", "lammps_jump", *words, "--help"]
-    done = subprocess.run(
-        command, env={**os.environ, "COLUMNS": "90", "TERM": "dumb"}, capture_output=True, text=True, check=True
-    )
-    text = done.stdout.replace("python -m lammps_jump", "lammps-jump").strip()
-    return f"```text\n{text}\n```\n"
+    told = StringIO()
+    with redirect_stdout(told):
+        app(args=[*words, "--help"], prog_name="lammps-jump", standalone_mode=False, terminal_width=WIDTH)
+    return f"```text\n{told.getvalue().strip()}\n```\n"

@@ -104,7 +104,7 @@ def _classes() -> dict[str, type]:
     while waiting:
         found += (below := waiting.pop().__subclasses__())
         waiting += below
-    return {one.__name__: one for one in found}
+    return {getattr(one, "model_config", {}).get("title", one.__name__): one for one in found}
 
 
 def _references(part: Any) -> Iterator[str]:

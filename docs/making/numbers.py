@@ -42,6 +42,7 @@ TITLES = {
     "layers": "Layers",
     "heap": "Heap",
     "rest": "Rest",
+    "depth": "Depths of a foreign dump",
 }
 """Of the sections; a quantity of the program that is missing here stops the build."""
 BESIDE_DEFINITIONS = {"jump": ("stations",), "front": ("water",)}
@@ -58,7 +59,9 @@ def section(key: str) -> Iterator[str]:
     """Definitions and numbers of one quantity."""
     yield f"## {TITLES[key]}\n"
     for name in (key, *BESIDE_DEFINITIONS.get(key, ())):
-        rows = entries(DEFINITIONS[name])
+        rows = entries(DEFINITIONS.get(name, ""))
+        if not rows:  # its numbers tell all
+            continue
         yield "| word | what it is |\n|---|---|"
         yield from (f"| {cell(word)} | {cell(text)} |" for word, text in rows)
         yield ""

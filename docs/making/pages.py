@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""All generated parts of the site, written to ``docs/_made``."""
+"""All generated parts of the site, written to ``docs/_made``; those of ``docs/reference`` stand in the source tree.
+
+``python -m making.pages`` in ``docs`` writes the reference again (``make reference``).
+"""
 
 from __future__ import annotations
 
@@ -7,14 +10,14 @@ from pathlib import Path
 
 from . import commands, fields, folder, gallery, measured, numbers
 
-PAGES = {"fields": fields.page, "commands": commands.page, "folder": folder.page, "numbers": numbers.page}
+REFERENCE = {"fields": fields.page, "commands": commands.page, "folder": folder.page, "numbers": numbers.page}
+"""Pages of ``docs/reference`` that are made from the program."""
 
 
 def make(docs: Path) -> None:
     """Write what is new or has changed, so that Sphinx reads only that again."""
     made = docs / "_made"
-    for name, page in PAGES.items():
-        write(made / f"{name}.md", page())
+    reference(docs)
     for path in sorted(measured.FOLDER.glob("*.json")):
         (made / "measured").mkdir(parents=True, exist_ok=True)
         write(made / "measured" / f"{path.stem}.md", measured.fragment(path.stem, place=made / "measured"))
@@ -27,8 +30,18 @@ def make(docs: Path) -> None:
         inputs.symlink_to(docs.parent / "inputs", target_is_directory=True)
 
 
+def reference(docs: Path) -> None:
+    """Write the pages of the reference."""
+    for name, page in REFERENCE.items():
+        write(docs / "reference" / f"{name}.md", page())
+
+
 def write(path: Path, text: str) -> None:
     """Write a text where it is not there yet."""
     path.parent.mkdir(parents=True, exist_ok=True)
     if not path.exists() or path.read_text() != text:
         path.write_text(text)
+
+
+if __name__ == "__main__":
+    reference(Path(__file__).parents[1])

@@ -14,13 +14,23 @@ from lammps_jump.case import fields as models
 from lammps_jump.case.explain import fields_of
 from lammps_jump.scene.walls import Motions
 
-DOCS = Path(__file__).parents[2] / "docs"
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
 sys.path.insert(0, str(DOCS))
 
 from making import fields  # noqa: E402
 
 PAGE = (DOCS / "case.md").read_text()
 EXAMPLES = re.findall(r"^```yaml\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
+
+SHOWN = {
+    f"{page.name}, {number}": yaml.safe_load(text)
+    for page in (*sorted(DOCS.glob("*.md")), *sorted(DOCS.glob("howto/*.md")))
+    for number, text in enumerate(re.findall(r"^```yaml\n(.*?)^```$", page.read_text(), re.MULTILINE | re.DOTALL), 1)
+}
+"""Examples of all pages."""
+OF_CASES = {name: data for name, data in SHOWN.items() if data.keys() <= models.CaseFields.model_fields.keys()}
+SCENES = {path.stem: yaml.safe_load(path.read_text()) for path in sorted(ROOT.glob("inputs/*.yaml"))}
 
 
 def kinds(union: object) -> set[str]:
@@ -70,3 +80,45 @@ def paths(value: object, path: str = ""):
     elif isinstance(value, list):
         for inner in value:
             yield from paths(inner, path)
+
+
+def kinds_in(value: object, path: str = ""):
+    """Groups of a case with their kinds, as the headings of the page of all fields write them."""
+    if isinstance(value, dict):
+        if "kind" in value:
+            yield f"{path}, kind {value['kind']}"
+        for name, inner in value.items():
+            yield from kinds_in(inner, f"{path}.{name}".removeprefix("."))
+    elif isinstance(value, list):
+        for inner in value:
+            yield from kinds_in(inner, path)
+
+
+def test_every_kind_and_every_analysis_has_an_example_in_a_scene_or_page():
+    examples = [*SCENES.values(), *OF_CASES.values()]
+    shown = {kind for one in examples for kind in kinds_in(one)} | {name for one in examples for name in paths(one)}
+    headings = re.findall(r"^## (.*)$", fields.page(), re.MULTILINE)
+    wanted = {title for title in headings if ", kind " in title}
+    wanted |= {name for name in fields.names() if re.fullmatch(r"analysis\.\w+", name)}
+    assert "walls.motion, kind table" in wanted and "analysis.drum" in wanted
+    missing = wanted - shown
+    assert not missing
+
+
+@pytest.mark.parametrize("name", [name for name in OF_CASES if "file" not in str(OF_CASES[name])])
+def test_examples_of_the_pages_are_taken(name):
+    whole = yaml.safe_load(EXAMPLES[0])
+    part = OF_CASES[name]
+    if part.get("initial"):
+        whole.pop("inflow")
+        whole.pop("analysis")
+    if "probes" in part:  # names walls of its own
+        part = part | {"walls": [{"name": one, "kind": "circle", "centre": [9, 9], "radius": 1} for one in named(part)]}
+    assert lj.load_case({**whole, **part}).fields
+
+
+def named(part: dict) -> set[str]:
+    return {
+        *part["probes"].get("forces", ()),
+        *(one for group in part["probes"].get("groups", {}).values() for one in group),
+    }

@@ -12,7 +12,7 @@ ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 sys.path.insert(0, str(DOCS))
 
-from making import fields, folder  # noqa: E402
+from making import fields, folder, pages  # noqa: E402
 
 from lammps_jump.analysis.quantities import QUANTITIES  # noqa: E402
 from lammps_jump.case.fields import CaseFields  # noqa: E402
@@ -149,7 +149,14 @@ def test_every_file_of_a_run_folder_is_explained():
     assert set(folder.FILES) == {name for name in (*RUN_FILES, *RESULT_FILES) if not name.startswith("figures/")}
 
 
+@pytest.mark.parametrize("name", pages.REFERENCE)
+def test_the_reference_in_the_source_tree_is_that_of_the_program(name):
+    page = DOCS / "reference" / f"{name}.md"
+    assert page.read_text() == pages.REFERENCE[name](), f"{page.name} is stale: `make reference` writes it again"
+
+
 def test_fields_of_the_models_have_their_limits():
     text = fields.page()
     assert "(thesis 3.3) | number | kg/m³ | ≥ 0.001 and ≤ 1e+06 | 1000 |" in text
+    assert "tilts gravity towards larger x | number | degrees | > -90 and < 90 | 0 |" in text  # of the whole case
     assert "above 0 up to 1 | number | \N{EN DASH} | ≥ 1e-06 and ≤ 1 | needed |" in text
