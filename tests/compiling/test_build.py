@@ -218,7 +218,7 @@ def test_where_one_cannot_be_built_the_other_is(make_believe, monkeypatch, capsy
         tools.kernels_build()
     said = capsys.readouterr()
     assert left.value.exit_code == 1 and Path(said.out.strip()).name == "jumpcore.so"
-    assert "compiling the core" in said.err and "LAMMPS' headers are not there" in said.err
+    assert "the core: compiling" in said.err and "LAMMPS' headers are not there" in said.err
     with pytest.raises(typer.Exit):
         tools.kernels_status()
 
