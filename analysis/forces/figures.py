@@ -4,7 +4,7 @@
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -14,12 +14,14 @@ from lammps_jump.analysis.budgets.inflow import Arrivals
 from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Line, Map, Panel
 from lammps_jump.analysis.draw.depths import xt_map
 from lammps_jump.analysis.passes import Gathered
-from lammps_jump.analysis.report.page import Section, Table, Text, cut
+from lammps_jump.analysis.report.page import Section, Table, Text, cut, heading
 from lammps_jump.units import numbers_of
 
 from .history import LOW_PASS, Force, Forces, analyse_forces
 from .impulse import with_inflow
 
+LEAST = 1e-6
+"""Share of the largest component below which another one is round-off, and not drawn."""
 LOOKS = ("first", "second", "sum", "third", "fit")
 """Of the structures, in turn."""
 
@@ -43,19 +45,50 @@ def figures(result: Forces, gathered: Gathered) -> Drawings:
     }
 
 
+KILO = 1e3
+MEANS = ("mean_fx", "mean_fy", "mean_resultant", "mean_angle", "mean_hydrostatic")
+LARGEST = ("peak", "peak_time", "resultant", "resultant_angle", "resultant_time", "hydrostatic", "stagnation")
+WHOLE = ("impulse_x", "impulse_y", "peak_moment")
+"""Numbers of the three tables of the section."""
+
+
 def section(found: Mapping) -> Section:
     """Forces on the probed structures, the impulse identity, the reflected wave; `found` as in ``summary.json``."""
-    numbers, keys = numbers_of(Force), ("peak", "peak_time", "impulse", "peak_moment", "hydrostatic", "stagnation")
-    scales = {key: 1.0 if key == "peak_time" else 1e3 for key in keys}
-    rows = []
-    for name, values in found.items():
-        if isinstance(values, dict) and "peak" in values:
-            row = [None if values.get(key) is None else values[key] / scale for key, scale in scales.items()]
-            row[0] = cut(values, "peak", 1e3) if values.get("peak_error") is not None else row[0]
-            rows.append((name, *row))
-    heads = [f"{numbers[key].label} [{'k' * (scale > 1)}{numbers[key].unit}]" for key, scale in scales.items()]
-    notes = [Text(note) for note in found.get("notes") or []]
-    return Section("Forces", [Table(rows, ("Structure", *heads)), *notes])
+    structures = {name: values for name, values in found.items() if isinstance(values, Mapping) and "peak" in values}
+    touched = {name: values for name, values in structures.items() if values.get("component")}
+    steady = {name: values for name, values in touched.items() if values.get("startup_peak") is not None}
+    untouched = [name for name, values in structures.items() if values.get("reason")]
+    blocks = [
+        _table("Means of the window", steady, MEANS),
+        _table(f"Largest, means over {LOW_PASS:g} s", touched, LARGEST),
+        _table("Whole record", touched, WHOLE),
+        Text("Directions are angles to the x axis, anticlockwise: −90 degrees is down." if touched else "", "small"),
+        Text(f"Nothing touched {', '.join(untouched)}." if untouched else ""),
+    ]
+    return Section("Forces", [*blocks, *(Text(note) for note in found.get("notes") or [])])
+
+
+def _table(title: str, structures: Mapping[str, Mapping], keys: Sequence[str]) -> Table:
+    """Numbers of structures, with their units; forces in kN/m."""
+    numbers, rows = numbers_of(Force), []
+    scales = {key: KILO if numbers[key].unit.startswith("N") else 1.0 for key in keys}
+    for name, values in structures.items():
+        cells = [
+            cut(values, key, scale) if values.get(f"{key}_error") else _scaled(values, key, scale)
+            for key, scale in scales.items()
+        ]
+        rows.append((name, *([component_of(values)] if "peak" in keys else []), *cells))
+    heads = [heading(numbers[key].meaning, f"{'k' * (scale > 1)}{numbers[key].unit}") for key, scale in scales.items()]
+    return Table(rows, (title, *(["component"] if "peak" in keys else []), *heads))
+
+
+def _scaled(values: Mapping, key: str, scale: float) -> float | None:
+    return None if values.get(key) is None else values[key] / scale
+
+
+def component_of(values: Mapping) -> str:
+    """Name of the component of a force, of which its peak is: Fx or Fy."""
+    return str(values.get("component") or "").replace("f", "F")
 
 
 def history_chart(result: Forces) -> Chart | None:
@@ -67,31 +100,36 @@ def history_chart(result: Forces) -> Chart | None:
 def _history_panel(name: str, force: Force) -> Panel:
     table = force.table
     time, smooth = table["time"], {key: table[f"{key}_smooth"] / 1e3 for key in ("fx", "fy")}
-    lines = [Line("as recorded", time, table[force.component] / 1e3, "faint")]
+    named = force.component.replace("f", "F")
+    lines = [Line(f"{named} as recorded", time, table[force.component] / 1e3, "faint")]
+    largest = {key: float(np.nanmax(np.abs(values), initial=0.0)) for key, values in smooth.items()}
     for (key, values), look in zip(smooth.items(), LOOKS, strict=False):
-        if np.any(np.nan_to_num(values)):
-            lines.append(Line(f"{key}, {LOW_PASS:g} s mean", time, values, look))
+        if largest[key] > LEAST * max(largest.values()):
+            lines.append(Line(f"{key.replace('f', 'F')}, {LOW_PASS:g} s mean", time, values, look))
     if force.component == "fx" and np.isfinite(table["hydrostatic"]).any():
         sign = np.sign(force.peak) or 1.0
         lines.append(Line("hydrostatic, wetted face", time, sign * table["hydrostatic"] / 1e3, "theory"))
         if force.wall.finite:
             lines.append(Line("oncoming, ρsu² + ρgs²/2", time, sign * table["oncoming"] / 1e3, "third"))
     if np.isfinite(force.peak):
-        lines.append(Line("peak", np.array([force.peak_time]), np.array([force.peak / 1e3]), "measured"))
+        lines.append(Line(f"peak {named}", np.array([force.peak_time]), np.array([force.peak / 1e3]), "measured"))
     shown = np.concatenate([[0.0], *smooth.values()])
-    ends = 1.2 * np.nanmin(shown), max(1.4 * np.nanmax(shown), 1e-9)
+    room = 0.2 * (np.nanmax(shown) - np.nanmin(shown))
+    ends = np.nanmin(shown) - 0.5 * room, np.nanmax(shown) + room
     return Panel(f"{name}: force [kN/m]", lines, ylim=ends)
 
 
 def impulse_chart(result: Forces) -> Chart | None:
     """Running impulse and overturning moment of every structure."""
-    if not result.structures:
+    if not result.shown:
         return None
     impulses, moments = [], []
     for i, (name, force) in enumerate(result.shown.items()):
         look, table, axis = LOOKS[i % len(LOOKS)], force.table, force.component[1]
         time, moment = table["time"], table["moment_smooth"]
-        impulses.append(Line(f"{name}, {force.component}", time, table[f"impulse_{axis}"] / 1e3, look))
+        impulses.append(
+            Line(f"{name}, {force.component.replace('f', 'F')}", time, table[f"impulse_{axis}"] / 1e3, look)
+        )
         if np.isfinite(moment).any() and force.component == "fx":
             point = "the foot" if force.wall is not None else "its point"
             moments.append(Line(f"{name}, about {point}, anticlockwise", time, moment / 1e3, look))

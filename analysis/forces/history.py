@@ -7,9 +7,9 @@ Fx and fy are what the discs do to a structure, N per metre of width.
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from math import nan
+from math import atan2, degrees, hypot, nan
 
 import numpy as np
 import xarray as xr
@@ -28,6 +28,8 @@ from .reflection import ReflectedWave, track_reflection
 
 LOW_PASS = 0.05
 """Width of the centred moving mean behind which peaks are quoted, s."""
+UNTOUCHED = "nothing touched it"
+"""Why a structure has no component."""
 PEAK_BLOCK, LEAST_BLOCKS = 0.5, 4
 """The error of a peak is the scatter of the maxima of blocks of 0.5 s; s, blocks."""
 
@@ -70,8 +72,9 @@ class Force(Estimates):
     Where discs flow in all the time, peaks and largest values are those of the window, and `startup_peak` is the
     largest force before it. Else they are those after t = 0.
 
-    `component` is the one with the larger integral of its magnitude: `peak` and `impulse` are of it. `wall` is None
-    where the flow does not know the name, and of a wall that moves or a group.
+    `component` is the one with the larger integral of its magnitude: `peak` and `impulse` are of it. It is None where
+    nothing touched the structure, as `reason` says. Angles of resultants are to the x axis, anticlockwise, so that -90
+    is down. `wall` is None where the flow does not know the name, and of a wall that moves or a group.
 
     `table` holds the columns of the CSV table, shape (n,), per metre of width: the record (time, s, fx, fy, N, moment,
     N m, of upright faces about their foot at the bed, and where walls move power, W); force and moment behind the
@@ -98,9 +101,15 @@ class Force(Estimates):
     largest_depth: float = number("m", "largest mass depth in front of it", default=nan)
     mean_fx: float = estimate("N/m", "mean Fx of the window")
     mean_fy: float = estimate("N/m", "mean Fy of the window")
+    resultant: float = number("N/m", "largest resultant of Fx and Fy", default=nan)
+    resultant_angle: float = number("degree", "direction of the largest resultant", default=nan)
+    resultant_time: float = number("s", "time of the largest resultant", default=nan)
+    mean_resultant: float = number("N/m", "resultant of the mean Fx and Fy of the window", default=nan)
+    mean_angle: float = number("degree", "direction of the mean resultant", default=nan)
     mean_hydrostatic: float = number("N/m", "mean hydrostatic force on the wetted face", default=nan)
     mean_power: float = estimate("W/m", "mean power of the structure on the discs, of the window")
     work: float = number("J/m", "its work on the discs after t = 0", default=nan)
+    reason: str | None = None
     wall: Wall | None = field(default=None, metadata={"summary": False})
     table: Mapping[str, np.ndarray] = field(default_factory=dict, metadata={"summary": False})
 
@@ -125,8 +134,9 @@ class Forces:
 
     @property
     def shown(self) -> dict[str, Force]:
-        """Those that figures show: a group in place of its walls."""
-        return {name: force for name, force in self.structures.items() if name not in self.members}
+        """Those that figures show: a group in place of its walls, and none that nothing touched."""
+        shown = {name: force for name, force in self.structures.items() if name not in self.members}
+        return {name: force for name, force in shown.items() if force.component is not None}
 
     @property
     def notes(self) -> list[str]:
@@ -255,6 +265,7 @@ def _structure(wall: Wall | None, history: ForceHistory, flow: Flow, profiles: x
         return Force(wall=wall, table=table)
     sizes = {name: np.sum(np.abs(table[name]) * window_lengths(time)) for name in ("fx", "fy")}
     component = max(sizes, key=sizes.__getitem__)
+    touched = sizes[component] > 0
     main = table[f"{component}_smooth"]
     live = time > 0 if (time > 0).any() else np.ones(len(time), bool)
     inside = (time > window[0]) & (time <= window[1] + 1e-9)
@@ -270,8 +281,10 @@ def _structure(wall: Wall | None, history: ForceHistory, flow: Flow, profiles: x
     impulse = {axis: float(values[-1] - np.append(0.0, values)[first]) for axis, values in given.items()}
     peak, peak_time = biggest(main)
     startup = biggest(main, live & (time <= window[0])) if steady else (nan, nan)
+    means = {f"mean_{name}": mean_of(table[name][inside]) for name in ("fx", "fy")}
     return Force(
-        component=component,
+        component=component if touched else None,
+        reason=None if touched else UNTOUCHED,
         peak=peak,
         peak_error=peak_error(time[inside], main[inside]) if steady else nan,
         peak_time=peak_time,
@@ -282,12 +295,34 @@ def _structure(wall: Wall | None, history: ForceHistory, flow: Flow, profiles: x
         impulse_x=impulse["x"],
         impulse_y=impulse["y"],
         **{name: biggest(table[column])[0] for name, column in BIGGEST.items()},
-        **as_fields(mean_fx=mean_of(table["fx"][inside]), mean_fy=mean_of(table["fy"][inside])),
+        **as_fields(**means),
+        **(_resultants(table, biggest, [mean.value for mean in means.values()]) if touched else {}),
         mean_hydrostatic=mean_of(table["hydrostatic"][inside]).value,
         **_power(table, inside, live),
         wall=wall,
         table=table,
     )
+
+
+def _resultants(
+    table: Mapping[str, np.ndarray], biggest: Callable[[np.ndarray], tuple[float, float]], means: Sequence[float]
+) -> dict[str, float]:
+    """The largest resultant behind the low-pass and that of the means (N/m), with their directions, degrees."""
+    fx, fy, time = (table[name] for name in ("fx_smooth", "fy_smooth", "time"))
+    largest, when = biggest(np.hypot(fx, fy))
+    at = int(np.argmax(time == when))
+    return {
+        "resultant": largest,
+        "resultant_angle": _direction(float(fx[at]), float(fy[at])) if largest > 0 else nan,
+        "resultant_time": when,
+        "mean_resultant": hypot(*means),
+        "mean_angle": _direction(*means) if hypot(*means) > 0 else nan,
+    }
+
+
+def _direction(fx: float, fy: float) -> float:
+    """Angle of a force to the x axis, anticlockwise, degrees."""
+    return degrees(atan2(fy, fx))
 
 
 def _power(table: Mapping[str, np.ndarray], inside: np.ndarray, live: np.ndarray) -> dict[str, float]:

@@ -60,6 +60,8 @@ dZ/dT         slope of the bulk front over T, from Martin & Moyce's table beside
 peak          largest mean over 0.05 s, of the component with the larger impulse; per metre of width; in the window
               where discs flow in, after t = 0 elsewhere; start-up: the largest before the window
 error         standard error within this run: scatter of the maxima of blocks of 0.5 s; only with an inlet
+component     Fx or Fy, whichever has the larger integral of its size; none where nothing touched the structure
+resultant     √(Fx² + Fy²) of the means over 0.05 s, largest; direction: its angle to the x axis, anticlockwise
 impulse       ∫ F dt after t = 0
 moment        about the foot of upright faces at the bed, anticlockwise positive
 identity      change of all discs' momentum against the impulse of walls, weight and discs that came and went

@@ -121,8 +121,9 @@ FOUND = (
     Wanted(
         "front.martin_moyce.mean_bulk", MartinMoyce, "discs: −20 to 0 %", label="off Martin & Moyce’s water", **PERCENT
     ),
-    Wanted("force.*.mean_fx", Force, "hydrostatic", "force.*.mean_hydrostatic", "mean force, {name}", **KILO),
-    Wanted("force.*.peak", Force, "hydrostatic", "force.*.hydrostatic", "peak force, {name}", **KILO),
+    Wanted("force.*.mean_fx", Force, "hydrostatic", "force.*.mean_hydrostatic", "mean Fx, {name}", **KILO),
+    Wanted("force.*.mean_fy", Force, label="mean Fy, {name}", **KILO),
+    Wanted("force.*.peak", Force, "hydrostatic", "force.*.hydrostatic", "peak {component}, {name}", **KILO),
     Wanted("front.arrival_time", Front),
     Wanted("front.column_height", Front, label="column at the back wall"),
     Wanted("front.position_99", Front),
@@ -163,12 +164,10 @@ def rows_of(
 
 def _rows(wanted: Wanted, summaries: Sequence[Mapping], mean: Callable[[Sequence[float]], Mean]) -> Iterator[Row]:
     first = summaries[0] if summaries else {}
-    quantity, _, key = wanted.path.rpartition(".")
-    if quantity == "force.*" and (key == "mean_fx") != bool(first.get("inflow")):
-        return  # a stream has a mean, an impact a peak
-    names = [name for name, values in (first.get("force") or {}).items() if isinstance(values, Mapping)]
-    for name in names if "*" in wanted.path else [""]:
-        path, other = (one.replace("*", name) for one in (wanted.path, wanted.other))
+    key = wanted.path.rpartition(".")[2]
+    for name, component in _structures(key, first).items() if "*" in wanted.path else [("", "")]:
+        path = wanted.path.replace("*", name)
+        other = wanted.other.replace("*", name) if component != "fy" else ""  # water at rest pushes along x
         pairs = [(_at(one, path), _at(one, other)) for one in summaries if _goes(wanted, one)]
         known = [(value / wanted.scale, theory) for value, theory in pairs if isinstance(value, int | float)]
         if not known:
@@ -178,6 +177,7 @@ def _rows(wanted: Wanted, summaries: Sequence[Mapping], mean: Callable[[Sequence
         number, absent = numbers_of(wanted.result)[key], Mean(nan, nan)
         time = _at(first, "front.time")
         when = {"time": f"{time:.3g} s" if isinstance(time, int | float) else "the last frame", "name": name}
+        when |= {"component": component.replace("f", "F")}
         yield Row(
             path,
             other,
@@ -189,6 +189,21 @@ def _rows(wanted: Wanted, summaries: Sequence[Mapping], mean: Callable[[Sequence
             mean(off) if off else absent,
             wanted.plain,
         )
+
+
+def _structures(key: str, summary: Mapping) -> dict[str, str]:
+    """Structures of which a number of the force is shown, and their components: those that something touched.
+
+    A stream has a mean of the component, an impact its peak.
+    """
+    found = {
+        name: str(values.get("component") or "fx")
+        for name, values in (summary.get("force") or {}).items()
+        if isinstance(values, Mapping) and not values.get("reason")
+    }
+    if not summary.get("inflow"):
+        return found if key == "peak" else {}
+    return {name: component for name, component in found.items() if key == f"mean_{component}"}
 
 
 def _goes(wanted: Wanted, summary: Mapping) -> bool:

@@ -19,10 +19,11 @@ from .progress import print_summary
 
 app = typer.Typer(rich_markup_mode=None)
 
-OfADump = Annotated[
-    bool,
-    typer.Option(help="Look for this; a bare dump is looked at for a jump and a front otherwise.", show_default=False),
-]
+
+def look(name: str, words: str) -> Any:
+    """The option that asks for an analysis."""
+    return typer.Option(f"--{name}", help=f"{words} (a bare dump without such an option: jump and front).")
+
 
 FOLDER = "Run folder, or folder of a dump's results."
 OR_STUDY = "Folder of a run, of a study, or of a dump's results."
@@ -60,12 +61,12 @@ def analyze(
         float | None, quantity("s", "Time step, s or '0.1 ms' (of a bare dump without times).")
     ] = None,
     bin_width: Annotated[float | None, quantity("m", "Width of a profile bin, m.")] = None,
-    jump: OfADump = False,
-    front: OfADump = False,
-    heap: OfADump = False,
-    rest: OfADump = False,
-    layers: OfADump = False,
-    outlet: OfADump = False,
+    jump: Annotated[bool, look("jump", "Find a hydraulic jump")] = False,
+    front: Annotated[bool, look("front", "Follow the front")] = False,
+    heap: Annotated[bool, look("heap", "Measure the heap at the end")] = False,
+    rest: Annotated[bool, look("rest", "Tell when discs rest")] = False,
+    layers: Annotated[bool, look("layers", "Profiles over the height")] = False,
+    outlet: Annotated[bool, look("outlet", "Measure a discharge")] = False,
     set_: Sets = None,
     quiet: Quiet = False,
     verbose: Verbose = False,

@@ -12,12 +12,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from made_up import collected, disc_frame, flow_context
 
+from lammps_jump.analysis.forces.figures import history_chart, impulse_chart, section
 from lammps_jump.analysis.forces.history import analyse_forces, moving_mean, peak_error
 from lammps_jump.analysis.forces.impulse import MomentumLedger, impulse_identity, window_lengths
 from lammps_jump.analysis.forces.reflection import track_reflection
 from lammps_jump.analysis.profiles import add_means, compute_profiles
 from lammps_jump.dump.find import ForceHistory
 from lammps_jump.dump.frame import make_frame
+from lammps_jump.files import plain
 from lammps_jump.physics import waves
 from lammps_jump.scene.motion import gate
 from lammps_jump.scene.scene import InletRow
@@ -279,3 +281,26 @@ def test_the_peak_of_a_steady_stream_is_that_of_its_window():
     assert found["startup_peak_time"] == pytest.approx(0.03)
     impact = analyse_forces({"back": record(force)}, context(), None, profiles).summary()["back"]
     assert impact["peak"] == found["startup_peak"] and np.isnan(impact["startup_peak"])
+
+
+def test_a_structure_tells_its_component_and_its_resultant():
+    """Fx of 3 kN against Fy of -4 kN: their resultant of 5 kN points 53 degrees down."""
+    flow, time = context(), (np.arange(200) + 1) * 0.01
+    profiles = add_means(compute_profiles(pushed(600.0), flow))
+    history = ForceHistory(time, np.full(200, 3e3), np.full(200, -4e3), np.zeros(200))
+    none = ForceHistory(time, np.zeros(200), np.zeros(200), np.zeros(200))
+    found = analyse_forces({"back": history, "floor": none}, flow, None, profiles)
+    one, other = found.structures["back"], found.structures["floor"]
+    assert (one.component, one.peak, one.reason) == ("fy", pytest.approx(-4e3), None)
+    assert one.resultant == pytest.approx(5e3) and one.resultant_angle == pytest.approx(-53.13, abs=0.01)
+    assert (one.mean_resultant, one.mean_angle) == (pytest.approx(5e3), pytest.approx(-53.13, abs=0.01))
+    assert (other.component, other.peak, other.reason) == (None, 0.0, "nothing touched it")
+    assert np.isnan(other.resultant) and list(found.shown) == ["back"]
+    (panel,) = history_chart(found).panels
+    assert [line.label for line in panel.lines] == ["Fy as recorded", "Fx, 0.05 s mean", "Fy, 0.05 s mean", "peak Fy"]
+    assert panel.ylim[0] < -4 and panel.ylim[1] > 3
+    largest, whole = (table for table in section(plain(found.summary())).blocks[1:3])
+    assert largest.rows[0][:3] == ("back", "Fy", pytest.approx(-4.0)) and len(whole.rows) == 1
+    assert any("Nothing touched floor." in str(block[0]) for block in section(plain(found.summary())).blocks)
+    assert history_chart(analyse_forces({"floor": none}, flow, None, profiles)) is None
+    assert impulse_chart(analyse_forces({"floor": none}, flow, None, profiles)) is None

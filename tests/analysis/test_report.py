@@ -119,7 +119,7 @@ def test_the_verdict_stands_at_the_top_and_its_numbers_have_errors_and_a_compari
         "Sequent depth": ("5.00", " m||Bélanger 5.20 m, −3.8 %|"),
         "Front velocity": ("−1.00", " m/s|"),
         "Jump length": ("7.00", " m|"),
-        "Peak force, sill": ("4.20", " kN/m||hydrostatic 2.10 kN/m, +100 %|"),
+        "Peak Fx, sill": ("4.20", " kN/m||hydrostatic 2.10 kN/m, +100 %|"),
     }
     errors = content.partition(">Errors within this run</h2>")[2].partition("<h2")[0]
     assert "Sequent depth, by mass [m]" in errors and "at least 0.040" in errors and "sill: Peak force [N/m]" in errors
@@ -142,7 +142,7 @@ def test_a_steady_stream_has_a_mean_force_and_at_most_five_numbers(tmp_path):
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(section, {})  # the sections want the whole of it
         content = page(write_report(tmp_path, summary))
-    assert list(tiles_of(content))[-1] == "Mean force, sill" and len(tiles_of(content)) == 5
+    assert list(tiles_of(content))[-1] == "Mean Fx, sill" and len(tiles_of(content)) == 5
     assert "Its tail water is 20 % above Bélanger’s and its front stands." in content
 
 
@@ -305,7 +305,7 @@ def test_flows_without_a_jump_have_rows_of_their_own():
     force = {"back": {"peak": -4.5e5, "hydrostatic": 7.0e5}}
     rows = rows_of([{"front": front, "force": force}])
     assert [row.label for row in rows] == [
-        "front after 5 s", "mean speed of the front", "peak force, back", "arrival at the first obstacle",
+        "front after 5 s", "mean speed of the front", "peak Fx, back", "arrival at the first obstacle",
     ]  # fmt: skip
     assert [row.off() for row in rows] == ["", "−53 %", "−36 %", ""]
     energy = {"conservative": True, "max_deviation": 0.012, "drift": -0.003, "initial": 5760.0, "final": 5705.0}
@@ -313,6 +313,17 @@ def test_flows_without_a_jump_have_rows_of_their_own():
     box = rows_of([{"energy": energy}])
     assert len(box) == 5 and box[0].numbers() == ("1.20 %", "exact: 0", "") and box[2].off() == "−1.0 %"
     assert rows_of([{"energy": energy | {"conservative": False}}]) == []
+
+
+def test_forces_are_named_by_their_component():
+    """Water at rest is no theory of a force along y, and what nothing touched has no number at the top."""
+    bed = {"component": "fy", "peak": -6.5e5, "hydrostatic": None, "mean_fx": -6.6e3, "mean_fy": -5.2e5}
+    sill = {"component": "fx", "peak": 6.9e4, "hydrostatic": 5.9e3, "mean_fx": 1.9e4, "mean_hydrostatic": 1.8e4}
+    dry = {"component": None, "peak": 0.0, "mean_fx": 0.0, "mean_fy": 0.0, "reason": "nothing touched it"}
+    force = {"bed": bed, "sill": sill | {"mean_fy": -2e3}, "dry": dry}
+    assert [row.label for row in rows_of([{"force": force}])] == ["peak Fy, bed", "peak Fx, sill"]
+    stream = rows_of([{"force": force, "inflow": {"asked": None}}])
+    assert [(row.label, row.words) for row in stream] == [("mean Fx, sill", "hydrostatic"), ("mean Fy, bed", "")]
 
 
 def test_evidence_has_contents_and_tables_before_prose(tmp_path):
