@@ -18,7 +18,7 @@ from lammps_jump.files import POSES
 from lammps_jump.quoting import figure_text
 from lammps_jump.scene.chains import AT_START, ENDLESS, X0, X1
 from lammps_jump.scene.scene import Scene
-from lammps_jump.scene.walls import Interval, Wall
+from lammps_jump.scene.walls import Interval, Wall, bed_height
 
 
 @dataclass(frozen=True)
@@ -189,17 +189,7 @@ class Flow:
         -------
         ndarray of x's shape, m
         """
-        x = np.asarray(x, float)
-        bed = np.full(x.shape, -np.inf)
-        solids = [solid for wall in self.scene.permanent for solid in wall.grounds(x)]
-        if solids:
-            undersides, tops = (np.array(part) for part in zip(*solids, strict=True))
-            order = np.argsort(undersides, axis=0, kind="stable")
-            undersides, tops = (np.take_along_axis(part, order, 0) for part in (undersides, tops))
-            for underside, top in zip(undersides, tops, strict=True):
-                carried = np.isinf(bed) | (underside <= bed + self.scene.smallest)
-                bed = np.where(carried & (top > bed), top, bed)
-        return np.where(np.isinf(bed), np.nan, bed)
+        return bed_height(self.scene.permanent, x, self.scene.smallest)
 
     def mean_bed(self, edges: np.ndarray) -> np.ndarray:
         """Mean height of the bed in each bin, m: exact for straight faces; NaN where any part has no bed.

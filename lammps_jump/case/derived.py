@@ -17,6 +17,7 @@ from lammps_jump.scene import Beginning, InletRow, Scene, Wall
 from lammps_jump.scene.shapes import open_ends
 from lammps_jump.units import numbers_of
 
+from .design.flow import Row, flow_rows, studied
 from .fields import CaseFields
 from .parts.beds import RoughBed
 from .parts.inflow import RowsInflow
@@ -29,8 +30,6 @@ UPSTREAM, DOWNSTREAM = 5.0, 3.5
 LOWEST_SILL = 0.55
 """Height of a sill over that of a broad crest that holds the jump of water. In a dry channel discs of `quick_jump` run
 over 0.46 of it without a jump, and make one at 0.65 (measured)."""
-
-Row = tuple[str, str, float | int | str | None, str]
 
 
 @dataclass(frozen=True)
@@ -53,12 +52,12 @@ class Derived:
     def tables(self) -> list[tuple[str, list[Row]]]:
         """Groups of (key, label, value, unit)."""
         case, scene = self.fields, self.scene
-        return [("contact", _contact_rows(scene)), ("time", _time_rows(scene)), ("flow", _flow_rows(case, scene))]
+        return [("contact", _contact_rows(scene)), ("time", _time_rows(scene)), ("flow", flow_rows(case, scene))]
 
     @property
     def theory(self) -> dict[str, float | int | str | None] | None:
         """Theory of the inflow by key: Froude number, sequent depth, jump length …; None without inflow rows."""
-        return {key: value for key, _, value, _ in _flow_rows(self.fields, self.scene)} or None
+        return {key: value for key, _, value, _ in flow_rows(self.fields, self.scene)} or None
 
     @property
     def numbers(self) -> dict[str, float | int | str | None]:
@@ -239,48 +238,6 @@ def _time_rows(scene: Scene) -> list[Row]:
     return rows
 
 
-def _flow_rows(case: CaseFields, scene: Scene) -> list[Row]:
-    inflow = case.inflow
-    if not isinstance(inflow, RowsInflow) or case.gravity == 0:
-        return []
-    depth, speed = inflow.over(*_studied(case))
-    if not depth:
-        return []
-    found = jump.inflow_theory(depth, speed, case.gravity)
-    number, y1 = found.froude, found.depth
-    low, high = jump.velocity_range(y1, case.gravity)
-    carried = sum(scene.discharges)
-    rows: list[Row] = [
-        ("froude", "Froude number Fr1", number, ""),
-        ("jump_class", "class of jump", found.jump_class if number > 1 else "none: the inflow is subcritical", ""),
-        ("discharge", f"discharge asked for, {'mean of the window' if inflow.table else 'Va y1'}", speed * y1, "m^2/s"),
-        (
-            "discharge_rows",
-            f"discharge of the rows, {'over the run' if inflow.table else 'in whole steps'}",
-            carried,
-            "m^2/s",
-        ),
-        ("mass_flow_rows", "mass flow of the rows", scene.density * carried, "kg/(m s)"),
-        ("thesis_speed_low", "thesis' range of Va from", low, "m/s"),
-        ("thesis_speed_high", "thesis' range of Va to", high, "m/s"),
-    ]
-    if number > 1:
-        rows += [
-            ("belanger_y2", "sequent depth y2 (Bélanger, 4.26)", found.belanger_y2, "m"),
-            ("downstream_froude", "downstream Froude number", jump.downstream_froude(number), ""),
-            ("energy_loss", "energy loss", found.energy_loss, "m"),
-            ("jump_length", "jump length (4.27)", found.length, "m"),
-            ("sill", "sill that holds the jump, E2 - 1.5 yc", found.sill, "m"),
-            ("channel_length", "channel length 1.5 Lj", jump.channel_length(number, y1), "m"),
-        ]
-    return rows
-
-
-def _studied(case: CaseFields) -> tuple[float, float]:
-    """Times over which the analysis takes its means, s: for them an inflow against time has its theory."""
-    return case.analysis.window or (0.75 * case.run.duration, case.run.duration)
-
-
 def doubts(case: CaseFields, impact_speed: float, inlets: tuple[InletRow, ...]) -> list[str]:
     """Sentences on what will probably not come out as asked: window, stiffness, channel, sill.
 
@@ -321,7 +278,7 @@ def _stands(wall: Wall) -> bool:
 
 def _jump_doubts(case: CaseFields, inflow: RowsInflow) -> list[str]:
     """Sentences on a jump that cannot form, has no room, or is not held by the sill."""
-    g, (y1, speed) = case.gravity, inflow.over(*_studied(case))
+    g, (y1, speed) = case.gravity, inflow.over(*studied(case))
     if not y1:
         return ["no disc flows in during the window of the analysis, so that it finds no jump; take another window"]
     number = jump.froude(speed, y1, g)

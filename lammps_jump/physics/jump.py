@@ -119,6 +119,16 @@ def critical_depth(discharge: float, gravity: float = GRAVITY) -> float:
     return (discharge**2 / gravity) ** (1.0 / 3.0)
 
 
+def fast_depth(discharge: float, energy: float, gravity: float = GRAVITY) -> float:
+    """Depth of the fast stream of a discharge (m^2/s) and a specific energy (m), m; NaN below that of critical flow.
+
+    Smaller positive root of ``E = y + q^2/(2 g y^2)`` (Henderson 1966, Open Channel Flow, eq. 2-2), by the cosine of a
+    third of an angle.
+    """
+    cosine = 1.0 - 6.75 * discharge**2 / (gravity * energy**3) if energy > 0 else -2.0
+    return energy / 3.0 * (1.0 + 2.0 * cos((acos(cosine) + 4.0 * pi) / 3.0)) if cosine >= -1.0 else nan
+
+
 def jump_class(froude_1: float) -> str:
     """Kind of jump: none, undular, weak, oscillating, steady, strong (USBR Engineering Monograph 25)."""
     return next(name for bound, name in USBR_JUMP_CLASSES if froude_1 <= bound)

@@ -7,12 +7,14 @@ unless a wall knows better. Distances are of disc centres: a disc of radius R to
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from math import cos, inf, radians, sin
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
+from numpy.typing import ArrayLike
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 
 from lammps_jump.quoting import LONGEST_NAME
@@ -538,3 +540,22 @@ class Circle(Wall):
 
 KINDS = Plane | Block | Box | Polygon | Line | Circle
 """Walls that a case file may name."""
+
+
+def bed_height(walls: Sequence[Wall], x: ArrayLike, smallest: float) -> np.ndarray:
+    """Height of the bed at x, m, of shape of `x`; NaN where nothing lies below.
+
+    It is the highest top of the walls, of those that solids below carry without a gap that the smallest disc (m) could
+    pass, tried from the lowest underside up. A solid above such a gap (a sluice gate) is no bed.
+    """
+    x = np.asarray(x, float)
+    bed = np.full(x.shape, -np.inf)
+    solids = [solid for wall in walls for solid in wall.grounds(x)]
+    if solids:
+        undersides, tops = (np.array(part) for part in zip(*solids, strict=True))
+        order = np.argsort(undersides, axis=0, kind="stable")
+        undersides, tops = (np.take_along_axis(part, order, 0) for part in (undersides, tops))
+        for underside, top in zip(undersides, tops, strict=True):
+            carried = np.isinf(bed) | (underside <= bed + smallest)
+            bed = np.where(carried & (top > bed), top, bed)
+    return np.where(np.isinf(bed), np.nan, bed)
