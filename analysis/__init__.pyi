@@ -3,6 +3,7 @@ from . import profiles as profiles
 from . import quantities as quantities
 from . import report as report
 from . import tables as tables
+from . import verdicts as verdicts
 from .energy import Energy as Energy
 from .flow import Flow as Flow
 from .flow import from_scene as from_scene

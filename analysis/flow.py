@@ -35,6 +35,8 @@ class Flow:
         Width of the profile bins, m.
     window : (float, float) or None
         Times over which means are taken, s; None: the second half of the frames.
+    asked_window : bool
+        The window is the case's own, and no default.
     inflow_depth, inflow_speed : float or None
         y1 (m) and Va (m/s) where discs flow in by rows; of an inflow against time means over the window, Va as the
         discharge over y1.
@@ -62,6 +64,7 @@ class Flow:
     x_range: Interval
     bin_width: float
     window: tuple[float, float] | None = None
+    asked_window: bool = False
     inflow_depth: float | None = None
     inflow_speed: float | None = None
     notes: tuple[str, ...] = ()
@@ -269,7 +272,7 @@ def from_scene(
     folder : Path, optional
         Run folder, whose ``walls.csv`` tells where the walls are that the discs push.
     """
-    duration = scene.time(scene.steps)
+    duration, asked_window = scene.time(scene.steps), window is not None
     window = window or (0.75 * duration, duration)
     if scene.inlets and scene.hydrograph is not None:
         inflow_depth, discharge = scene.hydrograph.means(*window)
@@ -283,6 +286,7 @@ def from_scene(
         x_range or _studied(scene),
         bin_width or 5 * scene.diameter,
         window,
+        asked_window,
         inflow_depth,
         inflow_speed,
         sized=scene.sizes is not None,

@@ -22,7 +22,7 @@ from . import draw, energy, front
 from .beds.slope import AlongBed, sloping_stretch
 from .budgets import depths, inflow, stations
 from .contacts import ContactCollector
-from .devices import drum, hopper, waves
+from .devices import drum, gaps, hopper, runup, waves
 from .draw.aside import aside
 from .draw.chart import Bars, Chart, Drawings, Map
 from .draw.depths import depth_profile, xt_map
@@ -32,14 +32,15 @@ from .forces import figures as forces
 from .forces.history import Force, Forces
 from .forces.impulse import Identity, MomentumLedger
 from .forces.reflection import ReflectedWave
-from .grains import heap, layers, rest
+from .grains import heap, layers, rest, state
 from .jump import head
 from .jump import section as jump
 from .jump.summary import Jump
 from .passes import Collector, Gathered, Tables, gather
 from .profiles import bin_edges, window_of
-from .report.headline import belongs, headline
+from .report.headline import belongs
 from .report.page import Section
+from .verdicts import doubts, headline, is_shown
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -88,18 +89,21 @@ QUANTITIES = {
         energy.Energy, energy.EnergyLedger, energy.analyse, energy.tables, energy.figures, energy.section
     ),
     "waves": Quantity(waves.Waves, None, waves.analyse, waves.tables, waves.figures, waves.section),
+    "runup": Quantity(runup.RunUp, runup.RunUpWatch, runup.analyse, runup.tables, runup.figures, runup.section),
     "drum": Quantity(drum.Drum, drum.SurfaceAngles, drum.analyse, drum.tables, drum.figures, drum.section),
-    "hopper": Quantity(hopper.Hopper, hopper.MassAbove, hopper.analyse, hopper.tables, hopper.figures, hopper.section),
+    "hopper": Quantity(hopper.Hopper, gaps.Crossings, hopper.analyse, hopper.tables, hopper.figures, hopper.section),
     "layers": Quantity(layers.Layers, layers.LayerSums, layers.analyse, layers.tables, layers.figures, layers.section),
     "heap": Quantity(heap.Heap, heap.HeapWatch, heap.analyse, heap.tables, heap.figures, heap.section),
     "rest": Quantity(rest.Rest, rest.RestWatch, rest.analyse, rest.tables, rest.figures, rest.section),
     "depth": Quantity(depths.Depths, None, depths.analyse, lambda _: {}, lambda *_: {}, depths.section),
+    "state": Quantity(state.State, state.StateWatch, state.analyse, lambda _: {}, lambda *_: {}, lambda _: None),
 }
 """By the key in ``summary.json``, in the order of the report."""
 BESIDE_FORCES = {"reflected_wave": ReflectedWave, "identity": Identity}
 """Results that stand beside those of the structures under ``force`` in ``summary.json``."""
-ALWAYS = {"inflow", "force", "waves"}
-"""Made whether asked for or not, where a scene has rows of inflow, probes or gauges."""
+ALWAYS = {"inflow", "force", "waves", "runup", "state"}
+"""Made whether asked for or not, where a scene has rows of inflow, probes, gauges or water before a slope; and what is
+there at the end, of every flow."""
 
 
 class Pictures(NamedTuple):
@@ -166,7 +170,7 @@ def analyse(
         A quantity that is not known, no frame, a malformed dump, a place that cannot be written.
     """
     if unknown := sorted(set(wanted) - {*QUANTITIES, "fields"}):
-        known = ", ".join(name for name in QUANTITIES if name != "inflow")
+        known = ", ".join(name for name in QUANTITIES if name not in ALWAYS or name == "force")
         raise DumpError(f"quantity '{unknown[0]}' is not known: use {known} or fields.")
     gathered = gathered or collect(flow, open_dump(dump), (out, dump.parent), wanted, watch)
     told, warnings = told or (lambda phase: None), list(gathered.warnings)
@@ -241,7 +245,7 @@ def collect(
     edges = bin_edges(flow.x_range, flow.bin_width) if "jump" in wanted else None
     contacts = ContactCollector(flow, edges) if flow.knows_contacts and {"jump", "energy"} & set(wanted) else None
     forces_asked = bool(flow.scene.probes) or ("force" in wanted and _forces_file(places) is not None)
-    there = {"inflow": bool(flow.scene.inlets), "force": forces_asked}
+    there = {"inflow": bool(flow.scene.inlets), "force": forces_asked, "runup": True, "state": True}
     collectors = {
         name: quantity.collector(flow, contacts)
         for name, quantity in QUANTITIES.items()
@@ -344,7 +348,7 @@ def main_numbers(summary: Mapping[str, object]) -> list[str]:
     lines = [said] if said else []
     for name, quantity in QUANTITIES.items():
         found = summary.get(name)
-        if not isinstance(found, Mapping):
+        if not isinstance(found, Mapping) or not is_shown(name, summary):
             continue
         texts = [f"verdict {found['verdict']}"] if found.get("verdict") else []
         for number in numbers_of(quantity.result).values():
@@ -357,4 +361,5 @@ def main_numbers(summary: Mapping[str, object]) -> list[str]:
                 )
                 texts.append(f"{number.label} {value}")
         lines += [f"{name}: {', '.join(texts)}"] if texts else []
-    return [*lines, *filter(None, [stations.line(summary)])]
+    lines += filter(None, [stations.line(summary)])
+    return [*lines, *(f"doubtful: {text}" for text in doubts(summary))]

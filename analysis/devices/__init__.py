@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Flows that a device makes: waves of a paddle, a drum that turns, a hopper that empties."""
+"""Flows that a device makes: waves of a paddle, a drum that turns, a hopper that empties, a slope that water climbs."""
 
 import lazy_loader
 

@@ -28,6 +28,9 @@ from lammps_jump.units import number
 MIDDLE = 0.5
 """Share of the drum's radius, to either side of its centre, over which the surface is fitted."""
 
+PACKED = 0.82
+"""Solid fraction of discs of several sizes that lie at random."""
+
 
 @dataclass(frozen=True)
 class Drum:
@@ -38,6 +41,7 @@ class Drum:
     scatter: float = number("degree", "standard deviation of the angle from frame to frame", default=nan)
     froude: float = number("", "Froude number ω²R/g of the drum", default=nan)
     turns: float = number("", "turns of the drum in the window", default=nan)
+    filling: float = number("", "share of the drum that discs fill, packed loosely", default=nan)
     reason: str | None = None
     time: np.ndarray | None = field(default=None, metadata={"summary": False})
     angles: np.ndarray | None = field(default=None, metadata={"summary": False})
@@ -107,9 +111,16 @@ def analyse(gathered: Gathered) -> Drum:
         float(used.std(ddof=1)),
         devices.rotation_froude(rate, radius, flow.gravity),
         abs(rate) * (window[1] - window[0]) / (2 * np.pi),
+        _filling(scene, radius),
         time=time,
         angles=angles,
     )
+
+
+def _filling(scene: Scene, radius: float) -> float:
+    """Share of the drum that the discs fill: their areas over `PACKED`, over that of the drum."""
+    squares = scene.mass * len(scene.positions) / scene.density  # of the diameters
+    return float(0.25 * squares / PACKED / radius**2)
 
 
 def tables(drum: Drum) -> Tables:

@@ -1,181 +1,262 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A hopper that empties: mass of discs that pass its slot in a second.
+"""Discs that leave through gaps between walls: their mass in a second, while the flow is on.
 
-The slot is the narrowest gap between walls that stand, left and right of the middle of the discs at the start. The
-discharge is the slope of the mass above it against time, a straight line over the window.
+Which gaps these are is found from walls and tracks (`gaps`). The window runs by itself from flow on to flow off: from
+the first to the last time at which the discharge is at least half of its usual value. A window that the case asks for
+cuts it.
 """
 
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from math import inf, isfinite, nan
-from typing import NamedTuple
+from itertools import pairwise
+from math import isfinite, nan
 
 import numpy as np
 
-from lammps_jump.analysis.contacts import ContactCollector
 from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Line, Panel
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
-from lammps_jump.analysis.profiles import window_of, within
-from lammps_jump.analysis.report.page import Section, Table, described, percent
-from lammps_jump.dump.frame import Frame
+from lammps_jump.analysis.report.page import Section, Table, Text, described, percent
+from lammps_jump.analysis.statistics import piece_bounds, piece_error
 from lammps_jump.physics import devices
-from lammps_jump.scene.chains import X0, X1, Y0, Y1
-from lammps_jump.scene.scene import Scene
-from lammps_jump.units import number
+from lammps_jump.units import Estimates, estimate, number
+
+from .gaps import Crossings, Outlet
 
 PIECE = 0.05
 """Share of the record over which the discharge at a time is taken."""
-
-
-class Slot(NamedTuple):
-    """Left and right edge and height of a slot, m."""
-
-    left: float
-    right: float
-    y: float
+DISCS = 10
+"""Discs that pass in that time, at least."""
+ON = 0.5
+"""Share of the usual discharge from which on the flow is on."""
+DOWN = 30.0
+"""Largest angle between the way of the discs and gravity at which a law for outlets in a floor is asked, degrees."""
 
 
 @dataclass(frozen=True)
-class Hopper:
-    """Discs that leave a hopper, over the window."""
+class Hopper(Estimates):
+    """Discs that leave through gaps, from flow on to flow off."""
 
-    discharge: float = number("kg/s/m", "mass of discs through the slot in a second", default=nan, label="discharge")
+    discharge: float = estimate("kg/s/m", "mass of discs through all gaps in a second", label="discharge")
     change: float = number(
         "", "discharge of the second half of the window over that of the first, less one", default=nan
     )
-    slot: float = number("m", "width of the slot", default=nan)
+    slot: float = number("m", "width of the gap, where there is one alone", default=nan, label="width of the gap")
+    slot_in_diameters: float = number("", "width of that gap over the diameter", default=nan)
     beverloo: float = number(
         "", "discharge over ρ √g (D − 1.4 d)^1.5, after Beverloo", default=nan, label="over ρ √g (D − 1.4 d)^1.5"
     )
-    left: float = number("", "share of the mass that is left above the slot at the end of the window", default=nan)
+    left: float = number("", "share of the mass that is left above the gaps at the end of the window", default=nan)
+    begin: float = number("s", "flow on: begin of the window", default=nan)
+    end: float = number("s", "flow off: end of the window", default=nan)
+    goes_on: bool | None = None
+    discs: int = number("", "discs that passed in the window", default=0)
+    pause: float = number("s", "longest time in the window in which no disc passes", default=nan)
+    usual_pause: float = number("s", "window over the discs that passed in it", default=nan)
+    gaps: int = number("", "gaps that discs pass beside each other", default=0)
+    gap_x: tuple[float, ...] = ()
+    gap_y: tuple[float, ...] = ()
+    gap_width: tuple[float, ...] = ()
+    gap_turn: tuple[float, ...] = ()
+    gap_discharge: tuple[float, ...] = ()
+    gap_discs: tuple[int, ...] = ()
+    no_beverloo: str | None = None
     reason: str | None = None
     time: np.ndarray | None = field(default=None, metadata={"summary": False})
     mass: np.ndarray | None = field(default=None, metadata={"summary": False})
-
-
-def narrowest(shape: np.ndarray, middle: float) -> Slot | None:
-    """The narrowest gap around x = middle (m) between straight faces; the highest of equal ones; None for none.
-
-    Parameters
-    ----------
-    shape : ndarray, shape (faces, 15)
-        Of `Faces`; arcs count with their chords.
-    middle : float
-    """
-    faces = shape[np.isfinite(shape[:, [X0, Y0, X1, Y1]]).all(axis=1)]
-    best: Slot | None = None
-    for y in sorted(set(faces[:, [Y0, Y1]].ravel()), reverse=True):
-        left, right = -inf, inf
-        for x0, y0, x1, y1 in faces[:, [X0, Y0, X1, Y1]]:
-            if not min(y0, y1) <= y <= max(y0, y1):
-                continue
-            ends = (x0, x1) if y0 == y1 else (x0 + (x1 - x0) * (y - y0) / (y1 - y0),)
-            left = max([left, *(x for x in ends if x <= middle)])
-            right = min([right, *(x for x in ends if x > middle)])
-        gap = right - left
-        if isfinite(gap) and (best is None or gap < (best.right - best.left) * (1.0 - 1e-9)):
-            best = Slot(left, right, float(y))
-    return best
-
-
-def slot_of(scene: Scene) -> Slot | None:
-    """Slot of a scene of discs that leave and of none that enter; None where there is none."""
-    if scene.inlets or scene.pours or not scene.outlets or not len(scene.positions):
-        return None
-    shapes = [wall.faces.shape for wall, motion in scene.walls if motion.kind is None and isfinite(wall.extent[0][0])]
-    return narrowest(np.concatenate(shapes), float(scene.positions[:, 0].mean())) if shapes else None
-
-
-class MassAbove:
-    """Collects the mass of the discs above the slot, frame by frame."""
-
-    def __init__(self, flow: Flow, _: ContactCollector | None = None):
-        self.flow, self.slot = flow, slot_of(flow.scene)
-        self._rows: list[tuple[float, float]] = []
-
-    def add(self, frame: Frame, time: float) -> None:
-        """Take in a frame at a time, s."""
-        if self.slot is not None:
-            above = self.flow.relative_masses(frame)[frame.y > self.slot.y]
-            self._rows.append((time, self.flow.scene.mass * float(above.sum())))
-
-    def result(self) -> np.ndarray:
-        """Times (s) and masses (kg/m), shape (frames, 2)."""
-        return np.array(self._rows, float).reshape(-1, 2)
+    passed: np.ndarray | None = field(default=None, metadata={"summary": False})
 
 
 def analyse(gathered: Gathered) -> Hopper:
-    """Discharge of a hopper; with a reason where the scene is none."""
-    flow, scene = gathered.flow, gathered.flow.scene
-    slot = slot_of(scene)
-    if slot is None or flow.gravity <= 0:
-        return Hopper(reason="no slot between standing walls with an outlet behind it, and without inflow")
-    time, mass = gathered.histories["hopper"].T
-    window = window_of(gathered.profiles)
-    inside = within(time, window)
-    width = slot.right - slot.left
-    if inside.sum() < 4:
-        return Hopper(slot=width, reason="the window holds fewer than four frames", time=time, mass=mass)
-    t, m = time[inside], mass[inside]
-    half = len(t) // 2
-    discharge = -float(np.polyfit(t, m, 1)[0])
-    first, second = (-float(np.polyfit(t[part], m[part], 1)[0]) for part in (slice(half), slice(half, None)))
-    narrow = width <= devices.BEVERLOO_K * scene.diameter
-    return Hopper(
-        discharge,
-        second / first - 1.0 if first > 0 else nan,
-        width,
-        nan if narrow else devices.beverloo_number(discharge, width, scene.diameter, scene.density, flow.gravity),
-        float(m[-1] / mass[0]) if mass[0] > 0 else nan,
-        time=time,
-        mass=mass,
-    )
+    """Discharge through gaps; with a reason where none is found."""
+    flow, found = gathered.flow, gathered.histories["hopper"]
+    assert isinstance(found, Crossings)
+    if not found.gaps:
+        return Hopper(reason="no two walls that stand leave a gap between them")
+    outlets = found.outlets()
+    if not outlets:
+        return Hopper(reason="discs pass no gap between walls that stand")
+    time = np.array(found.times)
+    nominal = flow.scene.mass
+    passed = np.array([nominal * _sum_until(one, time) for one in outlets])
+    asked = flow.window if flow.asked_window and flow.window else (-np.inf, np.inf)
+    window = flow_on(time, passed.sum(axis=0), sum(len(one.ids) for one in outlets), asked)
+    known = {"time": time, "passed": passed, "mass": _above(flow, found, outlets, passed), **_gaps(outlets)}
+    if window is None:
+        return Hopper(**known, reason="fewer than four frames lie between flow on and flow off")
+    return Hopper(**known, **_discharge(flow, outlets, known, window, ends=flow_ends(time, passed.sum(axis=0))))
 
 
-def discharge_over_time(time: np.ndarray, mass: np.ndarray) -> np.ndarray:
-    """Discharge against time, kg/s/m: mass lost over a `PIECE` of the record around each frame; NaN at its ends.
+def _sum_until(outlet: Outlet, time: np.ndarray) -> np.ndarray:
+    """Sum of the masses that have passed up to each time."""
+    total = np.append(0.0, np.cumsum(outlet.mass))
+    return total[np.searchsorted(outlet.time, time, side="right")]
+
+
+def flow_on(time: np.ndarray, passed: np.ndarray, discs: int, asked: tuple[float, float]) -> tuple[float, float] | None:
+    """From flow on to flow off, s, within a window that was asked for; None where that holds fewer than four frames.
 
     Parameters
     ----------
     time : ndarray, shape (frames,), s
-    mass : ndarray, shape (frames,), kg/m
+    passed : ndarray, shape (frames,), kg/m
+        Mass that has passed up to each frame.
+    discs : int
+        Discs that have passed, in all.
+    asked : (float, float)
+        s.
     """
-    found, reach = np.full(len(time), nan), max(1, round(0.5 * PIECE * len(time)))
+    rate = discharge_over_time(time, passed, max(PIECE, DISCS / max(discs, 1)))
+    there = np.isfinite(rate) & (time >= asked[0]) & (time <= asked[1])
+    flowing = rate[there & (rate > 0)]
+    if not flowing.size:
+        return None
+    # the rate at which half of the mass passes faster
+    order = np.sort(flowing)
+    usual = order[np.searchsorted(np.cumsum(order), 0.5 * order.sum())]
+    on = np.flatnonzero(there & (rate >= ON * usual))
+    return (float(time[on[0]]), float(time[on[-1]])) if on[-1] - on[0] >= 3 else None
+
+
+def flow_ends(time: np.ndarray, passed: np.ndarray) -> bool:
+    """Whether no disc passes any more in the last `PIECE` of the record."""
+    return bool(passed[time >= time[-1] - PIECE * (time[-1] - time[0])][0] == passed[-1])
+
+
+def _gaps(outlets: Sequence[Outlet]) -> dict[str, object]:
+    """Places, widths and directions of the gaps, by key."""
+    return {
+        "gaps": len(outlets),
+        "gap_x": tuple(one.gap.middle[0] for one in outlets),
+        "gap_y": tuple(one.gap.middle[1] for one in outlets),
+        "gap_width": tuple(one.gap.width for one in outlets),
+        "gap_turn": tuple(one.turn for one in outlets),
+    }
+
+
+def _discharge(
+    flow: Flow, outlets: Sequence[Outlet], known: Mapping, window: tuple[float, float], *, ends: bool
+) -> dict[str, object]:
+    """Numbers of the window, by key."""
+    time, passed, mass, scene = known["time"], known["passed"], known["mass"], flow.scene
+    inside = (time >= window[0]) & (time <= window[1])
+    t, each = time[inside], passed[:, inside]
+    total, half = each.sum(axis=0), len(t) // 2
+    rate, first, second = (slope_of(t[part], total[part]) for part in (slice(None), slice(half + 1), slice(half, None)))
+    bounds = piece_bounds(len(t))
+    pieces = [(total[b] - total[a]) / (t[b] - t[a]) for a, b in pairwise(bounds)]
+    passes = np.sort(np.concatenate([one.time for one in outlets]))
+    passes = passes[(passes >= window[0]) & (passes <= window[1])]
+    alone = outlets[0].gap.width if len(outlets) == 1 else nan
+    why = "" if len(outlets) == 1 else f"discs pass {len(outlets)} gaps beside each other"
+    why = why or _no_beverloo(alone / scene.diameter, outlets[0].turn)
+    known_mass = mass is not None and mass[0] > 0
+    return {
+        "discharge": rate,
+        "discharge_error": piece_error(np.array(pieces)) if pieces else nan,
+        "change": second / first - 1.0 if first > 0 else nan,
+        "slot": alone,
+        "slot_in_diameters": alone / scene.diameter,
+        "beverloo": nan if why else devices.beverloo_number(rate, alone, scene.diameter, scene.density, flow.g),
+        "no_beverloo": why or None,
+        "left": float(np.interp(window[1], time, mass) / mass[0]) if known_mass else nan,
+        "begin": window[0],
+        "end": window[1],
+        "goes_on": not ends,
+        "discs": len(passes),
+        "pause": float(np.diff([window[0], *passes, window[1]]).max()),
+        "usual_pause": (window[1] - window[0]) / max(len(passes), 1),
+        "gap_discharge": tuple(slope_of(t, one) for one in each),
+        "gap_discs": tuple(len(one.ids) for one in outlets),
+    }
+
+
+def _no_beverloo(width: float, turn: float) -> str:
+    """Why Beverloo's law does not hold for one gap of this width (diameters) and way (degrees from -y); else empty."""
+    if abs(turn) > DOWN:
+        return f"discs pass at {abs(turn):.0f} degrees to gravity, and the law is for gaps in a floor"
+    if width < devices.BEVERLOO_FROM:
+        return f"the gap is {width:z.1f} d wide; the law holds from {devices.BEVERLOO_FROM:g} d on, below it discs arch"
+    return ""
+
+
+def _above(flow: Flow, found: Crossings, outlets: Sequence[Outlet], passed: np.ndarray) -> np.ndarray | None:
+    """Mass before the gaps at each time, kg/m; None where discs come in meanwhile."""
+    frame, scene = found.begin, flow.scene
+    if frame is None or scene.inlets or scene.pours:
+        return None
+    far = [np.hypot(frame.x - one.gap.middle[0], frame.y - one.gap.middle[1]) for one in outlets]
+    sides = np.array([one.side * one.gap.left_of(frame.x, frame.y) for one in outlets])
+    before = np.take_along_axis(sides, np.argmin(far, axis=0)[None], 0)[0] < 0
+    return scene.mass * float(flow.relative_masses(frame)[before].sum()) - passed.sum(axis=0)
+
+
+def slope_of(time: np.ndarray, mass: np.ndarray) -> float:
+    """Slope of the straight line through masses (kg/m) against times (s), kg/s/m; NaN for fewer than two."""
+    return float(np.polyfit(time, mass, 1)[0]) if len(time) > 1 else nan
+
+
+def discharge_over_time(time: np.ndarray, passed: np.ndarray, piece: float = PIECE) -> np.ndarray:
+    """Discharge against time, kg/s/m: mass that passes in a piece of the record around each frame; NaN at its ends.
+
+    Parameters
+    ----------
+    time : ndarray, shape (frames,), s
+    passed : ndarray, shape (frames,), kg/m
+        Mass that has passed up to each frame.
+    piece : float
+        Share of the record.
+    """
+    found, reach = np.full(len(time), nan), max(1, round(0.5 * piece * len(time)))
     if len(time) > 2 * reach:
-        found[reach:-reach] = (mass[: -2 * reach] - mass[2 * reach :]) / (time[2 * reach :] - time[: -2 * reach])
+        found[reach:-reach] = (passed[2 * reach :] - passed[: -2 * reach]) / (time[2 * reach :] - time[: -2 * reach])
     return found
 
 
 def tables(hopper: Hopper) -> Tables:
-    """Mass above the slot, kg/m, and discharge, kg/s/m, against time."""
-    if hopper.time is None or hopper.mass is None:
+    """Mass before the gaps, kg/m, discharge of all and of each gap, kg/s/m, against time."""
+    if hopper.time is None or hopper.passed is None:
         return {}
-    columns = {"time": hopper.time, "mass": hopper.mass}
-    return {"hopper.csv": columns | {"discharge": discharge_over_time(hopper.time, hopper.mass)}}
+    columns = {"time": hopper.time} | ({"mass": hopper.mass} if hopper.mass is not None else {})
+    columns |= {"discharge": discharge_over_time(hopper.time, hopper.passed.sum(axis=0))}
+    if len(hopper.passed) > 1:
+        columns |= {f"discharge_{k}": discharge_over_time(hopper.time, one) for k, one in enumerate(hopper.passed, 1)}
+    return {"hopper.csv": columns}
 
 
 def figures(hopper: Hopper, gathered: Gathered) -> Drawings:
-    """Mass above the slot, and the discharge, against time."""
-    if hopper.time is None or hopper.mass is None:
+    """Mass before the gaps, and the discharge, against time."""
+    if hopper.time is None or hopper.passed is None:
         return {}
-    rate = discharge_over_time(hopper.time, hopper.mass)
+    total = hopper.passed.sum(axis=0)
     mean = {"mean of the window": hopper.discharge / 1e3} if isfinite(hopper.discharge) else {}
+    rates = [Line("", hopper.time, discharge_over_time(hopper.time, total) / 1e3)]
+    label, mass = ("Mass above the\nslot [t/m]", hopper.mass) if hopper.mass is not None else ("Passed [t/m]", total)
     panels = (
-        Panel("Mass above the\nslot [t/m]", [Line("", hopper.time, hopper.mass / 1e3)]),
-        Panel("Discharge\n[t/s per metre]", [Line("", hopper.time, rate / 1e3)], levels=mean, ylim=(0.0, None)),
+        Panel(label, [Line("", hopper.time, mass / 1e3)]),
+        Panel("Discharge\n[t/s per metre]", rates, levels=mean, ylim=(0.0, None)),
     )
-    return {"hopper": Chart("hopper", TIME, panels)}
+    window = (hopper.begin, hopper.end) if isfinite(hopper.begin) else None
+    return {"hopper": Chart("discs that pass the gap", TIME, panels, window)}
 
 
 def section(hopper: Mapping) -> Section:
-    """Discharge, slot and steadiness."""
+    """Discharge, its window and steadiness; gaps by their places."""
     if hopper.get("discharge") is None:
-        return Section("Hopper", [])
-    rows = described(Hopper, hopper, "discharge", "slot", "beverloo")
+        return Section("Outlet", [Text(hopper.get("reason") or "", "warn")])
+    rows = described(Hopper, hopper, "discharge", "begin", "end", "discs")
+    if hopper.get("slot") is not None:
+        rows += described(Hopper, hopper, "slot", "slot_in_diameters")
     if hopper.get("change") is not None:
         rows.append(("Change from the first half of the window to the second", percent(hopper["change"])))
-    return Section("Hopper", [Table(rows)])
+    if hopper.get("beverloo") is not None:
+        rows += described(Hopper, hopper, "beverloo")
+    elif hopper.get("no_beverloo"):
+        rows.append(("Beverloo's law is not asked", hopper["no_beverloo"]))
+    keys = ("gap_x", "gap_y", "gap_width", "gap_turn", "gap_discharge", "gap_discs")
+    gaps = list(zip(*(hopper.get(key) or () for key in keys), strict=True))
+    header = ("Gap, x [m]", "y [m]", "width [m]", "way to −y [degrees]", "discharge [kg/s/m]", "discs")
+    return Section("Outlet", [Table(rows), Table(gaps, header)])

@@ -16,7 +16,7 @@ import numpy as np
 from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Line, Panel
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
-from lammps_jump.analysis.profiles import window_of
+from lammps_jump.analysis.profiles import window_of, within
 from lammps_jump.analysis.report.page import Section, Table, described
 from lammps_jump.physics import devices
 from lammps_jump.units import number
@@ -38,6 +38,9 @@ class Waves:
     gauges: tuple[float, ...] = ()
     heights: tuple[float, ...] = ()
     depths: tuple[float, ...] = ()
+    means: tuple[float, ...] = ()
+    lowest: tuple[float, ...] = ()
+    largest: tuple[float, ...] = ()
     reason: str | None = None
     time: np.ndarray | None = field(default=None, metadata={"summary": False})
     records: np.ndarray | None = field(default=None, metadata={"summary": False})
@@ -68,7 +71,11 @@ def analyse(gathered: Gathered) -> Waves | None:
     x, time, depth = profiles["x"].values, profiles["time"].values, profiles["surface_depth"].values
     records = np.array([[np.interp(place, x, row) for row in depth] for place in gauges])
     (first, last), (period, stroke, begin) = window_of(profiles), paddle(flow)
+    inside = within(time, (first, last))
     known = {"gauges": tuple(gauges), "time": time, "records": records}
+    if inside.any():
+        known["means"] = tuple(float(record[inside].mean()) for record in records)
+    known |= {"lowest": tuple(map(float, records.min(axis=1))), "largest": tuple(map(float, records.max(axis=1)))}
     if not period > 0:
         return Waves(**known, reason="no wall oscillates, so that no period is known")
     periods = int((last - max(first, begin) + 1e-6 * period) / period)
@@ -100,10 +107,15 @@ def figures(waves: Waves, gathered: Gathered) -> Drawings:
 
 
 def section(waves: Mapping) -> Section:
-    """Heights and depths by gauge."""
+    """Depths by gauge; heights of waves where a paddle makes some."""
+    names = {"means": "mean depth of the window [m]", "lowest": "lowest", "largest": "largest of the record"}
+    names |= {"heights": "wave height [m]", "depths": "mean depth of whole periods [m]"}
+    known = [name for name in names if waves.get(name)]
+    if not known:
+        return Section("Gauges", [])
+    columns = zip(waves["gauges"], *(waves[name] for name in known), strict=True)
+    rows = [(f"{x:g}", *(f"{value:.3f}" for value in values)) for x, *values in columns]
+    blocks = [Table(rows, ("Gauge, x [m]", *(names[name] for name in known)))]
     if waves.get("height") is None:
-        return Section("Waves", [])
-    columns = waves["gauges"], waves["heights"], waves["depths"]
-    rows = [(f"{x:g}", f"{height:.3f}", f"{depth:.3f}") for x, height, depth in zip(*columns, strict=True)]
-    by_gauge = Table(rows, ("Gauge, x [m]", "wave height [m]", "mean depth [m]"))
-    return Section("Waves", [by_gauge, Table(described(Waves, waves, "period", "periods", "height_piston"))])
+        return Section("Gauges", blocks)
+    return Section("Waves", [*blocks, Table(described(Waves, waves, "period", "periods", "height_piston"))])

@@ -2,3 +2,4 @@
 from . import heap as heap
 from . import layers as layers
 from . import rest as rest
+from . import state as state

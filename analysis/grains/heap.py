@@ -34,6 +34,8 @@ MOST_INTERVAL = 45.0
 """Half of an interval from which on a flank has no angle, degrees."""
 FEWEST = 4
 """Bins of a flank."""
+BESIDE = 5
+"""Empty bins to either side of the heap that its table holds."""
 SAME_ASPECT = 0.1
 """Share by which the aspect of a column may be off that of a published heap whose shape is compared."""
 
@@ -43,6 +45,7 @@ class Heap:
     """Heap at the last frame; intervals are half of 95 % intervals, from the scatter about the fitted line."""
 
     height: float = number("m", "height of the heap over the bed", default=nan, label="height")
+    height_in_diameters: float = number("", "height over the diameter", default=nan)
     top: float = number("m", "place x of its top", default=nan)
     angle: float = number("degree", "angle of the flanks to the horizontal", default=nan, label="angle of the flanks")
     angle_interval: float = number("degree", "± of the angle of the flanks, from the fit", default=nan)
@@ -228,6 +231,15 @@ def shape_of(frame: Frame, flow: Flow) -> Shape:
     return Shape(x, bed, depth, flanks)
 
 
+def cut_to_discs(shape: Shape) -> Shape:
+    """The shape from the first bin with discs to the last, with `BESIDE` empty ones to either side."""
+    wet = np.flatnonzero(shape.depth > 0)
+    if not wet.size:
+        return shape
+    part = slice(max(wet[0] - BESIDE, 0), wet[-1] + BESIDE + 1)
+    return Shape(shape.x[part], shape.bed[part], shape.depth[part], shape.flanks)
+
+
 def analyse(gathered: Gathered) -> Heap:
     """The heap of a run at its last frame; with a reason where the scene makes none."""
     flow, remains = gathered.flow, gathered.histories["heap"]
@@ -236,7 +248,7 @@ def analyse(gathered: Gathered) -> Heap:
         return Heap(reason="a heap needs gravity, and no rows of inflow")
     if remains.frame is None:
         return Heap(reason="no frame holds a disc")
-    shape = shape_of(remains.frame, flow)
+    shape = cut_to_discs(shape_of(remains.frame, flow))
     height = float(shape.depth.max())
     if not height > 0:
         return Heap(reason="no disc lies on the bed")
@@ -249,6 +261,7 @@ def analyse(gathered: Gathered) -> Heap:
     rest = gathered.histories.get("rest")
     return Heap(
         height=height,
+        height_in_diameters=height / scene.diameter,
         top=middle,
         angle=float(np.mean(np.array(angles)[known])) if known.any() else nan,
         angle_interval=float(np.sqrt(np.sum(np.array(intervals)[known] ** 2)) / known.sum()) if known.any() else nan,

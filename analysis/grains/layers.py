@@ -50,6 +50,9 @@ class Layers:
     fastest: float = number("m/s", "largest velocity along x of a layer", default=nan)
     inertial_number: float = number("", "inertial number I, mean by mass", default=nan, label="inertial number")
     friction: float = number("", "effective friction μ = τ/P, mean by mass", default=nan, label="effective friction")
+    change: float = number(
+        "", "mean velocity of the second half of the window over that of the first, less one", default=nan
+    )
     pressure: float = number("Pa", "normal stress of the lowest layer", default=nan)
     reason: str | None = None
     profile: Profile | None = field(default=None, metadata={"summary": False})
@@ -309,10 +312,18 @@ def analyse(gathered: Gathered) -> Layers:
         fastest=float(profile.velocity[np.nanargmax(np.abs(profile.velocity))]),
         inertial_number=_by_mass(profile.inertial_number, mass),
         friction=_by_mass(profile.friction, mass),
+        change=_change(found.sums[inside]),
         pressure=float(profile.stress_yy[np.flatnonzero(mass > 0)[0]]),
         reason=None if found.stressed else "no stress: the stiffness of the discs is not known",
         profile=profile,
     )
+
+
+def _change(sums: np.ndarray) -> float:
+    """Mean velocity of the second half of the frames over that of the first, less one; NaN where that is none."""
+    parts = np.array_split(sums, 2) if len(sums) > 1 else []
+    means = [float(part[:, U].sum() / part[:, MASS].sum()) for part in parts if part[:, MASS].any()]
+    return means[1] / means[0] - 1.0 if len(means) == 2 and means[0] else nan
 
 
 def _by_mass(values: np.ndarray, mass: np.ndarray) -> float:

@@ -74,6 +74,14 @@ height        crest less trough of the mean wave: the depth at the gauge, averag
               at the end of the window at equal times within the period
 piston        S 2 (cosh 2kh − 1)/(sinh 2kh + 2kh), small waves of water; S whole stroke, ω² = g k tanh kh
 depth         of the free surface at the gauge, mean of the same periods
+gauges        mean: depth over the window; lowest, largest: of all frames
+""",
+    "runup": """\
+obstacle      where the bed rises by three diameters or more from where the discs are; its crest is the first top
+highest       bed under the end of the tongue, before the first gap of two diameters along the slope; before an upright
+              face the top of the discs that stand there without such a gap
+still water   median of the highest edges of strips two diameters wide, before walls move
+over          discs that were before the crest at the start and were last seen beyond it, their mass over ρ
 """,
     "drum": """\
 angle         straight line through the top edges of the highest discs of strips one diameter wide, middle half of the
@@ -81,9 +89,13 @@ angle         straight line through the top edges of the highest discs of strips
 scatter       standard deviation of the angle from frame to frame;  Froude number: ω²R/g
 """,
     "hopper": """\
-discharge     slope of the mass of discs above the slot against time, over the window;  change: second half over first
-slot          narrowest gap D between standing walls around the middle of the discs at the start
-Beverloo      W/(ρ √g (D − 1.4 d)^1.5), ρ and d of a disc: by the law the same for every slot and height of fill
+gap           narrow place between standing walls that discs pass, from their tracks; of gaps behind each other the
+              narrowest; width D, and the way of the discs to the direction −y, counter-clockwise
+discharge     slope of the mass that has passed against time, over the window;  change: second half over first
+window        from flow on to flow off: from the first to the last time with half of the usual discharge, which half of
+              the mass passes faster; a window that the case asks for cuts it
+Beverloo      W/(ρ √g (D − 1.4 d)^1.5), ρ and d of a disc, for one gap from 6 d on in a floor: by the law of Beverloo,
+              Leniger & van de Velde (1961) in two dimensions the same for every gap and height of fill
 """,
     "layers": """\
 layer         discs count with the share of their area in it, contacts with that of the line between the centres
@@ -109,6 +121,10 @@ sinking       fall of the highest edge over the last 20 √(d/g)
 by mass       Σ d² of the discs over the length: as deep as the same discs would stand in squares
 surface       free surface over the bed; both are means of the window, where that is two diameters or more
 over          touching discs have 0.8 to 1.2; a dump beyond 1.5 is refused: its discs overlap
+""",
+    "state": """\
+speed         median of the discs of the last frame that holds some;  along: mean velocity along x, by mass
+room          length and height that 98 % of the discs take;  rest: as in the section on rest
 """,
     "energy": """\
 kinetic, spin, potential (−m g·r), elastic (k δ²/2) energy of all discs, per metre of width

@@ -17,14 +17,15 @@ from lammps_jump.analysis.jump.section import certainty
 from lammps_jump.analysis.jump.summary import Jump, Local
 from lammps_jump.analysis.jump.tail import Tail
 from lammps_jump.analysis.quantities import QUANTITIES
-from lammps_jump.analysis.tables.rows import MOST, rows_of, sure, tiles
+from lammps_jump.analysis.tables.rows import MOST, at_gauges, rows_of, sure, tiles
+from lammps_jump.analysis.verdicts import doubts, is_shown, verdict
 from lammps_jump.errors import DumpError
 from lammps_jump.files import CURVES, FIGURES, read_json, write_text
 from lammps_jump.physics.contact import Coefficients
 from lammps_jump.units import ABSENT, numbers_of
 
 from .definitions import DEFINITIONS
-from .headline import against_water, belongs, verdict
+from .headline import against_water, belongs
 from .page import (
     Beside,
     Boxes,
@@ -106,12 +107,12 @@ def write_report(
         "tab": f"{name_of_run}: report",
         "name": ": ".join(filter(None, (name_of_run, summary.get("description")))),
     }
-    before = [Section("", _lead(summary))]
+    before = [Section("", _lead(summary)), Section("", [Items(doubts(summary), "Doubtful")])]
     before.append(Section("", [Items(summary.get("warnings") or (), "Notes")]))
     after = [
         _defined(key, quantity.section(summary[key]), summary)
         for key, quantity in QUANTITIES.items()
-        if summary.get(key)
+        if summary.get(key) and is_shown(key, summary)
     ]
     after.append(_defined("stations", stations.section(summary), summary))
     numbers = numbers_of(Coefficients)
@@ -125,7 +126,7 @@ def write_report(
     path, drawn, found = Path(folder) / name, curves(Path(folder)), _pictures(Path(folder), beside)
     if player:
         linked = [drawn.pop(name) for name in LINKED if name in drawn]
-        before.insert(1, Section("", [player, *([Beside(linked)] if linked else [])]))
+        before.insert(2, Section("", [player, *([Beside(linked)] if linked else [])]))
     page = render(title, [*before, *after, _figures(found, room, player, drawn), *last], **about)
     try:
         write_text(path, page)
@@ -147,8 +148,13 @@ def _lead(summary: Mapping) -> list[Text | Boxes]:
     return [
         Text(summary.get("message") or "", "bad"),
         Boxes(tiles(rows)[:MOST]),
+        Text(_first_large(at_gauges(summary)), "small"),
         Text(sure(summary) if rows else "", "sure"),
     ]
+
+
+def _first_large(text: str) -> str:
+    return f"{text[:1].upper()}{text[1:]}"
 
 
 def _errors(summary: Mapping) -> Section:

@@ -16,6 +16,7 @@ from lammps_jump.analysis.budgets.depths import Depths
 from lammps_jump.analysis.budgets.inflow import Delivery
 from lammps_jump.analysis.devices.drum import Drum
 from lammps_jump.analysis.devices.hopper import Hopper
+from lammps_jump.analysis.devices.runup import RunUp
 from lammps_jump.analysis.devices.waves import Waves
 from lammps_jump.analysis.energy import Energy
 from lammps_jump.analysis.forces.history import Force
@@ -27,6 +28,7 @@ from lammps_jump.analysis.jump.summary import Jump
 from lammps_jump.analysis.report.headline import A_JUMP, COMPARED, against_water, belongs
 from lammps_jump.analysis.report.page import Box, heading
 from lammps_jump.analysis.statistics import Mean
+from lammps_jump.analysis.verdicts import is_shown
 from lammps_jump.units import ABSENT, POWERS, ROUND_OFF, numbers_of, shown
 
 MOST = 5
@@ -98,19 +100,23 @@ FOUND = (
     Wanted("waves.height", Waves, "piston, small waves", "waves.height_piston"),
     Wanted("waves.height_last", Waves),
     Wanted("waves.depth", Waves),
+    Wanted("runup.highest", RunUp),
+    Wanted("runup.run_up", RunUp),
+    Wanted("runup.over", RunUp),
     Wanted("drum.angle", Drum),
     Wanted("drum.scatter", Drum),
     Wanted("drum.froude", Drum),
     Wanted("hopper.discharge", Hopper),
     Wanted("hopper.beverloo", Hopper),
     Wanted("hopper.slot", Hopper),
-    Wanted("hopper.change", Hopper, label="discharge, second half of the window over the first", **PERCENT),
     Wanted("heap.run_out_over_base", Heap, "rods", "heap.rods"),
     Wanted("heap.run_out_over_base", Heap, "sand", "heap.sand"),
     Wanted("heap.height_over_base", Heap, "rods", "heap.height_rods"),
     Wanted("heap.angle", Heap),
     Wanted("rest.time", Rest),
     Wanted("heap.height", Heap),
+    Wanted("hopper.slot_in_diameters", Hopper, label="width of that gap in diameters"),
+    Wanted("hopper.change", Hopper, label="discharge, second half of the window over the first", **PERCENT),
     Wanted("layers.inertial_number", Layers),
     Wanted("layers.friction", Layers),
     Wanted("layers.packing", Layers),
@@ -214,9 +220,9 @@ def _goes(wanted: Wanted, summary: Mapping) -> bool:
         return _at(summary, wanted.other) is not None
     if quantity == "front":
         water = wanted.other == WATER
-        known = key != "speed" or water == against_water(summary.get("front") or {})
+        known = is_shown("front", summary) and (key != "speed" or water == against_water(summary.get("front") or {}))
         return known and _at(summary, "jump.verdict") not in A_JUMP
-    return quantity != "jump" or belongs(key, _at(summary, "jump") or {})
+    return quantity != "jump" or (is_shown("jump", summary) and belongs(key, _at(summary, "jump") or {}))
 
 
 def _at(summary: Mapping, path: str) -> Any:
@@ -262,6 +268,14 @@ def table(rows: Sequence[Row], width: int) -> list[str]:
     wide[0] = max(8, min(wide[0], width - sum(wide[1:]) - 6))
     cut = [(label if len(label) <= wide[0] else f"{label[: wide[0] - 1]}…", *rest) for label, *rest in cells]
     return ["  ".join(cell.ljust(size) for cell, size in zip(line, wide, strict=True)).rstrip() for line in cut]
+
+
+def at_gauges(summary: Mapping) -> str:
+    """A line on the depths at the gauges that were asked for; empty where there are none."""
+    waves = summary.get("waves") or {}
+    columns = [waves.get(key) or () for key in ("gauges", "means", "largest")]
+    each = [f"x = {x:g} m {mean:.2f} ({most:.2f})" for x, mean, most in zip(*columns, strict=False)]
+    return f"depth at gauges, mean of the window (largest), m: {', '.join(each)}" if each else ""
 
 
 def sure(summary: Mapping) -> str:

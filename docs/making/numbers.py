@@ -37,12 +37,14 @@ TITLES = {
     "force": "Forces",
     "energy": "Energy",
     "waves": "Waves at gauges",
+    "runup": "Run-up and overtopping",
     "drum": "Drum",
-    "hopper": "Hopper",
+    "hopper": "Outlet",
     "layers": "Layers",
     "heap": "Heap",
     "rest": "Rest",
     "depth": "Depths of a foreign dump",
+    "state": "State at the end",
 }
 """Of the sections; a quantity of the program that is missing here stops the build."""
 BESIDE_DEFINITIONS = {"jump": ("stations",), "front": ("water",)}

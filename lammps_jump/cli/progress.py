@@ -155,9 +155,11 @@ def print_summary(summary: Mapping[str, Any], folder: Path, *, verbose: bool = F
     page = folder / "report.html"
     if sys.stdout.isatty() and not verbose:
         found = analysis.tables.rows.rows_of([summary])
-        about = [analysis.tables.rows.sure(summary)] if found else []
+        about = [*filter(None, [analysis.tables.rows.at_gauges(summary)])]
+        about += [analysis.tables.rows.sure(summary)] if found else []
+        about += [f"doubtful: {text}" for text in analysis.verdicts.doubts(summary)]
         about += [_spent(summary)] if "discs" in summary else []
-        said = analysis.report.headline.verdict(summary)
+        said = analysis.verdicts.verdict(summary)
         place = folder if page.exists() else None
         print("\n".join(ending(said, found, about, place, summary.get("warnings") or [])))
         return

@@ -42,7 +42,9 @@ NO_SUMMARY = (
 )
 
 
-ANALYSED = ("inflow", "jump", "front", "energy", "force", "waves", "drum", "hopper", "layers", "heap", "rest")
+ANALYSED = (
+    "inflow", "jump", "front", "energy", "force", "waves", "runup", "drum", "hopper", "layers", "heap", "rest", "state",
+)  # fmt: skip
 """What the analyses have found, each checked as it is described there."""
 
 

@@ -16,7 +16,6 @@ import pandas as pd
 import xarray as xr
 
 from lammps_jump.analysis.draw.style import BLUE, DASHES, GOLD, GREY, RED, colour_bar, drawing, save
-from lammps_jump.analysis.report.headline import verdict
 from lammps_jump.analysis.report.page import (
     Boxes,
     Choice,
@@ -31,6 +30,7 @@ from lammps_jump.analysis.report.page import (
 )
 from lammps_jump.analysis.report.received import read_player
 from lammps_jump.analysis.tables.rows import tiles, together
+from lammps_jump.analysis.verdicts import verdict
 from lammps_jump.files import PLAYER, write_text
 from lammps_jump.provenance import versions
 from lammps_jump.units import shown, two_digits

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import cosh, pi, radians, sinh, sqrt, tan, tanh
 
 import numpy as np
@@ -10,17 +11,16 @@ import pytest
 import xarray as xr
 from made_up import INPUTS, collected, disc_frame, flow_context, numbers
 
-from lammps_jump.analysis.devices import drum, hopper, waves
+from lammps_jump.analysis.devices import drum, gaps, hopper, waves
 from lammps_jump.analysis.passes import Gathered
-from lammps_jump.analysis.report.headline import headline, verdict
 from lammps_jump.analysis.tables.rows import rows_of
+from lammps_jump.analysis.verdicts import doubts, headline, verdict
 from lammps_jump.case import load_case
 from lammps_jump.errors import CaseError
 from lammps_jump.physics import devices
-from lammps_jump.scene.chains import X0, X1, Y0, Y1
 from lammps_jump.scene.motion import Motion, MovingWall
 from lammps_jump.scene.tracks import Oscillate, Rotate
-from lammps_jump.scene.walls import Block, Circle
+from lammps_jump.scene.walls import Block, Circle, Line, Plane
 
 ROOM = {"domain": ((-5.0, 30.0), (-5.0, 10.0)), "x_range": (0.0, 20.0)}
 WINDOW = {"window_begin": 3.0, "window_end": 20.0}
@@ -62,7 +62,7 @@ def test_gauges_without_a_period():
     assert waves.analyse(gathered(flow_context(**ROOM))) is None
     still = waves.analyse(gathered(flow_context(**ROOM, gauges=(5.0,))))
     assert "no wall oscillates" in still.reason and verdict({"waves": numbers(still)}) == ""
-    assert not waves.section(numbers(still)).blocks
+    assert waves.section(numbers(still)).blocks[0].rows == [("5", "0.000", "0.000", "0.000")]
     slow = paddle_flow(gauges=(5.0,))
     short = gathered(slow)
     short.profiles.attrs |= {"window_begin": 18.0}
@@ -104,44 +104,131 @@ def test_angle_of_a_slope_in_a_drum(rate):
     assert "slopes at 24.9 degrees" in verdict({"drum": numbers(found)})
 
 
-def test_no_drum_and_no_hopper():
+def hopper_of(flow, frames):
+    """The outlets of made-up frames, and their tracks."""
+    watch = collected(gaps.Crossings(flow), frames)
+    profiles = xr.Dataset({}, {"time": [0.0]}, WINDOW)
+    return hopper.analyse(Gathered(flow, profiles, None, {"hopper": watch}, {}))
+
+
+def test_no_drum_and_no_outlet():
     flow = flow_context(**ROOM)
-    for part, kind in (("drum", drum), ("hopper", hopper)):
-        collector = {"drum": drum.SurfaceAngles, "hopper": hopper.MassAbove}[part](flow)
-        collector.add(disc_frame([1.0], [1.0], box=ROOM["domain"]), 0.0)
-        found = kind.analyse(gathered(flow, **{part: collector.result()}))
-        assert found.reason and kind.tables(found) == {} and kind.figures(found, None) == {}
-        assert verdict({part: numbers(found)}) == "" and not kind.section(numbers(found)).blocks
+    frame = disc_frame([1.0], [1.0], box=ROOM["domain"])
+    found = drum.analyse(gathered(flow, drum=collected(drum.SurfaceAngles(flow), [frame])))
+    nothing = hopper_of(flow, [frame])
+    for part, kind, one in (("drum", drum, found), ("hopper", hopper, nothing)):
+        summary = {part: numbers(one)}
+        assert one.reason and kind.tables(one) == {} and kind.figures(one, None) == {}
+        # the title says nothing of it; what was asked for is told with its reason
+        assert verdict(summary) == "" and one.reason[1:] in doubts(summary)[0]
+    assert nothing.reason == "no two walls that stand leave a gap between them"
+    assert np.isnan(nothing.discharge) and nothing.gaps == 0
 
 
-def test_slot_is_the_narrowest_gap():
-    shape = np.zeros((4, 15))
-    lines = [(-2, 5, -2, 2), (-2, 2, -0.5, 0.5), (0.6, 0.5, 2, 2), (2, 2, 2, 5)]
-    shape[:, [X0, Y0, X1, Y1]] = lines
-    assert hopper.narrowest(shape, 0.0) == hopper.Slot(-0.5, 0.6, 0.5)
-    assert hopper.narrowest(shape[:2], 0.0) is None
+def line(name, *points):
+    return Line(name=name, points=points, sheet=True)
 
 
-def test_discharge_of_a_hopper():
-    """40 kg of disc leave every 0.1 s; Beverloo's number of the scene's own slot."""
-    scene = load_case(INPUTS / "hopper.yaml", ["initial.0.y=[2, 3]"]).scene()
-    slot = hopper.slot_of(scene)
-    assert slot == pytest.approx((-0.5, 0.5, 0.5))
-    time = np.arange(0.0, 20.01, 0.1)
-    mass = 20000.0 - 400.0 * time
-    flow = flow_context(**ROOM, positions=scene.positions, outlets=scene.outlets, walls=scene.walls)
-    found = hopper.analyse(gathered(flow, hopper=np.array([time, mass]).T))
-    assert found.discharge == pytest.approx(400.0) and found.change == pytest.approx(0.0, abs=1e-9)
-    assert found.beverloo == pytest.approx(400.0 / (1000.0 * sqrt(9.81) * (1.0 - 1.4 * 0.2) ** 1.5))
-    assert verdict({"hopper": numbers(found)}) == "The hopper lets out 0.40 t/s per metre through a slot of 1.0 m."
+SILO = (line("left", (-2, 9), (-2, 4), (1, 1)), line("right", (4, 9), (4, 3), (2, 1)))
+"""A silo with a gap of 1 m at x = 1.5 m, off its middle."""
+
+
+def test_gaps_are_narrow_places_wherever_they_lie():
+    found = gaps.gaps_of(flow_context(**ROOM, walls=SILO).scene)
+    assert (found[0].width, found[0].middle) == (pytest.approx(1.0), pytest.approx((1.5, 1.0)))
+    # corners of the funnel are no narrow places, its open top is one
+    assert [one.width for one in found] == pytest.approx([1.0, 6.0])
+    between = Block("post", (1.4, 1.6), (0.5, 1.5))
+    halves = [one for one in gaps.gaps_of(flow_context(**ROOM, walls=[*SILO, between]).scene) if one.width < 0.5]
+    assert sorted(one.middle[0] for one in halves) == pytest.approx([1.2, 1.8])
+    moving = MovingWall(between, Motion(kind=Oscillate(1.0, (0.1, 0.0))))
+    assert [one.width for one in gaps.gaps_of(flow_context(**ROOM, walls=[*SILO, moving]).scene)] == [1.0, 6.0]
+
+
+def test_gaps_over_a_floor_without_end_and_round_a_circle():
+    walls = [Plane("floor", "y", 0.0, "above"), Block("gate", (3.0, 3.4), (0.6, 5.0)), Circle("pier", (8.0, 3.0), 1.0)]
+    found = gaps.gaps_of(flow_context(**ROOM, walls=walls).scene)
+    widths = [one.width for one in found]
+    assert widths[:2] == pytest.approx([0.6, 0.6])  # below both corners of the gate
+    assert 2.0 == pytest.approx(min(one.width for one in found if one.middle[0] > 7), rel=1e-9)  # below the pier
+
+
+def falling(x, begin, until, step=0.05, speed=2.0, y=3.0):
+    """Frames of discs that fall one after the other from (x, y), each from its own time on."""
+    times = np.arange(0.0, until, step)
+    x, begin = np.asarray(x, float), np.asarray(begin, float)
+    for time in times:
+        yield disc_frame(x, y - speed * np.maximum(time - begin, 0.0), box=ROOM["domain"], time=time)
+
+
+def test_the_discharge_runs_from_flow_on_to_flow_off():
+    """A disc of 40 kg every 0.1 s passes the gap from t = 2 s to t = 12 s, and none before and after."""
+    begin = 1.0 + 0.1 * np.arange(100)  # 2 m down to the gap takes 1 s
+    flow = flow_context(**ROOM, walls=SILO, window=(18.0, 20.0))
+    found = hopper_of(flow, falling(np.full(100, 1.5), begin, 20.0))
+    assert found.discharge == pytest.approx(400.0, rel=0.02) and abs(found.change) < 0.03
+    # half of the piece of the record over which a discharge is taken
+    assert (found.begin, found.end) == (pytest.approx(2.0, abs=0.6), pytest.approx(12.0, abs=0.6))
+    assert found.goes_on is False and found.left < 0.06 and found.pause == pytest.approx(0.1, rel=0.2)
+    assert (found.gaps, found.slot, found.slot_in_diameters) == (1, pytest.approx(1.0), pytest.approx(5.0))
+    assert (found.gap_x, found.gap_y, found.gap_turn) == ((pytest.approx(1.5),), (pytest.approx(1.0),), (0.0,))
+    # five diameters: no law
+    assert np.isnan(found.beverloo) and found.no_beverloo.startswith("the gap is 5.0 d wide; the law holds from 6 d")
+    summary = {"hopper": numbers(found)}
+    assert verdict(summary) == "Discs leave at 0.40 t/s per metre through a gap of 1.0 m at x = 1.5 m."
+    assert any("no number of Beverloo: the gap is 5.0 d" in text for text in doubts(summary))
+    # a window that is asked for cuts it
+    asked = hopper_of(replace(flow, window=(4.0, 8.0), asked_window=True), falling(np.full(100, 1.5), begin, 20.0))
+    assert (asked.begin, asked.end) == (pytest.approx(4.0), pytest.approx(8.0))
+
+
+def test_beverloo_s_number_of_one_wide_gap():
+    wide = line("left", (-2, 9), (-2, 4), (0, 1)), SILO[1]
+    begin = 0.1 * np.arange(100)
+    found = hopper_of(flow_context(**ROOM, walls=wide), falling(np.full(100, 1.5), begin, 20.0))
+    expected = found.discharge / (1000.0 * sqrt(9.81) * (2.0 - 1.4 * 0.2) ** 1.5)
+    assert found.slot == pytest.approx(2.0) and found.beverloo == pytest.approx(expected) and not found.no_beverloo
     rate = hopper.tables(found)["hopper.csv"]["discharge"]
-    assert rate[5:-5] == pytest.approx(400.0) and np.isnan(rate[[0, 4, -5, -1]]).all()
+    assert np.isnan(rate[[0, -1]]).all() and np.nanmedian(rate[40:200]) == pytest.approx(400.0)
+    assert set(hopper.tables(found)["hopper.csv"]) == {"time", "mass", "discharge"}
     panels = hopper.figures(found, None)["hopper"].panels
-    assert panels[1].levels == {"mean of the window": pytest.approx(0.4)}
-    assert np.isnan(hopper.discharge_over_time(time[:2], mass[:2])).all()
-    collector = hopper.MassAbove(flow)
-    history = collected(collector, [disc_frame([0, 0, 0], [-1.0, 0.6, 2.0], box=ROOM["domain"])])
-    assert history[:, 1].tolist() == [80.0]
+    assert panels[1].levels == {"mean of the window": pytest.approx(found.discharge / 1e3)}
+
+
+def test_several_gaps_and_one_in_a_wall():
+    """Every other disc passes another gap beside the first; together they have the discharge, and no law is asked."""
+    bars = [line("a", (-2, 9), (-2, 1), (0, 1)), line("b", (1, 1), (3, 1)), line("c", (4, 1), (6, 1), (6, 9))]
+    x, begin = np.where(np.arange(100) % 2, 0.5, 3.5), 0.1 * np.arange(100)
+    found = hopper_of(flow_context(**ROOM, walls=bars), falling(x, begin, 20.0))
+    assert sorted(found.gap_x) == [pytest.approx(0.5), pytest.approx(3.5)] and found.gaps == 2
+    assert found.gap_discharge == (pytest.approx(200.0, rel=0.05),) * 2 and found.gap_discs == (50, 50)
+    assert np.isnan(found.slot) and np.isnan(found.beverloo) and "2 gaps beside each other" in found.no_beverloo
+    assert "through 2 gaps: 0.20 at x = 0.5 m, 0.20 at x = 3.5 m" in verdict({"hopper": numbers(found)})
+    assert len(hopper.section(numbers(found)).blocks[1].rows) == 2
+    # turned by a right angle: discs run along x through a gap in a wall
+    walls = [line("low", (5, -4), (5, 2)), line("high", (5, 4), (5, 9))]
+    times = np.arange(0.0, 20.0, 0.05)
+    frames = [
+        disc_frame(4.0 + 2.0 * np.maximum(t - begin, 0.0), np.full(100, 3.0), box=ROOM["domain"], time=t) for t in times
+    ]
+    aside = hopper_of(flow_context(**ROOM, walls=walls), frames)
+    assert aside.gap_turn == (pytest.approx(90.0),) and aside.slot == pytest.approx(2.0)
+    assert aside.discharge > 0 and "at 90 degrees to gravity" in aside.no_beverloo
+
+
+def test_discs_that_come_back_have_not_left():
+    flow = flow_context(**ROOM, walls=SILO)
+    times = np.arange(0.0, 5.0, 0.1)
+    frames = [
+        disc_frame(np.full(9, 1.5), np.full(9, 1.0 + np.cos(np.pi * t)), box=ROOM["domain"], time=t) for t in times
+    ]
+    assert hopper_of(flow, frames[:-9]).reason == "discs pass no gap between walls that stand"
+
+
+def test_the_scene_of_a_hopper_has_its_gap():
+    scene = load_case(INPUTS / "hopper.yaml", ["initial.0.y=[2, 3]"]).scene()
+    first = gaps.gaps_of(scene)[0]
+    assert (first.width, first.middle) == (pytest.approx(1.0), pytest.approx((0.0, 0.5)))
 
 
 @pytest.mark.parametrize("places, said", [("[3, 300]", "outside the domain"), ("[3, 3]", "there already")])

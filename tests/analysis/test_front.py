@@ -22,8 +22,8 @@ from lammps_jump.analysis.front import (
     stack_top,
 )
 from lammps_jump.analysis.passes import Gathered
-from lammps_jump.analysis.report.headline import headline, verdict
 from lammps_jump.analysis.tables.rows import rows_of, tiles
+from lammps_jump.analysis.verdicts import headline, verdict
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.physics import measured as reference_data
 from lammps_jump.physics import waves
@@ -257,6 +257,7 @@ def test_a_column_is_what_a_dump_without_a_jump_is_about():
     assert verdict({"jump": jump, "front": front}) == "A column collapses: its front runs at 3.6 m/s."
     assert "jump" not in headline({"jump": jump, "front": front})
     still = {**front, "speed": None}
-    assert verdict({"jump": jump, "front": still}) == "No hydraulic jump."
+    assert verdict({"jump": jump, "front": still}) == "The front of the discs is at 9.2 m after 3 s."
+    assert verdict({"jump": jump, "front": still, "inflow": {}}) == "No hydraulic jump."
     assert "collapsed" not in headline({"jump": jump, "front": still})
     assert "jump" in verdict({"jump": {**jump, "verdict": "jump"}, "front": front})

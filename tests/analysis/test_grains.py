@@ -13,8 +13,8 @@ from made_up import collected, columns_of_discs, disc_frame, flow_context, numbe
 
 from lammps_jump.analysis.grains import heap, layers, rest
 from lammps_jump.analysis.passes import Gathered
-from lammps_jump.analysis.report.headline import headline, verdict
 from lammps_jump.analysis.tables.rows import rows_of
+from lammps_jump.analysis.verdicts import headline, verdict
 from lammps_jump.errors import DumpError
 from lammps_jump.physics import devices
 from lammps_jump.scene.motion import Motion, MovingWall

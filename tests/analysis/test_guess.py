@@ -14,7 +14,7 @@ from lammps_jump.analysis.guess import from_dump
 from lammps_jump.analysis.passes import gather
 from lammps_jump.analysis.profiles import compute_profiles
 from lammps_jump.analysis.quantities import Pictures, analyse
-from lammps_jump.analysis.report.headline import headline, verdict
+from lammps_jump.analysis.verdicts import headline, verdict
 from lammps_jump.dump.exports import read_netcdf
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.dump.read import open_dump
@@ -134,7 +134,7 @@ def test_the_command_takes_files_of_a_frame_units_and_types(monkeypatch, capsys,
     for files in (["flow.*.lammps"], sorted(path.name for path in tmp_path.glob("flow.*"))):
         status, said, message = call(monkeypatch, capsys, "analyze", *files, *options)
         assert status == 0, message
-        assert "the front is at 4" in said and "note: Gravity taken" in said
+        assert "A dump of 3000 discs, of whose scene nothing is known" in said and "note: Gravity taken" in said
         assert "report: flow_analysis/report.html" in said
         found = json.loads((tmp_path / "flow_analysis" / "summary.json").read_text())
         assert found["name"] == "flow.*.lammps" and found["profiles"]["frames"] == 3

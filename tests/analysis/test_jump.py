@@ -26,10 +26,10 @@ from lammps_jump.analysis.jump.track import JumpTrack, equivalent_position, fit_
 from lammps_jump.analysis.jump.verdict import belongs_to, notes, untimed, worded
 from lammps_jump.analysis.passes import Gathered, feed
 from lammps_jump.analysis.profiles import compute_profiles
-from lammps_jump.analysis.report.headline import verdict
 from lammps_jump.analysis.report.page import Beside, Table, Text, errors_of, render
 from lammps_jump.analysis.statistics import STUDENT, Mean, mean_of, piece_error, propagated
 from lammps_jump.analysis.tables.rows import rows_of, tiles
+from lammps_jump.analysis.verdicts import verdict
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.physics import jump as theory
 from lammps_jump.scene.scene import InletRow

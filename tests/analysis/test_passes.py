@@ -175,10 +175,10 @@ def test_an_export_of_an_analysis_needs_one(tmp_path):
 
 def test_the_screen_shows_the_labelled_numbers(analysed):
     lines = main_numbers(analysed[1])
-    assert [line.split(":")[0] for line in lines] == ["Hydraulic jump", "jump", "front", "energy"]
+    assert [line.split(":")[0] for line in lines] == ["Hydraulic jump", "jump", "front", "energy", "doubtful"]
     assert lines[1].startswith("jump: verdict jump, Fr1 ") and ", shock speed -2 m/s," in lines[1]
     assert "Compare the " in lines[0] and "by Bélanger" in lines[0] and "Too few frames for errors" in lines[0]
-    assert main_numbers({"jump": {"verdict": "no jump found", "y1": None}}) == ["jump: verdict no jump found"]
+    assert main_numbers({"jump": {"verdict": "drowned inlet", "y1": None}}) == ["jump: verdict drowned inlet"]
 
 
 def test_no_jump_has_no_length_on_the_screen():

@@ -18,11 +18,11 @@ from number_text import numbers_in
 from lammps_jump.analysis.jump.summary import Jump
 from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.analysis.report.definitions import DEFINITIONS
-from lammps_jump.analysis.report.headline import verdict
 from lammps_jump.analysis.report.page import SCRIPTS, Curve, Player, Section, Table, Text, render, text
 from lammps_jump.analysis.report.run import LARGEST, write_report
 from lammps_jump.analysis.statistics import Mean
 from lammps_jump.analysis.tables.rows import ONE_DUMP, ONE_RUN, rows_of, sure, table, tiles, together
+from lammps_jump.analysis.verdicts import verdict
 from lammps_jump.cli.progress import ending
 from lammps_jump.errors import DumpError
 
@@ -125,9 +125,9 @@ def test_the_verdict_stands_at_the_top_and_its_numbers_have_errors_and_a_compari
     assert "Sequent depth, by mass [m]" in errors and "at least 0.040" in errors and "sill: Peak force [N/m]" in errors
     assert "±" not in content.partition("summary.json</summary>")[0]
     assert "<summary>What these numbers mean</summary>" in content and "where a sharp step between" in content
-    jump |= {"verdict": "no jump found"}
+    jump |= {"verdict": "drowned inlet"}
     content = page(write_report(tmp_path, {"name": "x", "jump": jump}))
-    assert "<h1>No hydraulic jump.</h1>" in content
+    assert "<h1>No hydraulic jump: drowned inlet.</h1>" in content
     assert tiles_of(content).keys() == {"Front velocity"}
 
 
@@ -157,6 +157,7 @@ COLUMN = {"position": 30.0, "time": 5.0, "speed": 9.87, "column_base": 4.0, "rit
         ({"front": {"position": 30.0, "time": 5.0, "speed": None}}, "is at 30 m after 5 s."),
         ({"energy": {"conservative": True, "max_deviation": 0.012}}, "The energy stays within 1.2 % of"),
         ({"status": "failed", "message": "disc 7 is lost"}, "The run is failed."),
+        ({"jump": {"verdict": "no jump found"}, "inflow": {}}, "No hydraulic jump."),
         ({"jump": {"verdict": "locked heap"}}, "No hydraulic jump: locked heap."),
         ({"jump": {"verdict": "marginal jump"}}, "Now and then a jump."),
         ({}, ""),

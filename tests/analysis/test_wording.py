@@ -9,7 +9,7 @@ import re
 import pytest
 
 from lammps_jump.analysis.jump.certainty import starts_needed
-from lammps_jump.analysis.report.headline import verdict
+from lammps_jump.analysis.verdicts import verdict
 from lammps_jump.cli.progress import StudyLine
 from lammps_jump.studies.table import with_error
 from lammps_jump.sweeps.sweep import SweepProgress

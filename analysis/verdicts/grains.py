@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Verdicts on grains: an outlet, a heap, a drum, a layer on a slope."""
+
+# ruff: noqa: RUF001  (Greek letters and minus signs are meant for readers)
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from lammps_jump.analysis.report.headline import FELL
+
+from .kinds import Doubt, Verdict, above, at, below, part, place, reason, shown
+
+MEMORY = "history"
+
+
+def _outlet(summary: Mapping) -> str:
+    hopper = part(summary, "hopper")
+    rate = hopper.get("discharge")
+    if rate is None:
+        return ""
+    gaps = hopper.get("gap_x") or ()
+    if len(gaps) < 2:
+        where = f" at x = {place(gaps[0])} m" if gaps else ""
+        through = f"a gap of {shown(hopper['slot'])} m{where}"
+    else:
+        each = zip(hopper["gap_discharge"], gaps, strict=True)
+        shares = ", ".join(f"{shown(one / 1e3)} at x = {place(x)} m" for one, x in each)
+        through = f"{len(gaps)} gaps: {shares}"
+    return f"Discs leave at {shown(rate / 1e3)} t/s per metre through {through}."
+
+
+def _law(summary: Mapping) -> str:
+    number, width = at(summary, "hopper.beverloo"), at(summary, "hopper.slot_in_diameters")
+    why = part(summary, "hopper").get("no_beverloo")
+    if number is not None:
+        at_width = f" The gap is {shown(width)} d wide; the law holds from 6 d on." if width else ""
+        return f" Over ρ √g (D − 1.4 d)^1.5, after Beverloo, that is {shown(number)}.{at_width}"
+    return f" Beverloo's law is not asked: {why}." if why else ""
+
+
+def _outlet_at_length(summary: Mapping) -> str:
+    said = _outlet(summary)
+    return said + _law(summary) if at(summary, "hopper.discharge") is not None else said
+
+
+def _few_pass(summary: Mapping) -> str:
+    discs = at(summary, "hopper.discs")
+    return f"{discs} discs pass while the flow is on" if discs is not None and discs < 100 else ""
+
+
+def _pause(summary: Mapping) -> str:
+    pause, usual = at(summary, "hopper.pause"), at(summary, "hopper.usual_pause")
+    if pause is None or not usual or pause <= 20 * usual:
+        return ""
+    return f"no disc passes for {shown(pause)} s, {pause / usual:.0f} times the usual pause: the flow stops and goes on"
+
+
+def _no_law(summary: Mapping) -> str:
+    why = part(summary, "hopper").get("no_beverloo")
+    return f"there is no number of Beverloo: {why}" if why else ""
+
+
+OUTLET = Verdict(
+    "How much leaves a silo or hopper, and through which gap?",
+    "Discs leave at 0.18 t/s per metre through a gap of 0.10 m at x = 0.1 m.",
+    ("hopper.discharge", "hopper.slot", "hopper.gap_x", "hopper.gap_width", "hopper.beverloo", "hopper.begin"),
+    _outlet,
+    (
+        Doubt("fewer than 100 discs pass while the flow is on", _few_pass),
+        Doubt(
+            "the discharge changes by more than 15 % from the first half of the window to the second",
+            above("hopper.change", 0.15, "the discharge changes by {} % within the window", 100.0),
+        ),
+        Doubt("no disc passes for 20 times the usual pause: arches", _pause),
+        Doubt("several gaps, a gap below six diameters, or a gap in a side wall: no law is asked", _no_law),
+    ),
+    _outlet_at_length,
+    unanswered=reason("hopper"),
+)  # fmt: skip
+
+
+def _heap(summary: Mapping) -> str:
+    heap = part(summary, "heap")
+    if heap.get("height") is None:
+        return ""
+    rests = "still moves" if heap.get("at_rest") is False else "is at rest" if heap.get("at_rest") else "stands"
+    slope = "" if heap.get("angle") is None else f", its flanks slope at {heap['angle']:z.0f} degrees"
+    if (heap.get("run_out_over_base") or 0.0) < FELL:
+        return f"A {'heap' if slope else 'bed'} of {shown(heap['height'])} m {rests}{slope}."
+    return f"The column has run out {shown(heap['run_out_over_base'])} times its base and {rests}{slope}."
+
+
+def _moves(summary: Mapping) -> str:
+    rest = part(summary, "heap").get("at_rest")
+    if rest is None:
+        rest = part(summary, "state").get("at_rest")
+    return "the discs still move: height and slope are those of the last frame" if rest is False else ""
+
+
+def _wide(summary: Mapping) -> str:
+    half = at(summary, "heap.angle_interval")
+    return (
+        f"the flanks are no straight lines: their angle is known to ± {shown(half)} degrees"
+        if half and half > 5
+        else ""
+    )
+
+
+def _unlike(summary: Mapping) -> str:
+    left, right = at(summary, "heap.angle_left"), at(summary, "heap.angle_right")
+    if left is None or right is None:
+        return ""
+    sure = sum(at(summary, f"heap.angle_{side}_interval") or 0.0 for side in ("left", "right"))
+    if abs(left - right) <= max(5.0, sure):
+        return ""
+    return f"the flanks differ: {left:z.0f} degrees to the left and {right:z.0f} to the right"
+
+
+def _creeps(summary: Mapping) -> str:
+    law = summary.get("friction_law")
+    if "friction_law" not in summary or law == MEMORY:
+        return ""
+    return "friction has no memory (contact.friction_law: history): a heap creeps and flattens"
+
+
+HEAP = Verdict(
+    "How high and how steep is a heap? How far does a column of grains run out?",
+    "A heap of 0.23 m is at rest, its flanks slope at 21 degrees.",
+    ("heap.height", "heap.angle", "heap.angle_interval", "heap.run_out_over_base", "heap.at_rest"),
+    _heap,
+    (
+        Doubt("the discs still move", _moves),
+        Doubt("the angle is known to more than ± 5 degrees", _wide),
+        Doubt("the flanks differ by more than 5 degrees and their intervals", _unlike),
+        Doubt(
+            "the heap is less than ten diameters high",
+            below("heap.height_in_diameters", 10.0, "the heap is {} diameters high"),
+        ),
+        Doubt("friction has no memory", _creeps),
+    ),
+    unanswered=reason("heap"),
+)
+
+
+def _drum(summary: Mapping) -> str:
+    drum = part(summary, "drum")
+    angle = drum.get("angle")
+    if angle is None:
+        return ""
+    return f"The drum turns, and its surface slopes at {angle:z.1f} degrees."
+
+
+def _centrifuge(summary: Mapping) -> str:
+    froude = at(summary, "drum.froude")
+    if froude is None or 1e-4 <= froude <= 0.1:
+        return ""
+    why = "the surface is bent, no straight slope" if froude > 0.1 else "discs fall in avalanches"
+    return f"its Froude number is {shown(froude)}: {why}"
+
+
+DRUM = Verdict(
+    "How steep is the surface in a drum that turns?",
+    "The drum turns, and its surface slopes at 24.9 degrees.",
+    ("drum.angle", "drum.angle_error", "drum.scatter", "drum.froude", "drum.turns"),
+    _drum,
+    (
+        Doubt("the window holds less than half a turn", below("drum.turns", 0.5, "the window holds {} of a turn")),
+        Doubt(
+            "the angle swings by more than 3 degrees from frame to frame",
+            above("drum.scatter", 3.0, "the angle swings by {} degrees from frame to frame"),
+        ),
+        Doubt("the Froude number ω²R/g is not between 0.0001 and 0.1", _centrifuge),
+        Doubt(
+            "the drum is less than a fifth full, or more than four fifths",
+            lambda summary: _filled(at(summary, "drum.filling")),
+        ),
+    ),
+    unanswered=reason("drum"),
+)
+
+
+def _filled(share: float | None) -> str:
+    return f"the discs fill {shown(100 * share)} % of the drum" if share is not None and not 0.2 <= share <= 0.8 else ""
+
+
+def _incline(summary: Mapping) -> str:
+    layers = part(summary, "layers")
+    speed = layers.get("velocity")
+    if speed is None:
+        return ""
+    if part(summary, "state").get("at_rest"):
+        return "The layer rests on its bed."
+    rubs = f"; its effective friction is {shown(layers['friction'])}" if layers.get("friction") is not None else ""
+    return f"The layer flows at {shown(abs(speed))} m/s{rubs}."
+
+
+def _changes(summary: Mapping) -> str:
+    change = at(summary, "layers.change")
+    if change is None or abs(change) <= 0.1 or part(summary, "state").get("at_rest"):
+        return ""
+    way = "faster" if change > 0 else "slower"
+    return f"the layer is {shown(100 * abs(change))} % {way} in the second half of the window: it is not steady"
+
+
+INCLINE = Verdict(
+    "How does a layer of grains flow on a slope?",
+    "The layer flows at 0.35 m/s; its effective friction is 0.36.",
+    ("layers.velocity", "layers.friction", "layers.inertial_number", "layers.packing", "layers.change"),
+    _incline,
+    (
+        Doubt("the velocity changes by more than 10 % within the window", _changes),
+        Doubt("fewer than ten layers hold discs", below("layers.layers", 10, "{} layers hold discs")),
+    ),
+    unanswered=reason("layers"),
+)

@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What a verdict is: a question, the sentences that answer it from a summary, its numbers, and its doubts."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+Said = Callable[[Mapping], str]
+"""Makes a sentence of a summary; empty where there is nothing to be said."""
+
+
+class Doubt(NamedTuple):
+    """What makes a verdict doubtful.
+
+    Attributes
+    ----------
+    when : str
+        The condition in words, for the table of the site.
+    found : callable(summary) -> str
+        What is found of it in this run, with its numbers; empty where the condition does not hold.
+    """
+
+    when: str
+    found: Said
+
+
+class Verdict(NamedTuple):
+    """One question that a run may answer.
+
+    Attributes
+    ----------
+    question : str
+    answer : str
+        The kind of sentence, for the table of the site.
+    numbers : tuple of str
+        Keys of ``summary.json`` that the sentences are made of.
+    title : callable(summary) -> str
+        One short sentence for the top of the page; empty where the question is not asked or cannot be answered.
+    doubts : tuple of Doubt
+    sentence : callable(summary) -> str, or None
+        What screens and logs say at more length; None: the title.
+    alone : bool
+        The title stands alone: no other one is put behind it.
+    unanswered : callable(summary) -> str, or None
+        Why there is no answer, where the case asks for one; else empty.
+    """
+
+    question: str
+    answer: str
+    numbers: tuple[str, ...]
+    title: Said
+    doubts: tuple[Doubt, ...]
+    sentence: Said | None = None
+    alone: bool = False
+    unanswered: Said | None = None
+
+    def said(self, summary: Mapping) -> str:
+        """The longer sentence."""
+        return (self.sentence or self.title)(summary)
+
+    def doubted(self, summary: Mapping) -> list[str]:
+        """What is doubtful about this answer of a summary, or why there is none."""
+        if not self.title(summary):
+            why = self.unanswered(summary) if self.unanswered else ""
+            return [f"{self.question} {why[:1].upper()}{why[1:]}"] if why else []
+        return [text for doubt in self.doubts if (text := doubt.found(summary))]
+
+
+def part(summary: Mapping, key: str) -> Mapping[str, Any]:
+    """The numbers of a quantity; empty where it was not made."""
+    found = summary.get(key)
+    return found if isinstance(found, Mapping) else {}
+
+
+def asked_of_a_dump(quantity: str, summary: Mapping) -> bool:
+    """Whether a quantity was asked for, where the summary is that of a dump; of a run what is there was asked for."""
+    return "given" not in summary or quantity in (summary["given"].get("analyses") or ())
+
+
+def reason(quantity: str) -> Said:
+    """Why a quantity was not found."""
+    return lambda summary: part(summary, quantity).get("reason") or ""
+
+
+def above(key: str, limit: float, text: str, scale: float = 1.0) -> Said:
+    """A doubt that holds where the size of a number is above a limit; `text` takes the scaled size as ``{}``."""
+
+    def found(summary: Mapping) -> str:
+        value = at(summary, key)
+        return text.format(shown(scale * abs(value))) if value is not None and abs(value) > limit else ""
+
+    return found
+
+
+def below(key: str, limit: float, text: str) -> Said:
+    """A doubt that holds where a number is below a limit; `text` takes it as ``{}``."""
+
+    def found(summary: Mapping) -> str:
+        value = at(summary, key)
+        return text.format(shown(value)) if value is not None and value < limit else ""
+
+    return found
+
+
+def at(summary: Mapping, key: str) -> Any:
+    """What stands at ``quantity.number``, a number; None where there is none."""
+    quantity, _, name = key.partition(".")
+    value = part(summary, quantity).get(name)
+    return None if isinstance(value, bool) or not isinstance(value, int | float) else value
+
+
+def shown(value: float) -> str:
+    """Two significant digits, ``1.0``, ``12``; whole numbers as they are."""
+    if isinstance(value, int):
+        return str(value)
+    whole = abs(value) >= 99.5
+    return f"{value:z.0f}" if whole else f"{value:z#.2g}".rstrip(".")
+
+
+def place(value: float) -> str:
+    """A place along x or y, three digits."""
+    return f"{value:z.3g}"

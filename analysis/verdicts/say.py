@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The title of a page, the sentences of a screen and the doubts of a run, from its summary."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+from .grains import DRUM, HEAP, INCLINE, OUTLET
+from .jump import HYDRAULIC_JUMP
+from .jump import is_asked as jump_is_asked
+from .plain import DISCS, ENERGY
+from .water import COLLAPSE, IMPACT, RUN_UP, WAVES, has_front
+
+VERDICTS = (OUTLET, HEAP, DRUM, INCLINE, HYDRAULIC_JUMP, WAVES, COLLAPSE, RUN_UP, IMPACT, ENERGY, DISCS)
+"""In the order in which they claim the title. Pages, screens and the table of the site are made from it."""
+TOGETHER = 2
+"""Answers of one title."""
+
+
+def answered(summary: Mapping) -> list[tuple[str, int]]:
+    """Titles and numbers of the verdicts that answer; one that stands alone does so only where it is first."""
+    found: list[tuple[str, int]] = []
+    for number, verdict in enumerate(VERDICTS):
+        said = "" if found and verdict.alone else verdict.title(summary)
+        if said:
+            found.append((said, number))
+            if verdict.alone:
+                break
+    return found
+
+
+def verdict(summary: Mapping) -> str:
+    """One or two short sentences on what happened, the title of a report; empty where there is nothing to be said.
+
+    `summary` is that of a run, or of starts of one case, as of `rows.together`.
+    """
+    status = summary.get("status") or "complete"
+    if status != "complete":
+        return f"The run is {status}."
+    return _signed(" ".join(said for said, _ in answered(summary)[:TOGETHER]))
+
+
+def headline(summary: Mapping) -> str:
+    """The sentences at length, from what a summary holds; empty where there is nothing to be said."""
+    said = [VERDICTS[number].said(summary) for _, number in answered(summary)]
+    if not said and "position" in (summary.get("front") or {}):
+        said = [COLLAPSE.said(summary)]
+    return _signed(" ".join(filter(None, said)))
+
+
+def doubts(summary: Mapping) -> list[str]:
+    """What makes the answers of the title doubtful in this run, as sentences."""
+    if (summary.get("status") or "complete") != "complete":
+        return []
+    shown = {number for _, number in answered(summary)[:TOGETHER]}
+    found = [
+        text
+        for number, one in enumerate(VERDICTS)
+        if number in shown or not one.title(summary)
+        for text in one.doubted(summary)
+    ]
+    return [_signed(f"{text[:1].upper()}{text[1:].rstrip('.')}.") for text in dict.fromkeys(found)]
+
+
+def is_shown(quantity: str, summary: Mapping) -> bool:
+    """Whether page and screen show a quantity: no jump that nobody asked for, no front where nothing runs."""
+    if quantity == "jump":
+        return jump_is_asked(summary)
+    if quantity == "front" and "given" in summary:
+        return has_front(summary)
+    return True
+
+
+def _signed(text: str) -> str:
+    return re.sub(r"(?<![\w.-])-(?=[\d.])", "\N{MINUS SIGN}", text)

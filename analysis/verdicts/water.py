@@ -1,0 +1,251 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Verdicts on water that is not a jump: a column that collapses, waves, run-up and overtopping, impact on a wall."""
+
+# ruff: noqa: RUF001  (minus signs and quotation marks are meant for readers)
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from lammps_jump.analysis.report.headline import DISCS, against_water
+from lammps_jump.analysis.report.page import percent
+
+from .kinds import Doubt, Verdict, asked_of_a_dump, at, below, part, place, shown
+
+ONE_WAY = 0.7
+"""Share of the mean speed that the mean velocity has where discs run as a stream."""
+
+
+def collapsed(front: Mapping) -> bool:
+    """Whether there was a column at the start, whose front then ran."""
+    return front.get("column_base") is not None and front.get("speed") is not None
+
+
+def has_front(summary: Mapping) -> bool:
+    """Whether page and screen show the front: a case asked for it; in a dump a column fell, or a stream runs."""
+    front = part(summary, "front")
+    if front.get("position") is None:
+        return False
+    if collapsed(front) or asked_of_a_dump("front", summary) or "state" not in summary:
+        return True
+    along, speed = at(summary, "state.along"), at(summary, "state.mean_speed")
+    return along is not None and speed is not None and abs(along) > ONE_WAY * speed
+
+
+def _collapse(summary: Mapping) -> str:
+    front = part(summary, "front")
+    if not has_front(summary):
+        return ""
+    if not collapsed(front):
+        after = "" if front.get("time") is None else f" after {front['time']:.3g} s"
+        return f"The front of the discs is at {front['position']:z.3g} m{after}."
+    ritter = against_water(front) and (front.get("ritter") or {}).get("front_speed")
+    more = f"; Ritter’s would run at {shown(ritter)} m/s" if ritter else ""
+    arrival = front.get("arrival_time")
+    more = f" and meets the obstacle after {shown(arrival)} s" if arrival is not None else more
+    opens = front.get("gate_open")
+    what = f"The gate opens in {shown(opens)} s: the" if opens is not None else "A column collapses: its"
+    return f"{what} front runs at {shown(front['speed'])} m/s{more}."
+
+
+def _collapse_at_length(summary: Mapping) -> str:
+    front = part(summary, "front")
+    if "position" not in front:
+        return ""
+    if front["position"] is None:
+        return "" if "given" in summary else f"No front to compare: {front.get('reason') or 'none was found'}."
+    if not has_front(summary):
+        return ""
+    after = front.get("time")
+    speed = f", mean speed {front['speed']:z.2f} m/s" if front.get("speed") is not None else ""
+    flow = "The discs’" if front.get("column_base") is not None else "Discs flow in; the"
+    if collapsed(front):
+        column = f"A column of {front['column_base']:.3g} × {front['column_depth']:.3g} m"
+        opens = front.get("gate_open")
+        flow = (
+            f"{column} collapsed; its"
+            if opens is None
+            else f"{column} ran out below a gate that rose until {opens:.3g} s; its"
+        )
+    when = "at the last frame" if after is None else f"after {after:.2f} s"
+    said = [f"{flow} front is at {front['position']:z.2f} m {when}{speed}."]
+    if front.get("arrival_time") is not None:
+        said.append(f"It met the first obstacle after {front['arrival_time']:.2f} s.")
+    said += _against_water(front)
+    return " ".join([*said, "One run cannot say how sure that is: repeat it from other starts."])
+
+
+def _against_water(front: Mapping) -> list[str]:
+    said = []
+    water, ritter = front.get("martin_moyce") or {}, front.get("ritter") or {}
+    if water.get("mean_bulk") is not None:
+        low, high = (100 * bound for bound in DISCS)
+        inside = "as discs do" if low <= 100 * water["mean_bulk"] <= high else "unlike discs"
+        off = f"{100 * water['mean_bulk']:+z.0f} % off Martin & Moyce's water (n² = 2) in the mean"
+        said.append(f"It is {off}, {inside} ({low:z.0f} to {high:z.0f} %).")
+    elif water.get("slope_of_table") is not None and water.get("slope") is not None:
+        of_table = f"{water['slope_of_table']:.2f}"
+        said.append(f"Slope dZ/dT {water['slope']:z.2f}; Martin & Moyce's water of this shape has {of_table}.")
+    elif water:
+        said.append(f"No measured curve of water belongs to its shape (n² = {water['aspect']:.2f}; measured: 1 and 2).")
+    if water and ritter.get("rms") is not None:
+        said.append(f"Ritter's front, until {ritter['valid_until']:.2f} s: RMS difference {percent(ritter['rms'], 0)}.")
+    return said
+
+
+def _lone_discs(summary: Mapping) -> str:
+    bulk, far, base = (at(summary, f"front.{key}") for key in ("position", "position_99", "column_base"))
+    if bulk is None or far is None or base is None or abs(far - bulk) <= 0.25 * max(abs(bulk), base):
+        return ""
+    return f"bulk and 99 % of the discs end at different places, {place(bulk)} and {place(far)} m"
+
+
+def _slow_gate(summary: Mapping) -> str:
+    opens = at(summary, "front.gate_open")
+    return f"the gate takes {shown(opens)} s to open: no closed form belongs to it" if opens is not None else ""
+
+
+COLLAPSE = Verdict(
+    "How fast does a column collapse, and when does it arrive?",
+    "A column collapses: its front runs at 3.6 m/s and meets the obstacle after 1.9 s.",
+    ("front.position", "front.speed", "front.arrival_time", "front.ritter", "front.martin_moyce"),
+    _collapse,
+    (
+        Doubt("the bulk and 99 % of the discs end at places a quarter apart", _lone_discs),
+        Doubt("a gate takes its time to open", _slow_gate),
+    ),
+    _collapse_at_length,
+)
+
+
+def _waves(summary: Mapping) -> str:
+    waves = part(summary, "waves")
+    if waves.get("height") is None:
+        return ""
+    pairs = list(zip(waves["gauges"], waves["heights"], strict=True))
+    last = f" and {pairs[-1][1]:.2f} m at x = {pairs[-1][0]:g} m" if len(pairs) > 1 else ""
+    return f"Waves of {shown(waves['period'])} s are {pairs[0][1]:.2f} m high at x = {pairs[0][0]:g} m{last}."
+
+
+def _die_out(summary: Mapping) -> str:
+    first, last = at(summary, "waves.height"), at(summary, "waves.height_last")
+    if not first or last is None or last >= 0.5 * first:
+        return ""
+    lost = 100 * (1 - last / first)
+    return f"the waves lose {lost:.0f} % of their height between the gauges: discs lose energy as water does not"
+
+
+WAVES = Verdict(
+    "How high are the waves of a paddle?",
+    "Waves of 4.0 s are 0.59 m high at x = 4.5 m and 0.20 m at x = 12 m.",
+    ("waves.period", "waves.height", "waves.height_last", "waves.height_piston"),
+    _waves,
+    (
+        Doubt(
+            "the window holds fewer than three periods", below("waves.periods", 3, "the window holds {} periods only")
+        ),
+        Doubt("the waves lose half of their height between the gauges", _die_out),
+    ),
+)
+
+
+def _run_up(summary: Mapping) -> str:
+    found = part(summary, "runup")
+    if found.get("highest") is None:
+        return ""
+    on = f"{found['wall']}" if found.get("wall") else "the slope"
+    still, over = found.get("run_up"), found.get("over") or 0.0
+    above_still = f", {shown(still)} m over the still water" if still is not None else ""
+    tail = f"{shown(over)} m² go over the crest at y = {place(found['crest'])} m"
+    if not over:
+        tail = f"nothing goes over the crest at y = {place(found['crest'])} m"
+    return f"The water reaches y = {place(found['highest'])} m on {on}{above_still}; {tail}."
+
+
+def _to_the_crest(summary: Mapping) -> str:
+    if not part(summary, "runup").get("reaches_crest"):
+        return ""
+    return "the water reaches the crest: a higher slope or wall would show a higher run-up"
+
+
+def _few_over(summary: Mapping) -> str:
+    discs = at(summary, "runup.over_discs")
+    if not discs or discs >= 100:
+        return ""
+    return f"{discs} discs make the volume over the crest, which scatters by {100 / discs**0.5:.0f} % at least"
+
+
+def _still_passes(summary: Mapping) -> str:
+    return (
+        "water still goes over the crest at the end: run longer" if part(summary, "runup").get("still_passes") else ""
+    )
+
+
+RUN_UP = Verdict(
+    "How high does a wave run up, and how much goes over?",
+    "The water reaches y = 1.9 m on seawall, 1.0 m over the still water; nothing goes over the crest at y = 2.5 m.",
+    ("runup.highest", "runup.run_up", "runup.still", "runup.over", "runup.over_discs"),
+    _run_up,
+    (
+        Doubt("the water reaches the crest, so that the run-up is a lower bound", _to_the_crest),
+        Doubt("fewer than 100 discs go over", _few_over),
+        Doubt("water still goes over at the end", _still_passes),
+        Doubt(
+            "the run-up is less than three diameters",
+            below("runup.diameters", 3.0, "the run-up is {} diameters, and the surface is known to about one"),
+        ),
+    ),
+)
+
+
+def struck(summary: Mapping) -> tuple[str, Mapping]:
+    """Name and force of the probed wall that water runs against: that of the run-up, else that with the largest peak.
+
+    An upright face towards a flow has an oncoming momentum; floors and walls that move have none. The name is empty
+    where there is no such wall.
+    """
+    walls = {name: one for name, one in part(summary, "force").items() if isinstance(one, Mapping) and "peak" in one}
+    known = [pair for pair in walls.items() if None not in (pair[1]["peak"], pair[1].get("stagnation"))]
+    climbed = part(summary, "runup").get("wall")
+    known = [pair for pair in known if pair[0] == climbed] or known
+    return max(known, key=lambda pair: abs(pair[1]["peak"]), default=("", {}))
+
+
+def _impact(summary: Mapping) -> str:
+    name, force = struck(summary)
+    if not name or "inflow" in summary or summary.get("friction_law"):
+        return ""
+    if not force["peak"]:
+        return f"Nothing pushes {name}."
+    along = {"fx": " along x", "fy": " along y"}.get(force.get("component") or "", "")
+    when = f", at t = {force['peak_time']:.2f} s" if force.get("peak_time") is not None else ""
+    return f"The discs push {name} with {shown(abs(force['peak']) / 1e3)} kN/m{along} at most{when}."
+
+
+def _spike(summary: Mapping) -> str:
+    _, force = struck(summary)
+    raw, peak = force.get("peak_unfiltered"), force.get("peak")
+    if not raw or not peak or abs(raw) <= 1.5 * abs(peak):
+        return ""
+    return (
+        f"the record without low-pass peaks at {shown(abs(raw / peak))} times the force: single discs strike the wall"
+    )
+
+
+def _unbalanced(summary: Mapping) -> str:
+    identities = part(summary, "force").get("identity") or {}
+    off = [one["relative"] for one in identities.values() if one.get("complete") and one.get("relative") is not None]
+    if max(off, default=0.0) <= 0.05:
+        return ""
+    return f"the impulses of walls and gravity miss the momentum of the discs by {shown(100 * max(off))} %"
+
+
+IMPACT = Verdict(
+    "How hard do discs strike a wall?",
+    "The discs push seawall with 4.7 kN/m along x at most, at t = 5.41 s.",
+    ("force.<wall>.peak", "force.<wall>.peak_time", "force.<wall>.peak_unfiltered", "force.<wall>.impulse"),
+    _impact,
+    (
+        Doubt("the peak without low-pass is more than half higher", _spike),
+        Doubt("impulses and momentum differ by more than 5 %", _unbalanced),
+    ),
+)
