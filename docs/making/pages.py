@@ -8,9 +8,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from . import commands, fields, folder, gallery, measured, numbers
+from . import commands, fields, folder, gallery, measured, numbers, verdicts
 
-REFERENCE = {"fields": fields.page, "commands": commands.page, "folder": folder.page, "numbers": numbers.page}
+REFERENCE = {
+    "fields": fields.page, "commands": commands.page, "folder": folder.page, "numbers": numbers.page,
+    "verdicts": verdicts.page,
+}  # fmt: skip
 """Pages of ``docs/reference`` that are made from the program."""
 
 
