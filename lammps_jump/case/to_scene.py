@@ -130,6 +130,7 @@ def build_scene(case: CaseFields, source: CaseSource) -> Scene:
     places.check_places(source, begun, inlets, (*moving, *gates), fields, case.seam)
     if case.seam:
         channel.check_walls(source, begun, moving, fields, domain)
+        notes += channel.lid_doubts(moving, domain, begun.largest)
     checks.check_pour(case, source, domain, begun.largest)
     names = [wall.name for wall, _ in moving]
     probes, groups = _probes(case, source, names), walls.groups(case, source, moving, own_names)

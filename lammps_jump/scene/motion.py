@@ -208,6 +208,23 @@ def way(one: MovingWall, begin: float, end: float) -> tuple[Interval, Interval]:
     return (float(np.min(x)), float(np.max(x))), (float(np.min(y)), float(np.max(y)))
 
 
+def at_seam(name: str, x: Interval, seam: Interval, margin: float) -> str:
+    """What is wrong with a moving wall that spans `x` (m) in a periodic channel; empty where it is off the seam.
+
+    Walls do not repeat with the period: beyond the seam discs would not feel it.
+    """
+    low, high = seam[0] + margin, seam[1] - margin
+    if x[0] >= low and x[1] <= high:
+        return ""
+    return (
+        f"wall '{name}' comes to the seam of the periodic channel; allowed is a way between x = {low:g} and {high:g} m"
+    )
+
+
+PUSHED_THERE = "discs have pushed it there: make the channel longer, or let it move along y alone (motion.axis: y)"
+"""Remedy for a loaded wall `at_seam`."""
+
+
 def largest_speed(one: MovingWall, begin: float, end: float) -> float:
     """Largest speed of a point of a wall between two times (s), m/s; 0 of a loaded one, which the discs move."""
     wall, motion = one

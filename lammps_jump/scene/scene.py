@@ -6,7 +6,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from math import isinf
+from math import isinf, sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -321,6 +321,15 @@ class Scene(Measures):
     def discharges(self) -> tuple[float, ...]:
         """`discharges_of` the inlets, m^2/s."""
         return self.discharges_of(self.inlets)
+
+    def pour_turns(self, pour: Pour) -> range:
+        """Steps at which a pour lets discs in: again when its region of height H is empty, as LAMMPS' fix pour.
+
+        t = (sqrt(v^2 + 2 g H) - v) / g
+        """
+        v, g, height = pour.speed_down, max(0.0, -self.gravity[1]), pour.y[1] - pour.y[0]
+        clear = (sqrt(v * v + 2 * g * height) - v) / g if g > 0 else height / v
+        return range(1, self.steps + 1, max(1, round(clear / self.time_step)))
 
     def masses(self, diameters: ArrayLike) -> np.ndarray:
         """Mass of discs of these diameters (m), kg/m; shape of `diameters`."""

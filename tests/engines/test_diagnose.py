@@ -7,6 +7,7 @@ from made_up import BOX
 
 import lammps_jump as lj
 from lammps_jump.engines.lammps.diagnose import explain
+from lammps_jump.files import POSES, POSES_HEADER
 
 ERROR = "ERROR: Fix halt condition for fix-id guard_overlap met on step {}"
 
@@ -35,3 +36,14 @@ def said(tmp_path, step, places):
 def test_the_deepest_overlap_is_named(tmp_path, places, culprit):
     text = said(tmp_path, 100, places)
     assert "overlap too deeply at t = " in text and f": {culprit}, allowed is 2 d/n" in text
+
+
+def test_a_wall_that_discs_have_pushed_is_where_they_have_pushed_it(tmp_path):
+    lid = {"name": "lid", "kind": "block", "x": [0.5, 1.5], "y": [2.2, 2.4],
+           "motion": {"kind": "load", "mass": 1, "force": [0, -1]}}  # fmt: skip
+    scene = lj.load_case({**BOX, "walls": [*BOX["walls"], lid]}).scene()
+    (tmp_path / "log.lammps").write_text("")
+    (tmp_path / POSES).write_text(f"{POSES_HEADER}\n0,lid,0,0,0\n{scene.time(100)},lid,0,-0.5,0\n")
+    state = np.array([1]), np.array([[1.0, 1.65, 0.0]])
+    text = explain(ERROR.format(100), scene, tmp_path, state)
+    assert "disc 1 and wall 'lid' near (1, 1.65) by 0.05 m" in text

@@ -11,13 +11,14 @@ import pytest
 from lammps_jump.engines import step_hook
 from lammps_jump.engines.native import NativeSimulation, run_native
 from lammps_jump.engines.native.cells import CellSimulation
-from lammps_jump.engines.native.events import PourState
+from lammps_jump.engines.native.events import OpenBoundaries, PourState
 from lammps_jump.engines.native.state import load_state, save_state
 from lammps_jump.errors import CaseError, RunError
 from lammps_jump.physics.hydrograph import Hydrograph, entries_of_rows
 from lammps_jump.scene.build import handmade_scene
-from lammps_jump.scene.motion import gate
+from lammps_jump.scene.motion import Motion, MovingWall, Pose, gate
 from lammps_jump.scene.scene import InletRow, Outlet, Pour, Scene
+from lammps_jump.scene.tracks import Loaded
 from lammps_jump.scene.walls import Block, Box, Plane
 
 D = 0.2
@@ -114,6 +115,15 @@ def test_a_pour_comes_again_when_the_batch_has_fallen_out_of_its_region():
     scene = handmade_scene(EMPTY, EMPTY, (FLOOR,), pours=(pour,))
     fallen = PourState(pour, scene, np.random.default_rng(1)).every * scene.time_step
     assert 1.5 * fallen + 0.5 * 9.81 * fallen**2 == pytest.approx(2.0, abs=6 * scene.time_step)  # half a step at 6 m/s
+
+
+def test_a_pour_keeps_off_a_lid_where_it_is_now():
+    lid = MovingWall(Block("lid", (0.0, 4.0), (0.0, 1.0)), Motion(kind=Loaded(1.0, (0.0, 0.0))))
+    pour = Pour((0.0, 4.0), (3.0, 5.0), 9, 0.3, 1.5)
+    scene = handmade_scene(EMPTY, EMPTY, (lid,), pours=(pour,))
+    boundaries, discs = OpenBoundaries(scene), NativeSimulation(scene).discs
+    raised = {"lid": Pose(0.0, 3.0)}  # its top is at 4 m then
+    assert all(new.y >= 4.0 + 0.5 * D for new in boundaries.arrivals(1, discs, raised))
 
 
 def test_pour_fills_without_overlap():

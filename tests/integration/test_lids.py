@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from made_up import engine_setting
 
 from lammps_jump.case import load_case
 from lammps_jump.dump.beside.poses import PoseFile
@@ -74,3 +75,34 @@ def test_without_a_compiler_the_native_engine_runs_and_the_scripts_are_there(tmp
     assert (tmp_path / "in.plugin.lammps").exists()
     with pytest.raises(SetupError, match="stock LAMMPS has no wall that discs push"):
         choice.choose("lammps", "stock", 1, scene)
+
+
+SEAM = {
+    "name": "seam",
+    "gravity": 0,
+    "discs": {"diameter": 0.1},
+    "contact": {"restitution": 1, "impact_speed": 4},
+    "domain": {"x": [0, 2], "y": [-0.5, 0.5], "periodic": "x"},
+    "walls": [{"name": "lid", "kind": "block", "x": [1.5, 1.6], "y": [-0.15, 0.15],
+               "motion": {"kind": "load", "mass": 10, "force": [0, 0], "axis": "x"}}],
+    "initial": [{"kind": "list", "positions": [[1.3, 0.0]], "velocities": [[2, 0]]}],
+    "run": {"duration": 0.6, "output_interval": 0.05},
+}  # fmt: skip
+"""A disc of 10 kg gives its 2 m/s to a lid of 10 kg after 0.075 s. The lid is 0.1 m from the end after 0.225 s."""
+
+
+@pytest.mark.parametrize("engine", ["native", "compiled"])
+def test_a_lid_that_comes_to_the_seam_ends_the_run(engine, tmp_path):
+    """Walls do not repeat with the period: beyond the seam it would not feel the discs, without a word."""
+    scene = load_case(SEAM).scene()
+    assert any("'lid' along x to the seam" in text and "0.1 to 1.9 m" in text for text in scene.warnings)
+    result = run(scene, tmp_path, engine_setting(engine))
+    assert result.status == "failed"
+    assert "wall 'lid' comes to the seam" in result.message and "between x = 0.1 and 1.9 m" in result.message
+    assert "motion.axis: y" in result.message
+    last = PoseFile(tmp_path / POSES, scene.lids).at(scene.time(scene.steps))["lid"]
+    assert 0.2 < last.x < 0.3  # of the last frame; 0.3 m is the way to where it ends
+
+
+def test_a_lid_that_moves_across_the_channel_is_no_doubt():
+    assert not any("seam" in text for text in load_case(SEAM, {"walls.lid.motion.axis": "y"}).scene().warnings)

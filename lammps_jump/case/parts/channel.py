@@ -10,7 +10,7 @@ import numpy as np
 from lammps_jump.case.fields import CaseFields, Column
 from lammps_jump.case.text import CaseSource
 from lammps_jump.scene import Beginning, Interval, MovingWall
-from lammps_jump.scene.motion import way
+from lammps_jump.scene.motion import at_seam, way
 
 SHORTEST = 5.0
 """Least length of a periodic channel, in largest diameters: no disc may meet another on both sides."""
@@ -63,12 +63,9 @@ def check_walls(
     for one in walls:
         wall, field = one.wall, fields.get(one.wall.name, "walls")
         if one.motion.kind is not None:
-            (first, last), _ = way(one, begun.time(0), begun.time(begun.steps))
-            if first < low + d or last > high - d:
-                raise source.error(
-                    f"{field}.motion: wall '{wall.name}' comes to the seam of the periodic channel; allowed is a way "
-                    f"between x = {low + d:g} and {high - d:g} m"
-                )
+            along, _ = way(one, begun.time(0), begun.time(begun.steps))
+            if wrong := at_seam(wall.name, along, domain[0], d):
+                raise source.error(f"{field}.motion: {wrong}")
             continue
         left, right = wall.distance(low + x, y), wall.distance(high + x, y)
         felt = np.minimum(left, right) < d / 2
@@ -77,3 +74,14 @@ def check_walls(
                 f"{field}: wall '{wall.name}' is not the same at both ends of the periodic channel, x = {low:g} and "
                 f"{high:g} m; let it end {d:g} m before them, or reach {d:g} m or more beyond both at one height"
             )
+
+
+def lid_doubts(walls: Sequence[MovingWall], domain: tuple[Interval, Interval], largest: float) -> list[str]:
+    """Sentences on walls that discs may push to the seam: where they go is not known before the run."""
+    low, high = domain[0]
+    return [
+        f"discs may push wall '{wall.name}' along x to the seam of the periodic channel: the run ends where it "
+        f"leaves x = {low + largest:g} to {high - largest:g} m; with motion.axis: y it stays away from it"
+        for wall, motion in walls
+        if motion.load is not None and motion.load.axis != "y"
+    ]

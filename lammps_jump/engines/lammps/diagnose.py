@@ -10,8 +10,11 @@ from pathlib import Path
 import numpy as np
 
 from lammps_jump.case.packing import deepest_overlap
+from lammps_jump.dump.beside.poses import PoseFile
 from lammps_jump.dump.find import read_dump
 from lammps_jump.errors import DumpError
+from lammps_jump.files import POSES
+from lammps_jump.scene.motion import PUSHED_THERE, Pose, at_seam
 from lammps_jump.scene.scene import Scene
 
 from .log import read_log
@@ -39,11 +42,15 @@ def explain(error: str, scene: Scene, folder: Path, state: tuple | None) -> str:
         when = f"at t = {scene.time(step):.4g} s (step {step})"
     kept = f"What was written up to there is kept in {folder}."
     if "guard_overlap" in error:
-        where = _closest(scene, step, *state) if state else ""
+        where = _closest(scene, step, _loaded(scene, folder, step), *state) if state else ""
         return f"discs overlap too deeply {when}{where}; the stiffness does not hold this load: {SMALLER_STEP}. {kept}"
     if "guard_plane" in error:
         where = _out_of_plane(*state) if state else ""
         return f"a disc has left the plane z = 0 {when}{where}; look at what pushes it there in the script. {kept}"
+    if match := re.search(r"wall '(\w+)' comes to the seam on step (\d+)", error):
+        name, step = match[1], int(match[2])
+        wrong = at_seam(name, scene.domain[0], scene.domain[0], scene.largest)
+        return f"at t = {scene.time(step):.4g} s (step {step}) {wrong}; {PUSHED_THERE}. {kept}"
     if re.search(r"guard_finite|[Nn]on-numeric|not numeric|nan", error):
         where = _not_finite(*state) if state else ""
         return f"a position is no longer a number {when}{where}; the motion blew up: {SMALLER_STEP}. {kept}"
@@ -58,14 +65,22 @@ def explain(error: str, scene: Scene, folder: Path, state: tuple | None) -> str:
     return f"LAMMPS stopped {when}: {first} (more in {folder}/log.lammps). {kept}"
 
 
-def _closest(scene: Scene, step: int, ids: np.ndarray, places: np.ndarray) -> str:
+def _loaded(scene: Scene, folder: Path, step: int) -> dict[str, Pose]:
+    """Where walls are that the discs push, as far as the file of their places tells."""
+    if scene.lids:
+        with suppress(DumpError):
+            return PoseFile(folder / POSES, scene.lids).at(scene.time(step))
+    return {}
+
+
+def _closest(scene: Scene, step: int, loaded: dict[str, Pose], ids: np.ndarray, places: np.ndarray) -> str:
     """The deepest overlap at a step, of two discs or of a disc and a wall that stands then."""
     finite = np.isfinite(places).all(axis=1)
     names, places = ids[finite], places[finite, :2]
     diameters = scene.diameters(names)
     pair = deepest_overlap(places, diameters)
     found = [(pair[0], pair[1], f"discs {names[pair[1]]} and {names[pair[2]]}")] if pair else []
-    for wall in scene.walls_at(step) if len(names) else ():
+    for wall in scene.walls_at(step, loaded) if len(names) else ():
         distance = wall.distance(*places.T)
         depth = np.where(wall.deep | (distance > -0.5 * diameters), 0.5 * diameters - distance, 0.0)
         worst = int(np.argmax(depth))

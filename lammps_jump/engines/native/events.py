@@ -4,12 +4,13 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from math import inf, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
+from lammps_jump.scene.motion import Pose
 from lammps_jump.scene.scene import Pour, Scene
 
 from . import lists
@@ -78,10 +79,10 @@ class Turns:
 class PourState(Turns):
     """A pour in batches: as many discs as the region holds at its volume fraction, again when they have fallen clear.
 
-    Follows LAMMPS' ``fix pour``: at step 1 and then every time the region has emptied itself, t = (sqrt(v^2 + 2 g H) -
-    v) / g for its height H; a disc at height y of the region enters as if it had fallen from its top at `speed_down`,
-    v_y = -sqrt(v^2 + 2 g (y_top - y)). Places are drawn uniformly; one that another disc (closer than d) or a wall
-    (closer than R) occupies is drawn again, 50 times the batch at most. Discs come with the largest diameter d.
+    Follows LAMMPS' ``fix pour``: at the steps `Scene.pour_turns`; a disc at height y of the region enters as if it had
+    fallen from its top at `speed_down`, v_y = -sqrt(v^2 + 2 g (y_top - y)). Places are drawn uniformly; one that
+    another disc (closer than d) or a wall (closer than R) occupies is drawn again, 50 times the batch at most. Discs
+    come with the largest diameter d.
     """
 
     def __init__(self, pour: Pour, scene: Scene, rng: np.random.Generator):
@@ -91,9 +92,8 @@ class PourState(Turns):
         height = pour.y[1] - pour.y[0]
         area = height * (pour.x[1] - pour.x[0])
         self.batch = max(1, int(pour.volume_fraction * area / (pi * (0.5 * scene.largest) ** 2)))
-        v, g = pour.speed_down, self.gravity
-        clear = (sqrt(v * v + 2 * g * height) - v) / g if g > 0 else height / v
-        super().__init__(1, max(1, round(clear / scene.time_step)), pour.count)
+        turns = scene.pour_turns(pour)
+        super().__init__(turns.start, turns.step, pour.count)
 
     def places(self):
         """Candidate places and velocities of one batch: yields (x, y, vy) up to 50 times the batch."""
@@ -144,8 +144,11 @@ class OpenBoundaries:
             mask = gone if mask is None else mask | gone
         return mask if mask is not None and mask.any() else None
 
-    def arrivals(self, step: int, discs):
-        """Discs that enter at this step: yields a `Newcomer`; the caller adds each before it takes the next."""
+    def arrivals(self, step: int, discs, loaded: Mapping[str, Pose]):
+        """Discs that enter at this step: yields a `Newcomer`; the caller adds each before it takes the next.
+
+        `loaded` are the poses of walls that the discs push.
+        """
         for row, state in zip(self.scene.inlets, self.rows, strict=True):
             if state.due(step) and self._free(discs, row.x, row.y, row.clearance):
                 state.entered += 1
@@ -155,7 +158,7 @@ class OpenBoundaries:
                 continue
             wanted = min(state.batch, state.pour.count - state.entered)
             for x, y, vy in state.places():
-                if not self._free(discs, x, y, self.scene.largest) or self._in_wall(step, x, y):
+                if not self._free(discs, x, y, self.scene.largest) or self._in_wall(step, loaded, x, y):
                     continue
                 state.entered += 1
                 wanted -= 1
@@ -166,9 +169,9 @@ class OpenBoundaries:
     def _free(self, discs, x: float, y: float, clearance: float) -> bool:
         return lists.closest(discs.n, discs.x, discs.y, x, y) >= clearance * clearance
 
-    def _in_wall(self, step: int, x: float, y: float) -> bool:
+    def _in_wall(self, step: int, loaded: Mapping[str, Pose], x: float, y: float) -> bool:
         radius = 0.5 * self.scene.largest
-        return any(float(wall.distance(x, y)) < radius for wall in self.scene.walls_at(step))
+        return any(float(wall.distance(x, y)) < radius for wall in self.scene.walls_at(step, loaded))
 
     def _new_id(self) -> int:
         self.inserted += 1

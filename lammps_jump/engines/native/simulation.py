@@ -22,6 +22,7 @@ import numpy as np
 from lammps_jump.errors import CaseError, RunError
 from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.physics.slots import Slots
+from lammps_jump.scene.motion import PUSHED_THERE
 from lammps_jump.scene.scene import Scene
 
 from . import loops
@@ -247,7 +248,7 @@ class NativeSimulation:
         """Add the discs that enter at this step."""
         known, before = self.boundaries.inserted, self.discs.n
         skin = 1.5 * self.skin  # the others may have moved half a skin since the list was made
-        for new in self.boundaries.arrivals(self.step, self.discs):
+        for new in self.boundaries.arrivals(self.step, self.discs, self.walls.poses()):
             self.discs.append(new, self._weight, skin, self.scene.largest)
             self.books.exchanged["brought_in"] += free_energy(self.scene, *new[1:], self._share)
         if self.boundaries.inserted > known:
@@ -289,6 +290,7 @@ class NativeSimulation:
             self._wrap()
         self._require_inside(self.discs.sort_and_list(self.skin, self.scene.largest, self.scene.domain))
         self._list_walls()
+        self._require_off_seam()
         self.rebuilds += 1
         self.rebuild_seconds += perf_counter() - started
         if self.rebuilds % 16 == 0:
@@ -325,6 +327,11 @@ class NativeSimulation:
         """Look for NaN, lost discs and overlaps beyond the limit now; RunError where there are any."""
         self._require_inside()
         self._check_overlap()
+
+    def _require_off_seam(self) -> None:
+        """RunError where discs have pushed a wall to the seam of a periodic channel."""
+        if wrong := self.walls.trouble_at_seam(self.scene):
+            raise RunError(f"at t = {self.scene.time(self.step):.4g} s (step {self.step}) {wrong}; {PUSHED_THERE}.")
 
     def _check_overlap(self) -> None:
         limit = self.scene.overlap_limit

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from lammps_jump.scene.chains import BEFORE, LENGTH, Faces, boxes, lay
 from lammps_jump.scene.faces import MOST
-from lammps_jump.scene.motion import MovingWall, Pose
+from lammps_jump.scene.motion import MovingWall, Pose, at_seam
 from lammps_jump.scene.near import Grid, grid_of, list_near
 from lammps_jump.scene.scene import Scene
 
@@ -139,6 +139,20 @@ class Walls:
             return {}
         walls = zip(self.names, self.moves.moving, self.moves.pushed, strict=True)
         return {name: Pose(float(row[0]), float(row[1])) for name, moving, row in walls if moving == LID}
+
+    def trouble_at_seam(self, scene: Scene) -> str:
+        """What is wrong with a wall that discs have pushed to the seam of a periodic channel; empty for nothing.
+
+        Until the walls are listed again it may go on by half a skin.
+        """
+        if scene.period is None:
+            return ""
+        margin = max(scene.largest, 0.5 * scene.largest + (0.0 if self.moves is None else float(self.moves.clock[3])))
+        for name, pose in self.poses().items():
+            low, high = scene.wall(name).extent[0]
+            if wrong := at_seam(name, (low + pose.x, high + pose.x), scene.domain[0], margin):
+                return wrong
+        return ""
 
     def lid_energy(self) -> tuple[float, float]:
         """Kinetic energy of the walls that discs push, and that of their place in the force on them, J/m."""

@@ -89,6 +89,7 @@ class FixJumpStep : public Fix {
     double far;             // largest distance of a face from the point of turning, m
     jump::WallFaces faces;
     jump::NearFaces near;   // discs that can touch it before they have moved by the margin
+    double low = 0.0, high = 0.0;    // ends along x of one that discs push, where the case has it, m
   };
   /** Where a disc touches a wall, in the frame in which the wall stands. */
   struct Touched {
@@ -140,6 +141,7 @@ class FixJumpStep : public Fix {
   int add_lid(Wall &, int, int, char **) const;
   bool is_there(const Wall &) const;
   void place_walls();
+  void require_off_seam(const Wall &) const;
   bool is_worn() const;
   void find_near();
   void push_lids();

@@ -7,6 +7,7 @@
 
 #include "atom.h"
 #include "comm.h"
+#include "domain.h"
 #include "error.h"
 #include "output.h"
 #include "update.h"
@@ -116,6 +117,13 @@ int FixJumpStep::add_lid(Wall &wall, int a, int narg, char **arg) const
   for (bool &free : lid.free) free = utils::logical(FLERR, arg[a++], false, lmp);
   lid.begin = next();
   if (!(lid.mass > 0.0)) error->all(FLERR, "fix jump/step: the mass of wall '{}' must be above 0", wall.name);
+  wall.low = 1e300;
+  wall.high = -1e300;
+  for (int f = 0; f < (int) wall.faces.faces.size(); f++) {
+    const jump::Extent box = wall.faces.box(f, false);
+    wall.low = std::min(wall.low, box.xlo);
+    wall.high = std::max(wall.high, box.xhi);
+  }
   return a;
 }
 
@@ -145,7 +153,18 @@ jump::Face FixJumpStep::face_of(const Wall &wall, int n, int a, char **arg) cons
 
 void FixJumpStep::place_walls()
 {
-  for (auto &wall : walls) wall.motion.place(update->ntimestep, update->dt);
+  for (auto &wall : walls) {
+    wall.motion.place(update->ntimestep, update->dt);
+    if (wall.motion.is_lid && domain->xperiodic) require_off_seam(wall);
+  }
+}
+
+/** Walls do not repeat with the period: beyond the seam discs would not feel one that they have pushed there. */
+void FixJumpStep::require_off_seam(const Wall &wall) const
+{
+  const double low = wall.low + wall.motion.now.x, high = wall.high + wall.motion.now.x, margin = pair->largest;
+  if (low < domain->boxlo[0] + margin || high > domain->boxhi[0] - margin)
+    error->all(FLERR, "fix jump/step: wall '{}' comes to the seam on step {}", wall.name, update->ntimestep);
 }
 
 /** Whether discs or walls have moved so far that the lists may miss a contact. */
@@ -287,6 +306,7 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void FixJumpStep::push(Wal
     return;
   }
   push<FRICTION, TOUCH, SIZES>(wall, -1, on_wall);
+  if (pair->record) return;    // the forces of this step are summed already
   wall.motion.lid.push[0] = on_wall[0];
   wall.motion.lid.push[1] = on_wall[1];
   const auto &rate = wall.motion.centred;
@@ -312,7 +332,6 @@ void FixJumpStep::write_contacts()
 {
   std::vector<jump::ContactRow> rows, all;
   pair->list_contacts(rows);
-  const auto sums = window;
   const bool grew = pair->slots.grows;
   pair->slots.grows = false;
   pair->record = &rows;
@@ -320,7 +339,6 @@ void FixJumpStep::write_contacts()
     if (is_there(wall)) push(wall);
   pair->record = nullptr;
   pair->slots.grows = grew;
-  window = sums;
   const int own = (int) (rows.size() * sizeof(jump::ContactRow));
   std::vector<int> sizes(comm->nprocs), places(comm->nprocs, 0);
   MPI_Gather(&own, 1, MPI_INT, sizes.data(), 1, MPI_INT, 0, world);
@@ -355,7 +373,9 @@ void FixJumpStep::post_force(int)
   for (auto &wall : walls)
     if (is_there(wall)) push(wall);
   if (pair->slots.grows) pair->in_parts(atom->nlocal, [&](int from, int to, int) { pair->slots.end(from, to); });
-  if (contacts_every && update->ntimestep % contacts_every == 0) write_contacts();
+  // the first forces of a run that goes on are those of a step whose contacts are in the file
+  const bool again = update->setupflag && update->ntimestep > 0;
+  if (contacts_every && update->ntimestep % contacts_every == 0 && !again) write_contacts();
   push_lids();
   if (others_push || update->setupflag || update->ntimestep == update->laststep || update->ntimestep == output->next)
     pair->hand_over_forces();
