@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from features import BASE, FEATURES
 
 import lammps_jump as lj
 from lammps_jump.analysis.flow import Flow
@@ -23,12 +24,14 @@ from lammps_jump.dump.frame import Frame, make_frame
 from lammps_jump.engines.choice import choose
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.engines.native.engine import take_frame
+from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import DumpError
 from lammps_jump.files import plain
 from lammps_jump.runs import results, start
 from lammps_jump.runs.conclude import CUT
 from lammps_jump.scene.motion import MovingWall
 from lammps_jump.scene.scene import Scene
+from lammps_jump.script.stock import lacking, lacking_everywhere
 from lammps_jump.sweeps import pool
 from lammps_jump.units import as_summary
 
@@ -199,6 +202,30 @@ def troubles(folder: Path, run: lj.Run) -> list[str]:
     except DumpError as error:
         found = [str(error)]
     return found + force_troubles(folder / "forces.csv", scene, scene.steps)
+
+
+def engine_setting(engine: str, **options) -> Setting:
+    """Setting of 'native', 'compiled' or 'stock', with a binary dump; skips where the plugin cannot be had."""
+    kinds = {
+        "native": lambda: {"engine": "native", "kernel": "numba"},
+        "compiled": lambda: {"kernel": "compiled", "plugin": plugin_or_skip()},
+        "stock": lambda: {"kernel": "stock"},
+    }
+    return Setting(dump_format="binary", **kinds[engine](), **options)
+
+
+def lacks(scene: Scene, engine: str) -> str:
+    """What an engine of `engine_setting` lacks of a scene; empty where it has all."""
+    return {"native": lambda _: "", "compiled": lacking_everywhere, "stock": lacking}[engine](scene)
+
+
+def scene_of_feature(feature: str, engine: str) -> Scene | None:
+    """The scene of one of `features.FEATURES`; None where an engine of `engine_setting` lacks it."""
+    fields = {**BASE, **FEATURES[feature], "engine": {"name": "native" if engine == "native" else "lammps"}}
+    if engine != "native" and "stations" in fields["probes"]:
+        return None  # the case is refused
+    scene = lj.load_case(fields).scene()
+    return None if lacks(scene, engine) else scene
 
 
 def native_frames(scene):

@@ -245,5 +245,5 @@ def _validated(source: CaseSource, changes: Changes, default_name: str) -> CaseF
         if name in names[:index]:
             raise source.error(f"walls.{index}.name: two walls are called '{name}'; give each its own name")
     if not fields.initial and fields.inflow is None:
-        raise CaseError(f"{source.place(())}: there are no discs: give initial (a column, lattice or list) or inflow")
+        raise source.error("initial: there are no discs; give a column, a lattice or a list, or give inflow")
     return fields

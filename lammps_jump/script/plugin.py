@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from lammps_jump.files import CONTACTS_FILE
+from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.sizes import ID_STEP
 
@@ -44,8 +45,10 @@ def own_sizes(scene: Scene) -> list[str]:
 def contact_law(scene: Scene) -> list[str]:
     """The plugin's pair style; what the scene lacks (friction, spin, sizes, soft touch) is left out, not computed."""
     c, springs = scene.coefficients, scene.springs
+    # where nothing has friction no spring is there, and the law of springs asks for them
+    law = "viscous" if springs is None and FRICTION_LAWS[scene.friction_law].remembers else scene.friction_law
     words = [
-        f"pair_style      jump/disc law {scene.friction_law} k {number(c.stiffness)} gamma {number(c.gamma_normal)}",
+        f"pair_style      jump/disc law {law} k {number(c.stiffness)} gamma {number(c.gamma_normal)}",
         f"gammat {number(c.gamma_tangential)} mu {number(c.friction)} mass {number(c.mass)} diameter "
         f"{number(scene.diameter)} skin {number(scene.skin)}",
     ]

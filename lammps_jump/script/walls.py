@@ -76,6 +76,8 @@ def spring_words(scene: Scene, law: WallLaw, effective_mass: float) -> str:
         return ""
     stiffness = springs.tangential_ratio * law.stiffness
     words = f"tangential linear_history {numbers(stiffness, springs.tangential_damping_ratio, law.friction)}"
+    if not stiffness:  # LAMMPS divides by it where the spring slides; without a spring there is nothing to remember
+        words = f"tangential linear_nohistory {numbers(springs.tangential_damping_ratio, law.friction)}"
     if (roll := springs.rolling) is None:
         return words
     friction = roll.friction if law.rolling is None else law.rolling

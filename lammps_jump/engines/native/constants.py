@@ -80,7 +80,8 @@ def wall_numbers(scene: Scene, name: str) -> tuple[float, float, float, float]:
     if scene.sizes is None:
         return law.stiffness, mass * law.gamma_normal, mass * law.gamma_tangential, law.friction
     damping = sqrt(mass) / scene.radius * (law.gamma_normal * sqrt(mass))
-    ramp = law.gamma_tangential / law.gamma_normal * damping if law.friction else 0.0
+    # without a dashpot springs with memory have none along the wall either; the other laws are refused
+    ramp = law.gamma_tangential / law.gamma_normal * damping if law.friction and law.gamma_normal else 0.0
     return law.stiffness, damping, ramp, law.friction
 
 
