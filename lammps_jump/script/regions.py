@@ -291,6 +291,10 @@ def clock(scene: Scene) -> list[str]:
     ]
 
 
+LOOK_BACK = "variable        back equal 1"
+"""What stands before a ``run 0`` that looks at the walls of the step before."""
+
+
 def first_forces(scene: Scene, kernel: str) -> list[str]:
     """Commands that compute the forces of the present step anew, with the velocities of walls that move.
 
@@ -299,7 +303,7 @@ def first_forces(scene: Scene, kernel: str) -> list[str]:
     now = "run             0 post no"
     if kernel != "stock" or not scene.moves:
         return [now]
-    return ["variable        back equal 1", now, "variable        back equal 0", now]
+    return [LOOK_BACK, now, "variable        back equal 0", now]
 
 
 def check_motion(moving: MovingWall) -> None:

@@ -41,7 +41,6 @@ def continuation_text(scene: Scene, *, step: int, removed: tuple[int, ...], pour
     """
     how = Options(**options)
     first = stock.first_step(scene)
-    pours = replace(scene, pours=rest_of_pours(scene, poured), seed=(scene.seed + step) % MOST_SEED)
     sizes = how.style.own_sizes(scene)  # the last poured discs may still wait for theirs
     schedule = stock.schedule(scene, how.style.gates(scene), sizes, how.kernel)
     if step <= first:  # gates are still closed, or inlets wait
@@ -51,13 +50,13 @@ def continuation_text(scene: Scene, *, step: int, removed: tuple[int, ...], pour
         # gates that wait in a scene with inlets are gone by now; those without go on moving out of the way
         gates = [] if scene.inlets else how.style.gates(scene)
         gates += stock.inlets(scene, sizes)
-        run = [f"run             {scene.steps} upto pre no"]
+        run = [*_pours(scene, step, poured, how.kernel), f"run             {scene.steps} upto pre no"]
     sections = [
         ("settings", ["log             log.lammps append", *how.style.settings(scene, how.ranks)]),
         ("state", [f"read_restart    {STATE.format(step=step)}", *stock.size_variables(scene), *stock.molecule(scene)]),
         *how.style.law(scene),
         ("outlets", stock.outlets(scene)),
-        ("pour", stock.pours(pours, sizes) if pours.pours else sizes if scene.pours else []),
+        ("pour", sizes if scene.pours else []),
         *control(scene, how),
         ("output", _output(scene, how.dump_format)),
         ("log", stock.thermo(scene, removed)),
@@ -71,6 +70,19 @@ def continuation_text(scene: Scene, *, step: int, removed: tuple[int, ...], pour
 
 MOST_SEED = 900_000_000
 """LAMMPS takes seeds below this."""
+
+
+def _pours(scene: Scene, step: int, poured: int, kernel: str) -> list[str]:
+    """Commands up to the next turn of the pour, at which the discs that are left begin to come; none without any.
+
+    ``fix pour`` lets discs in at the step behind that of its command.
+    """
+    left = replace(scene, pours=rest_of_pours(scene, poured), seed=(scene.seed + step) % MOST_SEED)
+    turns = [turn for pour in left.pours for turn in scene.pour_turns(pour) if turn > step]
+    if not turns:
+        return []
+    wait = [f"run             {turns[0] - 1} upto pre no"] if turns[0] - 1 > step else []
+    return [*wait, *stock.between_runs(scene, kernel, stock.pours(left, []))]
 
 
 def rest_of_pours(scene: Scene, poured: int) -> tuple[Pour, ...]:

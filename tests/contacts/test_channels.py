@@ -7,7 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from features import BASE, BELT, JETS, SPRINGS
 
+from lammps_jump.case import load_case
 from lammps_jump.dump.beside.contacts import ContactFile
 from lammps_jump.physics.contact import lagged_restitution
 from lammps_jump.physics.slip import Rolling, Springs
@@ -158,3 +160,13 @@ def test_stock_styles_keep_the_order_of_discs_that_roll():
     assert any("sort 0 0" in line for line in neighbours(open_ends)) and not lacking(open_ends)
     assert not any("sort" in line for line in neighbours(flow(rolling=False))) and not lacking(flow(rolling=False))
     assert "contact.rolling" in lacking(flow())
+
+
+def test_stock_styles_would_cut_springs_at_walls_that_move_where_inlets_wait():
+    """Between the two runs of such a script LAMMPS looks at the walls of the step before, and at their contacts."""
+    case = {**BASE, **JETS, "walls": [BELT], "contact": SPRINGS}
+    scene = load_case(case).scene()
+    waits = replace(scene, inlets=tuple(replace(row, first_step=row.first_step + 3000) for row in scene.inlets))
+    assert "inlets that wait" in lacking(waits)
+    assert not lacking(replace(waits, springs=None, friction_law="viscous"))
+    assert not lacking(replace(scene, inlets=()))

@@ -11,6 +11,8 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +21,7 @@ from lammps_jump.engines import step_hook
 from lammps_jump.engines.interrupts import save_request, stop_request
 from lammps_jump.engines.setting import Job
 from lammps_jump.script.assemble import STOP_FILE, stop_at
+from lammps_jump.script.regions import LOOK_BACK
 from lammps_jump.script.resume import STATE
 
 from .save import Saver
@@ -73,9 +76,11 @@ class Steps:
         still = 0 if velocities is None else next(i for i, part in enumerate(runs) if part.split()[1] != "0")
         for number, part in enumerate(runs):
             line, _, rest = part.partition("\n")
+            before = (head if number == 0 else runs[number - 1]).rstrip()
             if number == 0 < still:
                 self._set_velocities(velocities, "half")
-            self._run(line)
+            with self._discs_aside() if before.endswith(LOOK_BACK) else nullcontext():
+                self._run(line)
             if number == still - 1:
                 self._set_velocities(velocities, "whole")
             if self.ended:
@@ -186,8 +191,25 @@ class Steps:
         turn = dt * found["torque"][:, 2:] / (mass * radius**2)  # I = m R^2 / 2
         if not self.scene.rotation:
             turn *= 0.0
+        if self.scene.fixed:  # they stay, whatever pushes them
+            kick[self.scene.fixed.holds(ids)] = turn[self.scene.fixed.holds(ids)] = 0.0
         order = np.argsort(ids)
         return {"id": ids[order], "whole": whole[order], "half": (whole - np.column_stack([kick, turn]))[order]}
+
+    @contextmanager
+    def _discs_aside(self) -> Iterator[None]:
+        """No disc is in the group of a wall's fix: a run of no step looks at the walls, and at no contact with them.
+
+        A contact with a wall at the place and speed of another step would cut its spring, or end it. The bits of all
+        groups are inverted, and back again: discs take theirs along where LAMMPS sorts them meanwhile.
+        """
+        self._invert_groups()
+        yield
+        self._invert_groups()
+
+    def _invert_groups(self) -> None:
+        n = self.engine.extract_setting("nlocal")
+        self.engine.numpy.extract_atom("mask")[:n] ^= -1
 
     def _set_velocities(self, velocities, kind: str) -> None:
         """Give each disc of this rank its velocity and spin of a checkpoint."""
