@@ -38,7 +38,7 @@ from .provenance import __version__
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
-NO_NUMBERS = ("name", "description", "skipped", "warnings", "adapted")
+NO_NUMBERS = ("name", "description", "skipped", "warnings", "adapted", "stiffer")
 """Fields of a scene that change no trajectory."""
 Plain = Mapping[str, object]
 

@@ -6,30 +6,19 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import asdict, dataclass
 from itertools import pairwise
-from math import inf
 
 from lammps_jump.files import plain
-from lammps_jump.physics import contact, jump
+from lammps_jump.physics import contact
 from lammps_jump.physics.contact import WallLaw
 from lammps_jump.physics.hydrograph import Hydrograph
 from lammps_jump.physics.slip import springs_stable_fraction
-from lammps_jump.scene import Beginning, InletRow, Scene, Wall
-from lammps_jump.scene.shapes import open_ends
+from lammps_jump.scene import Beginning, Scene, Wall
 from lammps_jump.units import numbers_of
 
-from .design.flow import Row, flow_rows, studied
+from .design.flow import Row, flow_rows
 from .fields import CaseFields
-from .parts.beds import RoughBed
-from .parts.inflow import RowsInflow
+from .foresight import speeds
 from .walls import told
-
-FASTEST = 1.25
-"""Fastest row over the impact speed above which overlaps are doubtful; the 1/7 profile has 1.12."""
-UPSTREAM, DOWNSTREAM = 5.0, 3.5
-"""Room for a jump: the stream before it in y1; the jump (1.5) and steady tail water (2) in y2 (measured)."""
-LOWEST_SILL = 0.55
-"""Height of a sill over that of a broad crest that holds the jump of water. In a dry channel discs of `quick_jump` run
-over 0.46 of it without a jump, and make one at 0.65 (measured)."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +41,8 @@ class Derived:
     def tables(self) -> list[tuple[str, list[Row]]]:
         """Groups of (key, label, value, unit)."""
         case, scene = self.fields, self.scene
-        return [("contact", _contact_rows(scene)), ("time", _time_rows(scene)), ("flow", flow_rows(case, scene))]
+        contact_rows = _contact_rows(scene) + _expected_rows(case, scene)
+        return [("contact", contact_rows), ("time", _time_rows(scene)), ("flow", flow_rows(case, scene))]
 
     @property
     def theory(self) -> dict[str, float | int | str | None] | None:
@@ -201,6 +191,16 @@ def _contact_rows(scene: Scene) -> list[Row]:
     return [*rows, *_described(c, "largest_overlap")]
 
 
+def _expected_rows(case: CaseFields, scene: Scene) -> list[Row]:
+    """The fastest collision that is foreseen, and how deep a disc goes into a wall then."""
+    speed = speeds.expected(case).speed
+    share = speeds.overlap_at(speed, scene.coefficients, scene.diameter)
+    return [
+        ("expected_speed", "fastest collision foreseen", speed, "m/s"),
+        ("expected_overlap", "overlap of a wall then, over d", share, ""),
+    ]
+
+
 def _spring_rows(scene: Scene) -> list[Row]:
     """Springs with memory; none where the law has none."""
     c, springs = scene.coefficients, scene.springs
@@ -236,75 +236,6 @@ def _time_rows(scene: Scene) -> list[Row]:
     if scene.settle_steps:
         rows.append(("settle_time", "settling behind the gate", scene.settle_steps * scene.time_step, "s"))
     return rows
-
-
-def doubts(case: CaseFields, impact_speed: float, inlets: tuple[InletRow, ...]) -> list[str]:
-    """Sentences on what will probably not come out as asked: window, stiffness, channel, sill.
-
-    Parameters
-    ----------
-    case : CaseFields
-    impact_speed : float
-        v0 of (3.20), m/s.
-    inlets : tuple of InletRow
-    """
-    found, window, duration = [], case.analysis.window, case.run.duration
-    if window and window[1] > duration * (1 + 1e-3):
-        found.append(
-            f"analysis.window ends at {window[1]:g} s, the run at {duration:g} s; take a window within the run, or "
-            "none for its last quarter"
-        )
-    elif window and window[1] < 0.5 * duration:
-        found.append(
-            f"analysis.window ends at {window[1]:g} s and misses the last half of the {duration:g} s; take a later "
-            "one, or none for the last quarter"
-        )
-    fastest = max((row.vx for row in inlets), default=0.0)
-    if fastest > FASTEST * impact_speed:
-        found.append(
-            f"the fastest row has {fastest:.3g} m/s, contact.impact_speed is {impact_speed:.3g} m/s: discs press "
-            f"{fastest / impact_speed:.2g} times deeper into each other than largest_overlap says; take "
-            f"impact_speed: {fastest:.3g}, or a larger stiffness"
-        )
-    if isinstance(case.inflow, RowsInflow) and case.analysis.jump and case.gravity:
-        found += _jump_doubts(case, case.inflow)
-    return found
-
-
-def _stands(wall: Wall) -> bool:
-    """Whether a wall is a solid that may be a sill: it ends, and discs are around it."""
-    return wall.finite and not wall.hollow and not open_ends(wall.faces)
-
-
-def _jump_doubts(case: CaseFields, inflow: RowsInflow) -> list[str]:
-    """Sentences on a jump that cannot form, has no room, or is not held by the sill."""
-    g, (y1, speed) = case.gravity, inflow.over(*studied(case))
-    if not y1:
-        return ["no disc flows in during the window of the analysis, so that it finds no jump; take another window"]
-    number = jump.froude(speed, y1, g)
-    if number <= 1:
-        return [f"the inflow is subcritical (Fr = {number:.3g}), so that no jump forms; Fr must be above 1"]
-    y2 = y1 * jump.belanger(number)
-    steps = [
-        (x[0], y[1] - inflow.y)
-        for x, y in (wall.extent for wall in case.walls if not isinstance(wall, RoughBed) and _stands(wall))
-        if x[0] > inflow.x and y[1] > inflow.y
-    ]
-    outlets = [(item.x_beyond, 0.0) for item in case.outflow if item.x_beyond is not None]
-    end, sill = min(steps or outlets, default=(inf, 0.0))
-    found, room = [], UPSTREAM * y1 + DOWNSTREAM * y2
-    if end - inflow.x < room:
-        found.append(
-            f"the channel is {end - inflow.x:.3g} m long from the inlet to the sill or outlet; stream, jump and tail "
-            f"water need {room:.3g} m (5 y1 + 3.5 y2; 1.5 Lj of water are {jump.channel_length(number, y1):.3g} m)"
-        )
-    height = jump.sill_holding_height(speed, y1, g)
-    if steps and sill < LOWEST_SILL * height:
-        found.append(
-            f"the jet will run over the sill of {sill:.3g} m without a jump: a broad crest that holds it has "
-            f"{height:.3g} m, and discs need {LOWEST_SILL * height:.3g} m or more"
-        )
-    return found
 
 
 def skipped(

@@ -16,6 +16,10 @@ from lammps_jump.scene.walls import Interval
 from .fields import BidisperseSizes, CaseFields, Column, DiscList, Discs, Lattice, UniformSizes
 
 
+class TooSoft(ValueError):
+    """Contacts that do not bear a column; the caller knows what makes them stiffer."""
+
+
 def disc_sizes(case: CaseFields) -> Sizes | None:
     """Distribution of diameters; None where all discs are equal."""
     d, given = case.discs.diameter, case.discs.sizes
@@ -79,9 +83,8 @@ def column_positions(column: Column, discs: Discs, gravity: float, contact: Coef
     pressure = discs.density * gravity * (above * d + radius) if column.hydrostatic else 0.0 * above
     deepest = max(vertical.max(initial=0.0), pressure.max(initial=0.0) * d / contact.stiffness)
     if deepest > radius:
-        raise ValueError(
-            f"its own weight would press the discs {deepest:.3g} m into each other; allowed is a radius, {radius:g} m: "
-            "raise the stiffness (larger contact.impact_speed, smaller largest_overlap), or write hydrostatic: false"
+        raise TooSoft(
+            f"its own weight would press the discs {deepest:.3g} m into each other; allowed is a radius, {radius:g} m"
         )
     x_rows = []
     for thrust in pressure * d:

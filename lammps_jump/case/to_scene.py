@@ -25,12 +25,14 @@ from lammps_jump.scene.motion import largest_speed, way
 from lammps_jump.scene.schedule import Schedule, fitted_step, plan_stations, plan_steps
 
 from . import checks, walls
-from .derived import doubts, skipped
+from .derived import skipped
 from .fields import CaseFields, Column
-from .packing import arrange, disc_sizes
+from .foresight import speeds
+from .foresight.doubts import doubts
+from .foresight.grains import heap_doubts
+from .packing import TooSoft, arrange, disc_sizes
 from .parts import channel, places
 from .parts.beds import beds_of
-from .parts.grains import heap_doubts
 from .parts.inflow import PourInflow, RowsInflow
 from .parts.rows import Inlet, inlet_of
 from .text import CaseSource
@@ -114,6 +116,7 @@ def build_scene(case: CaseFields, source: CaseSource) -> Scene:
     laws = _own_laws(case, begun, given)
     notes = walls.check_own_laws(case, source, begun, laws, given, _integrator(case))
     moving = [walls.moving(item, source, begun, laws) for item in given]
+    notes += speeds.softness(case, begun)
     notes += walls.wall_doubts(moving, begun, laws, inlets) + heap_doubts(case, begun, moving)
     ways = [way(one, *walls.span(begun)) for one in moving]
     speed = max(
@@ -211,6 +214,7 @@ def _beginning(case: CaseFields, source: CaseSource) -> tuple[Beginning, list[st
         beds=beds.surfaces,
         coefficients=coefficients,
         overlap_limit=2 * case.discs.diameter / _stiffness(case)[0],
+        stiffer=case.contact.stiffer,
         positions=_frozen(positions),
         velocities=_frozen(velocities),
         steps=settle + steps.run,
@@ -243,14 +247,16 @@ def _frozen(array: np.ndarray) -> np.ndarray:
 
 
 def _stiffness(case: CaseFields) -> tuple[float, float, float]:
-    """(n, v0, k), whichever two the case gave."""
+    """(n, v0, k): of a given stiffness v0 is the speed that the case states, or leads to, and n that of design."""
     rho, given = case.discs.density, case.contact
     k = given.own_stiffness
     if k is None:
-        share = given.largest_overlap or 0.1
+        share = given.largest_overlap or speeds.DESIGN
         return 1.0 / share, given.impact_speed, contact.stiffness(rho, share, given.impact_speed)
-    speed = given.impact_speed or math.sqrt(k / rho) / 10.0
-    return math.sqrt(k / rho) / speed, speed, k
+    through = math.sqrt(k / rho)  # the speed that overlaps by a diameter
+    if given.impact_speed is not None:
+        return through / given.impact_speed, given.impact_speed, k
+    return 1.0 / speeds.DESIGN, speeds.expected(case).speed or speeds.DESIGN * through, k
 
 
 def _steps(case: CaseFields, source: CaseSource, dt: float, sizes: Sizes | None) -> tuple[Schedule, int]:
@@ -284,6 +290,10 @@ def _discs(
     for index, item in enumerate(case.initial):
         try:
             place, speed = arrange(item, case.discs, case.gravity, coefficients, random, sizes, first)
+        except TooSoft as error:
+            raise source.error(
+                f"initial.{index}: {error}: {case.contact.stiffer}, or write hydrostatic: false"
+            ) from None
         except ValueError as error:
             raise source.error(f"initial.{index}: {error}") from None
         first += len(place)

@@ -324,7 +324,7 @@ def _speed_doubt(one: MovingWall, begun: Beginning, laws: Laws) -> list[str]:
     through = limit * (1 + thickness / begun.smallest)
     return [
         f"wall '{wall.name}' moves at up to {speed:.3g} m/s: a disc that it meets at {through:.3g} m/s passes through "
-        "it, and overlaps end the run before; move it more slowly, or raise contact.impact_speed"
+        f"it, and overlaps end the run before; move it more slowly, or {begun.stiffer}"
     ]
 
 

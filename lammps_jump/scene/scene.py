@@ -170,6 +170,7 @@ class Beginning(Measures):
     settle_steps: int
     output_steps: int
     probe_steps: int
+    stiffer: str
     fixed: Fixed | None = None
     beds: tuple[Wall, ...] = ()
 
@@ -225,6 +226,8 @@ class Scene(Measures):
         (`lammps_jump.dump.beside.contacts`).
     warnings, adapted : tuple of str
         What to beware of; which asked values whole steps have changed.
+    stiffer : str
+        Advice: what makes the contacts of the case stiffer.
     steps : int
         All steps of the run, `settle_steps` included; output every `output_steps`.
     """
@@ -269,6 +272,7 @@ class Scene(Measures):
     skipped: tuple[str, ...] = field(default=())
     warnings: tuple[str, ...] = field(default=())
     adapted: tuple[str, ...] = field(default=())
+    stiffer: str = "make the contacts stiffer"
     groups: tuple[tuple[str, tuple[str, ...]], ...] = ()
     gauges: tuple[float, ...] = ()
 

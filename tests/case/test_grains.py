@@ -10,7 +10,7 @@ import pytest
 from made_up import INPUTS
 
 from lammps_jump.case import load_case
-from lammps_jump.case.parts import grains
+from lammps_jump.case.foresight import grains
 from lammps_jump.errors import CaseError
 from lammps_jump.physics.slip import FRICTION_LAWS, FrictionLaw
 

@@ -103,6 +103,23 @@ class Contact(Strict):
         return self.stiffness
 
     @property
+    def stiffer(self) -> str:
+        """What makes the contacts stiffer in this case, as an advice."""
+        if self.from_material is not None:
+            return "raise contact.from_material.young"
+        if self.stiffness is not None:
+            return "raise contact.stiffness"
+        return "raise contact.impact_speed or lower contact.largest_overlap"
+
+    def stiff_for(self, speed: float, factor: float) -> str:
+        """Advice with the value that suits a speed (m/s), at which overlaps are to be smaller by a factor."""
+        if self.from_material is not None:
+            return f"take contact.from_material.young: {self.from_material.young * factor**2:.2g} or more"
+        if self.stiffness is not None:
+            return f"take contact.stiffness: {self.stiffness * factor**2:.2g} or more"
+        return f"take contact.impact_speed: {speed:.3g}"
+
+    @property
     def springs(self) -> Springs | None:
         """Springs with memory of the law."""
         if not FRICTION_LAWS[self.friction_law].remembers:

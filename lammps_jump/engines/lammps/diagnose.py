@@ -19,8 +19,6 @@ from lammps_jump.scene.scene import Scene
 
 from .log import read_log
 
-SMALLER_STEP = "lower run.time_step_fraction or contact.largest_overlap"
-
 
 def explain(error: str, scene: Scene, folder: Path, state: tuple | None) -> str:
     """One paragraph about a failed run.
@@ -40,10 +38,11 @@ def explain(error: str, scene: Scene, folder: Path, state: tuple | None) -> str:
     if match := re.search(r"met on step (\d+)", error):
         step = int(match[1])
         when = f"at t = {scene.time(step):.4g} s (step {step})"
+    remedy = f"{scene.stiffer}, or lower run.time_step_fraction"
     kept = f"What was written up to there is kept in {folder}."
     if "guard_overlap" in error:
         where = _closest(scene, step, _loaded(scene, folder, step), *state) if state else ""
-        return f"discs overlap too deeply {when}{where}; the stiffness does not hold this load: {SMALLER_STEP}. {kept}"
+        return f"discs overlap too deeply {when}{where}; the stiffness does not hold this load: {remedy}. {kept}"
     if "guard_plane" in error:
         where = _out_of_plane(*state) if state else ""
         return f"a disc has left the plane z = 0 {when}{where}; look at what pushes it there in the script. {kept}"
@@ -53,7 +52,7 @@ def explain(error: str, scene: Scene, folder: Path, state: tuple | None) -> str:
         return f"at t = {scene.time(step):.4g} s (step {step}) {wrong}; {PUSHED_THERE}. {kept}"
     if re.search(r"guard_finite|[Nn]on-numeric|not numeric|nan", error):
         where = _not_finite(*state) if state else ""
-        return f"a position is no longer a number {when}{where}; the motion blew up: {SMALLER_STEP}. {kept}"
+        return f"a position is no longer a number {when}{where}; the motion blew up: {remedy}. {kept}"
     if "Lost atoms" in error:
         (xlo, xhi), (ylo, yhi) = scene.domain
         where = _missing(scene, folder, state[0]) if state else ""

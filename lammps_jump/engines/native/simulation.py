@@ -203,7 +203,7 @@ class NativeSimulation:
         if self._full[0]:
             raise RunError(
                 f"disc {self._full[0]} touches more than the {self.scene.slots} others it can remember: contacts "
-                "are too deep; raise contact.impact_speed or lower contact.largest_overlap."
+                f"are too deep; {self.scene.stiffer}."
             )
         return found
 
@@ -341,9 +341,8 @@ class NativeSimulation:
         if worst > limit:
             raise RunError(
                 f"overlap {worst:.4g} m of disc {self.discs.place(i, self.scene, self.step)} is beyond the limit of "
-                f"{limit:.4g} m. The contact is too soft for this flow or the step too long: raise "
-                "contact.impact_speed, or lower contact.largest_overlap or run.time_step_fraction; look for discs that "
-                "overlap at the start."
+                f"{limit:.4g} m. The contact is too soft for this flow or the step too long: {self.scene.stiffer}, or "
+                "lower run.time_step_fraction; look for discs that overlap at the start."
             )
 
     def _require_inside(self, lost: int | None = None) -> None:

@@ -7,11 +7,10 @@ from collections.abc import Iterable
 from math import inf, sqrt
 
 from lammps_jump.case.fields import CaseFields, Column
+from lammps_jump.case.parts.inflow import PourInflow
 from lammps_jump.physics.devices import creep_speed
 from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.scene import Beginning, MovingWall
-
-from .inflow import PourInflow
 
 STATED_SLOPE = 20.0
 """Slope of a heap whose creep is told, degrees."""
