@@ -1,10 +1,15 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The files of a run folder: their names, how they are written whole."""
+"""The files of the program: their names, and the one door through which each is read, written and deleted.
+
+Only regular files are read: a pipe or a device may never end. Nothing is written through a link. What is no output of
+an engine is written whole or not at all. `tests/test_house.py` refuses other ways.
+"""
 
 from __future__ import annotations
 
 import errno
 import hashlib
+import io
 import json
 import os
 import shutil
@@ -125,6 +130,8 @@ SWEEP_FILES = (
     *(f"figures/sweep_*.{ending}" for ending in PICTURES),
 )  # fmt: skip
 """What the folder of a study holds beside ``runs/`` (names and patterns)."""
+COMPARED_FILES = ("compared.json", "compared.md", "compared.png")
+"""What the folder of curves against measured ones holds."""
 FORCES_HEADER = "time,structure,fx,fy,moment"
 """First line of ``forces.csv`` where all walls stand."""
 
@@ -142,6 +149,8 @@ MOST_JSON = 100_000_000
 """Bytes of a JSON file that is read."""
 MOST_TEXT = 2_000_000_000
 """Bytes of a table or log that is read."""
+MOST_TOLD = 10_000_000
+"""Bytes of what the system tells, such as its processors."""
 
 
 def make_own(path: Path) -> None:
@@ -165,7 +174,7 @@ def writes(place: object, kind: type[JumpError] = DumpError, remedy: str = "name
 
 def checksum(path: Path) -> dict[str, int | str]:
     """Size of a file in bytes, and its SHA-256."""
-    with open(path, "rb", opener=open_regular) as file:
+    with open_to_read(path) as file:
         return {"size": os.fstat(file.fileno()).st_size, "sha256": hashlib.file_digest(file, "sha256").hexdigest()}
 
 
@@ -191,14 +200,42 @@ def write_text(path: Path, text: str) -> Path:
     return write_bytes(path, text.encode("utf-8", "replace"))
 
 
-def write_bytes(path: Path, data: bytes | memoryview) -> Path:
-    """Write a file whole or not at all; see `whole`."""
+def write_bytes(path: Path, data: bytes | memoryview, mode: int | None = None) -> Path:
+    """Write a file whole or not at all, with these permissions whatever the umask; see `whole`."""
     with (
         whole(path) as new,
         open(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o666), "wb") as file,
     ):
         file.write(data)
+        if mode is not None:
+            os.fchmod(file.fileno(), mode)
     return path
+
+
+def open_to_write(path: str | Path, *, append: bool = False) -> io.BufferedWriter:
+    """A file that grows in its place, such as the output of an engine; OSError where a link or no regular file is."""
+    return open(path, "ab" if append else "wb", opener=_open_no_link)
+
+
+def _open_no_link(path: str, flags: int) -> int:
+    return open_regular(path, flags | os.O_NOFOLLOW)
+
+
+def open_to_read(path: str | Path) -> io.BufferedReader:
+    """A regular file; OSError for another kind, a pipe or device, which may never end."""
+    return open(path, "rb", opener=open_regular)
+
+
+def delete(*paths: Path) -> None:
+    """Delete files that are there; of a link the link alone, and no folder."""
+    for path in paths:
+        path.unlink(missing_ok=True)
+
+
+def cut_to(path: Path, size: int) -> None:
+    """Cut a file to so many bytes."""
+    with open_to_write(path, append=True) as file:
+        file.truncate(size)
 
 
 @contextmanager
@@ -257,7 +294,7 @@ def read_file(path: Path, most: int) -> bytes:
 
 def read_start(path: Path, most: int) -> bytes:
     """At most so many bytes from the start of a regular file; OSError for another kind."""
-    with open(path, "rb", opener=open_regular) as file:
+    with open_to_read(path) as file:
         return file.read(min(most, os.fstat(file.fileno()).st_size))  # room is made for all that is asked for
 
 
@@ -269,9 +306,18 @@ def text_of(path: Path, errors: str = "strict") -> str:
         raise DumpError(f"{path}: cannot be read ({getattr(error, 'strerror', None) or error})") from None
 
 
+def told_by_system(path: str | Path) -> str:
+    """The text of a file that the system makes, whose size it does not tell; empty where there is none."""
+    try:
+        with open_to_read(path) as file:
+            return file.read(MOST_TOLD).decode(errors="replace")
+    except OSError:
+        return ""
+
+
 def open_regular(path: str, flags: int) -> int:
     """An `opener` for `open` that refuses all but regular files, and never waits for a pipe."""
-    place = os.open(path, flags | os.O_NONBLOCK)  # a pipe without a writer would be waited for
+    place = os.open(path, flags | os.O_NONBLOCK, 0o666)  # a pipe without a writer would be waited for
     if not stat.S_ISREG(os.fstat(place).st_mode):
         os.close(place)
         kind = errno.EISDIR if os.path.isdir(path) else errno.EINVAL

@@ -16,8 +16,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from .errors import SetupError
-from .files import OWN_FILES, SWEEP_FILES, flush, read_json, write_json, writes
+from .errors import DumpError, SetupError
+from .files import COMPARED_FILES, OWN_FILES, SWEEP_FILES, delete, flush, read_json, told_by_system, write_json, writes
 
 MARKER_FILE = ".lammps-jump"
 """Makes a folder ours."""
@@ -26,6 +26,13 @@ STAGING = ".analysis.new"
 FORCE_TABLE = re.compile(r"force_[^/\\\n]+\.csv")
 LOCK_FILE = ".lock"
 """Held by the one process that writes to a folder; says which."""
+HOLDS = {
+    "run": "a run",
+    "analysis": "the analysis of a dump",
+    "sweep": "a study",
+    "comparison": "curves of a run against measured ones",
+}
+"""What a folder holds, by the kind of its marker."""
 ENGINE_PATIENCE = 300
 """Tenths of a second that the engine of a killed run gets to save its state."""
 
@@ -40,11 +47,11 @@ class Marker:
 
     Attributes
     ----------
-    kind : {'run', 'analysis', 'sweep'}
+    kind : {'run', 'analysis', 'sweep', 'comparison'}
     files : tuple of str
         Names and patterns of our files there; nothing else is ever deleted or overwritten.
     about : mapping
-        Of a run: ``key``, ``case`` and ``program``; of an analysis: ``dump``.
+        Of a run: ``key``, ``case`` and ``program``; of an analysis: ``dump``; of a comparison: ``of``.
     """
 
     kind: str
@@ -63,7 +70,8 @@ def read_marker(folder: Path) -> Marker | None:
     path = folder / MARKER_FILE
     try:
         stored = read_json(path)
-        names = [name for name in stored["files"] if name in (*OWN_FILES, *SWEEP_FILES) or FORCE_TABLE.fullmatch(name)]
+        known = (*OWN_FILES, *SWEEP_FILES, *COMPARED_FILES)
+        names = [name for name in stored["files"] if name in known or FORCE_TABLE.fullmatch(name)]
         return Marker(str(stored["kind"]), tuple(names), dict(stored["about"]))
     except (FileNotFoundError, NotADirectoryError):
         return None
@@ -76,9 +84,7 @@ def require_ours(folder: Path, wanted: Marker) -> None:
     found = read_marker(folder)
     if found is not None:
         if found.kind != wanted.kind:
-            holds = {"run": "a run", "analysis": "the analysis of a dump", "sweep": "a study"}.get(
-                found.kind, "something else"
-            )
+            holds = HOLDS.get(found.kind, "something else")
             raise SetupError(f"{folder}: holds {holds}, which would be overwritten; name another folder with --out")
         return
     names = [name for pattern in (*wanted.files, STAGING) for name in standing(folder, pattern)]
@@ -121,7 +127,7 @@ def clear(folder: Path, patterns: Iterable[str]) -> None:
             continue
         for name in standing(folder, pattern):
             if (folder / name).is_symlink() or not (folder / name).is_dir():
-                (folder / name).unlink()
+                delete(folder / name)
 
 
 def force_tables(names: Iterable[str]) -> list[str]:
@@ -134,13 +140,40 @@ def staging(folder: Path) -> Iterator[Path]:
     """An empty folder in a folder that is ours, for results until they are whole; it is deleted after the block."""
     stage = folder / STAGING
     if stage.is_symlink():
-        stage.unlink()
+        delete(stage)
     shutil.rmtree(stage, ignore_errors=True)
     stage.mkdir()
     try:
         yield stage
     finally:
         shutil.rmtree(stage, ignore_errors=True)
+
+
+@contextmanager
+def results_folder(folder: Path, marker: Marker, of: str) -> Iterator[Path]:
+    """A `staging` folder in a folder of results, made and held; without results nothing is left.
+
+    `of` is the key in ``marker.about`` of what the results are of: a folder with those of another one is refused.
+    """
+    new, fresh = not folder.exists(), False
+    try:
+        require_ours(folder, marker)
+        folder.mkdir(parents=True, exist_ok=True)
+        with locked(folder):
+            fresh = claim(folder, marker)
+            found = read_marker(folder)
+            if found is not None and (there := found.about.get(of)) != marker.about[of]:
+                raise SetupError(f"{folder}: holds {HOLDS[marker.kind]} ({there}); name another folder with --out")
+            with staging(folder) as stage:
+                yield stage
+    except BaseException as error:
+        if fresh:
+            delete(folder / MARKER_FILE)
+        if new and folder.is_dir():
+            folder.rmdir()
+        if isinstance(error, OSError):
+            raise DumpError(f"{folder}: cannot be written ({error.strerror or error}); name another folder") from None
+        raise
 
 
 def publish(stage: Path, folder: Path) -> list[str]:
@@ -265,21 +298,17 @@ def holder(folder: Path) -> str:
 
 
 def _this_process() -> dict[str, str | int]:
-    boot = Path("/proc/sys/kernel/random/boot_id")
     return {
         "pid": os.getpid(),
         "started": _started(os.getpid()),
-        "boot": boot.read_text().strip() if boot.exists() else "",
+        "boot": told_by_system("/proc/sys/kernel/random/boot_id").strip(),
         "host": os.uname().nodename,
     }
 
 
 def _started(pid: int) -> int:
     """Start time of a process in ticks since the boot, 0 where there is none: a pid is given again."""
-    try:
-        return int(Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[19])
-    except OSError:
-        return 0
+    return int([*told_by_system(f"/proc/{pid}/stat").rpartition(")")[2].split(), *20 * "0"][19])
 
 
 @contextmanager

@@ -34,6 +34,7 @@ KINDS = {
     "flipped bits": ("nothing", "the file that differs from its checksum"),
     "wrong frames, discs or forces": ("nothing", "frame, step or row that is wrong"),
     "values in JSON files": ("nothing", "file, field and what is wrong"),
+    "wrong tables": ("nothing", "file, line and column, or that a table differs from its checksum"),
     "mutants of cases": ("nothing: no file is written", "line, field and what is allowed"),
     "mutants of dumps": ("nothing", "the frame or value that is wrong"),
     "text as a command": ("nothing: no command is run", "the character that is not allowed"),

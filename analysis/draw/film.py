@@ -7,6 +7,7 @@ its discs in software straight into it and goes to ffmpeg (mp4) or into Pillow (
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import closing
 from pathlib import Path
@@ -18,7 +19,7 @@ from lammps_jump.dump.find import ForceHistory
 from lammps_jump.dump.frame import Frame, require_finite
 from lammps_jump.dump.read import Dump
 from lammps_jump.errors import DumpError, SetupError
-from lammps_jump.files import whole, writes
+from lammps_jump.files import open_to_write, whole, write_bytes, writes
 from lammps_jump.scene.walls import Interval, Wall
 
 from .painter import View, paint_arrow, paint_frame, paint_walls
@@ -105,9 +106,10 @@ def still(frame: Frame, flow: Flow, out: str | Path, *, width: int = 1280) -> Pa
     """
     from PIL import Image
 
-    with writes(f"{out}: the picture"), whole(Path(out)) as part:
-        Image.fromarray(_Painter([frame], flow, width, {}).paint(frame)).save(part, format="PNG")
-    return Path(out)
+    picture = io.BytesIO()
+    Image.fromarray(_Painter([frame], flow, width, {}).paint(frame)).save(picture, format="PNG")
+    with writes(f"{out}: the picture"):
+        return write_bytes(Path(out), picture.getbuffer())
 
 
 class _Painter:
@@ -198,7 +200,7 @@ def _surroundings(x: Interval, y: Interval, width: int, top_speed: float, name: 
 def _mp4(pictures: Iterable[np.ndarray], out: Path, fps: float, shape: tuple[int, ...]) -> None:
     from imageio_ffmpeg import write_frames
 
-    out.open("ab").close()  # a place that cannot be written is found before ffmpeg starts
+    open_to_write(out).close()  # a place that cannot be written is found before ffmpeg starts
     # yuv420p and the index in front: plays in every browser while loading
     options = ["-preset", "fast", "-crf", "20", "-movflags", "+faststart", "-f", "mp4"]
     try:

@@ -7,9 +7,11 @@ cividis (readable in grey and for the colour-blind); lines differ in dash as wel
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
+from typing import IO
 
 import matplotlib as mpl
 import numpy as np
@@ -17,6 +19,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from lammps_jump.errors import DumpError
+from lammps_jump.files import write_bytes
 from lammps_jump.scene.walls import thin
 
 from .chart import PLACE, Bars, Chart, Map, Panel, edges_of
@@ -88,19 +91,19 @@ def colour_bar(figure: Figure, colours, label: str, **place) -> None:
 
 def save(figure: Figure, path: str | Path) -> Path:
     """Write a figure; the format follows the ending of the name. DumpError where the place cannot be written."""
-    path = Path(path)
+    path, drawn = Path(path), io.BytesIO()
     try:
         with style():
             if path.suffix == ".png":
-                _write_png(figure, path)
+                _draw_png(figure, drawn)
             else:
-                figure.savefig(path)
+                figure.savefig(drawn, format=path.suffix.removeprefix("."))
+        return write_bytes(path, drawn.getbuffer())
     except (OSError, ValueError) as error:
         raise DumpError(f"{path}: the figure cannot be written ({error}).") from error
-    return path
 
 
-def _write_png(figure: Figure, path: Path) -> None:
+def _draw_png(figure: Figure, out: IO[bytes]) -> None:
     """The picture of one drawing: ``savefig`` lays a figure out and draws it twice, which is most of its time."""
     from PIL import Image
 
@@ -110,7 +113,7 @@ def _write_png(figure: Figure, path: Path) -> None:
     picture = Image.fromarray(np.asarray(figure.canvas.buffer_rgba())).convert("RGB")
     figure.set_dpi(before)
     # level 3 packs a figure in two thirds of the time of zlib's default, for files no larger
-    picture.save(path, dpi=(dots, dots), compress_level=3)
+    picture.save(out, format="PNG", dpi=(dots, dots), compress_level=3)
 
 
 def drawn(shown: Chart | Bars | Map) -> Figure:

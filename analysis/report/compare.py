@@ -107,7 +107,7 @@ def _ends(panel: Mapping, axis: str, limits: str) -> tuple[float, float] | None:
     faint = len(panel["lines"]) > 1
     values = [value for line in panel["lines"] if not (faint and line["look"] in ("faint", "dots"))
               for value in line.get(axis, ()) if value is not None]  # fmt: skip
-    values += [value for _, value in panel["levels"]] if axis == "y" else []
+    values += [value for _, value in panel["levels"] if value is not None] if axis == "y" else []
     if not values:
         return None
     low, high = panel[limits]

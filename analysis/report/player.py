@@ -11,8 +11,8 @@ import numpy as np
 from lammps_jump.analysis.draw.scope import disc_speeds, seen, top_of
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.profiles import bin_edges
+from lammps_jump.dump.tables import read_table
 from lammps_jump.errors import DumpError
-from lammps_jump.files import text_of
 from lammps_jump.physics.jump import sequent_depth
 from lammps_jump.scene.motion import MovingWall, Pose
 from lammps_jump.scene.walls import Interval, parts_of
@@ -109,9 +109,9 @@ def _sequent(flow: Flow, folder: Path, times: np.ndarray) -> list[list[float] | 
     to where the bed rises or the channel ends.
     """
     try:
-        track = np.genfromtxt(text_of(folder / TRACK).splitlines(), delimiter=",", names=True, ndmin=1)
-        when, places, found, depths, speeds = (track[name] for name in COLUMNS)
-    except (DumpError, ValueError):  # no jump was looked for; or damaged: the page is whole without
+        track = read_table(folder / TRACK)
+        when, places, found, depths, speeds = (track.numbers(name) for name in COLUMNS)
+    except DumpError:  # no jump was looked for; or damaged: the page is whole without
         return [None] * len(times)
     lines: list[list[float] | None] = []
     for k in (int(np.argmin(np.abs(when - time))) for time in times):

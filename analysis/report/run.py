@@ -20,7 +20,7 @@ from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.analysis.tables.rows import MOST, at_gauges, rows_of, sure, tiles
 from lammps_jump.analysis.verdicts import doubts, is_shown, verdict
 from lammps_jump.errors import DumpError
-from lammps_jump.files import CURVES, FIGURES, read_json, write_text
+from lammps_jump.files import FIGURES, write_text
 from lammps_jump.physics.contact import Coefficients
 from lammps_jump.units import ABSENT, numbers_of
 
@@ -44,6 +44,7 @@ from .page import (
     render,
 )
 from .player import STILL
+from .received_curves import read_curves
 
 LARGEST = 5_000_000
 """Bytes of a report without its player; figures come first, the film only where it still fits."""
@@ -184,12 +185,15 @@ def _parts(summary: Mapping, path: str) -> list[tuple[str, Mapping]]:
 
 
 def curves(folder: Path) -> dict[str, Curve]:
-    """What the page draws of a run folder, by the name of the figure's file, in the order of `FIGURES`."""
-    try:
-        found = read_json(folder / CURVES)
-        return {name: Curve(text, found[Path(name).stem]) for name, text in FIGURES.items() if Path(name).stem in found}
-    except (OSError, ValueError, TypeError):
-        return {}  # of a version before, or damaged: the page is whole without
+    """What the page draws of a run folder, by the name of the figure's file, in the order of `FIGURES`.
+
+    Raises
+    ------
+    DumpError
+        As of `read_curves`.
+    """
+    found = read_curves(folder)
+    return {name: Curve(text, found[Path(name).stem]) for name, text in FIGURES.items() if Path(name).stem in found}
 
 
 def _pictures(folder: Path, beside: Path | None) -> dict[str, Path]:

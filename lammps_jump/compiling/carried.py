@@ -110,7 +110,7 @@ def check_loads(product: Product, library: Path) -> None:
         With what the system's loader says.
     """
     names = [*(wheel_file(wheel.package, wheel.library) for wheel in reversed(product.wheels)), library]
-    command = [sys.executable, "-c", _TRIAL, *map(str, names)]
+    command = [sys.executable, "-P", "-c", _TRIAL, *map(str, names)]
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=SECONDS, env={**os.environ})
     except (OSError, subprocess.TimeoutExpired) as error:

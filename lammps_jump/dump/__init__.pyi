@@ -2,6 +2,7 @@
 from .check import FrameCheck as FrameCheck
 from .check import force_troubles as force_troubles
 from .exports import export as export
+from .exports import netcdf_of as netcdf_of
 from .exports import read_netcdf as read_netcdf
 from .find import ForceHistory as ForceHistory
 from .find import find_dump as find_dump
@@ -11,5 +12,8 @@ from .frame import Frame as Frame
 from .frame import make_frame as make_frame
 from .read import Dump as Dump
 from .read import open_dump as open_dump
+from .tables import Table as Table
+from .tables import read_table as read_table
+from .tables import table_of as table_of
 from .tail import Tail as Tail
 from .write import DumpWriter as DumpWriter

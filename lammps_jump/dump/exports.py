@@ -4,21 +4,20 @@
 from __future__ import annotations
 
 import base64
+import io
 import os
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
-from typing import TextIO
 
 import numpy as np
 import pandas as pd  # xarray needs it and brings it
 import xarray as xr
 
 from lammps_jump.errors import DumpError
-from lammps_jump.files import EXPORTS, read_start, whole, write_bytes, writes
+from lammps_jump.files import EXPORTS, MOST_TEXT, read_file, write_bytes, write_text, writes
 from lammps_jump.folders import require_replaceable, standing
-from lammps_jump.quoting import csv_cell
+from lammps_jump.quoting import csv_cell, shortened
 from lammps_jump.scene.walls import Interval, Wall, parts_of, thin
 
 from .find import find_dump, read_dump
@@ -52,9 +51,7 @@ def write_table(table: Mapping[str, Sequence], path: str | Path, units: Mapping[
         columns = pd.DataFrame(dict(table))
     except ValueError as error:
         raise DumpError(f"{path}: columns of a table must be equally long: {error}.") from error
-    with _writing(path) as file:
-        file.write(csv_text(columns.set_axis(heads, axis=1), float_format="%.10g"))
-    return Path(path)
+    return _write(path, csv_text(columns.set_axis(heads, axis=1), float_format="%.10g"))
 
 
 def csv_text(table: pd.DataFrame, float_format: str | None = None) -> str:
@@ -158,15 +155,31 @@ def read_netcdf(path: Path) -> xr.Dataset:
     DumpError
         No such file, or another kind.
     """
+    try:
+        return netcdf_of(read_file(path, MOST_TEXT), path)
+    except OSError as error:
+        raise _no_netcdf(path, error) from None
+
+
+def netcdf_of(data: bytes, path: Path) -> xr.Dataset:
+    """The dataset of a file of `write_netcdf`, whose name is for messages.
+
+    Raises
+    ------
+    DumpError
+        Another kind of file, or a damaged one.
+    """
     _load_netcdf()
     try:
-        read_start(path, 1)  # no pipe, which would be waited for
-        with xr.open_dataset(path, engine="scipy") as dataset:
+        with xr.open_dataset(io.BytesIO(data), engine="scipy") as dataset:
             return dataset.load()
-    except (OSError, ValueError, TypeError, LookupError) as error:  # what scipy raises for a damaged file
-        raise DumpError(
-            f"{path}: cannot be read ({error}); `lammps-jump analyze {path.parent}` makes it from the dump."
-        ) from error
+    except Exception as error:  # scipy raises what its reading comes upon: names, types and sizes of any kind
+        raise _no_netcdf(path, error) from None
+
+
+def _no_netcdf(path: Path, error: Exception) -> DumpError:
+    said = shortened(getattr(error, "strerror", None) or str(error))
+    return DumpError(f"{path}: cannot be read ({said}); `lammps-jump analyze {path.parent}` makes it from the dump.")
 
 
 def _frames_for_paraview(
@@ -295,16 +308,14 @@ def write_pictures(dump: Dump, folder: str | Path) -> list[Path]:
     for number, frame in enumerate(dump.select(ten_indices(dump.count()))):
         frame = frame.sorted()
         written.append(Path(folder) / f"picture{number}.dat")
-        with _writing(written[-1]) as file:
-            columns = [frame.ids, frame.x, frame.y, *([] if frame.radii is None else [frame.radii])]
-            np.savetxt(file, np.column_stack(columns), " ".join(["%d", *["%.10g"] * (len(columns) - 1)]))
+        columns = [frame.ids, frame.x, frame.y, *([] if frame.radii is None else [frame.radii])]
+        row = " ".join(["%d", *["%.10g"] * (len(columns) - 1)]) + "\n"
+        _write(written[-1], "".join(row % disc for disc in zip(*columns, strict=True)))
     return written
 
 
 def _vtk(path: str | Path, head: str, body: str) -> Path:
-    with _writing(path) as file:
-        file.write(f'<?xml version="1.0"?>\n<VTKFile {head}>\n{body}</VTKFile>\n')
-    return Path(path)
+    return _write(path, f'<?xml version="1.0"?>\n<VTKFile {head}>\n{body}</VTKFile>\n')
 
 
 def _data_array(name: str, values: np.ndarray, kind: str = "Float64") -> str:
@@ -316,8 +327,6 @@ def _data_array(name: str, values: np.ndarray, kind: str = "Float64") -> str:
     return f"{head}\n{raw}\n</DataArray>\n"
 
 
-@contextmanager
-def _writing(path: str | Path) -> Iterator[TextIO]:
-    """A text file, whole or not at all."""
-    with writes(path), whole(Path(path)) as new, open(new, "x", encoding="utf-8", newline="") as file:
-        yield file
+def _write(path: str | Path, text: str) -> Path:
+    with writes(path):
+        return write_text(Path(path), text)

@@ -4,8 +4,8 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from contextlib import contextmanager, nullcontext
+from collections.abc import Callable, Collection, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, fields, replace
 from importlib import import_module
 from pathlib import Path
@@ -32,8 +32,8 @@ from lammps_jump.dump.exports import export as write_exports
 from lammps_jump.dump.find import find_dump, read_dump, read_forces
 from lammps_jump.dump.read import Dump, open_dump
 from lammps_jump.dump.rows import skip_rows
-from lammps_jump.errors import CaseError, DumpError, SetupError
-from lammps_jump.files import FIGURES, PLAYER, RESULT_FILES, read_json, write_json, write_text, writes
+from lammps_jump.errors import CaseError, DumpError
+from lammps_jump.files import FIGURES, PLAYER, RESULT_FILES, checksum, read_json, write_json, write_text, writes
 from lammps_jump.provenance import versions
 from lammps_jump.quoting import visible
 from lammps_jump.scene.schedule import MOST_BINS
@@ -228,7 +228,8 @@ def analyse_dump(
     folder = out or path.parent / f"{stem or 'dump'}_analysis"
     summary: dict[str, Any] = {"name": visible(path.name), "given": given.known, "versions": versions()}
     summary |= {"case_yaml": case.to_yaml()} if case else {}
-    with _results_folder(folder, path) as stage:
+    marker = folders.Marker("analysis", RESULT_FILES, {"dump": str(path.absolute())})
+    with folders.results_folder(folder, marker, "dump") as stage:
         if (folder / "forces.csv").is_file():
             (stage / "forces.csv").symlink_to((folder / "forces.csv").absolute())
         packer = FramePacker(flow)
@@ -238,35 +239,12 @@ def analyse_dump(
             gathered = replace(gathered, warnings=(*gathered.warnings, note))
         summary |= quantities.analyse(flow, path, stage, given.wanted, gathered=gathered)
         report.write_report(stage, summary, case.to_yaml() if case else "", player=make_player(packer, stage))
-        write_summary(stage, summary)
+        files = {str(one.relative_to(stage)): one for one in stage.rglob("*") if one.is_file() and not one.is_symlink()}
+        analysed = {"key": "", "files": {name: checksum(one) for name, one in files.items()}}
+        write_summary(stage, {**summary, "analysed": analysed})
         folders.clear(folder, RESULT_FILES)
         folders.publish(stage, folder)
     return summary, folder
-
-
-@contextmanager
-def _results_folder(folder: Path, dump: Path) -> Iterator[Path]:
-    """A `staging` folder in the folder of the results of a dump, made and held; without results nothing is left."""
-    marker = folders.Marker("analysis", RESULT_FILES, {"dump": str(dump.absolute())})
-    new, fresh = not folder.exists(), False
-    try:
-        folders.require_ours(folder, marker)
-        folder.mkdir(parents=True, exist_ok=True)
-        with folders.locked(folder):
-            fresh = folders.claim(folder, marker)
-            found = folders.read_marker(folder)
-            if found is not None and (of := found.about.get("dump")) != marker.about["dump"]:
-                raise SetupError(f"{folder}: holds the analysis of {of}; name another folder with --out")
-            with folders.staging(folder) as stage:
-                yield stage
-    except BaseException as error:
-        if fresh:
-            (folder / folders.MARKER_FILE).unlink(missing_ok=True)
-        if new and folder.is_dir():
-            folder.rmdir()
-        if isinstance(error, OSError):
-            raise DumpError(f"{folder}: cannot be written ({error.strerror or error}); name another folder") from None
-        raise
 
 
 def _flow(path: Path, case: ReadCase | None, given: Given = NOTHING_GIVEN) -> Flow:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import base64
 import html
 import io
+import logging
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
@@ -23,7 +24,7 @@ from lammps_jump.folders import holder, locked, require_replaceable
 from lammps_jump.scene.scene import Scene
 
 from .folder import default_folder, require_case, result_of
-from .summary import compose, read_summary
+from .summary import Results, compose, read_summary
 from .view import case_html, number_table, write_preview
 
 if TYPE_CHECKING:
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
 
     from .results import Found
 
+log = logging.getLogger(__name__)
 Status = Literal["complete", "unchecked", "interrupted", "failed", "running"]
 
 
@@ -204,9 +206,10 @@ class Run:
     def profiles(self) -> xr.Dataset:
         """Profiles over time (s) and x (m): mass_depth (m), velocity (m/s), discharge (m^2/s) …, means and errors."""
         path = self.folder / "profiles.nc"
-        if self._changes or not path.exists():
+        block = self._stored.get("analysed", {})
+        if self._changes or not path.exists() or block is None:
             return self._found.gathered.profiles
-        return dump.read_netcdf(path)
+        return dump.netcdf_of(Results(self.folder, block.get("files")).read(path.name), path)
 
     @property
     def jump(self) -> Jump:
@@ -322,6 +325,8 @@ def compare_folders(first: Path, second: Path, path: Path) -> Path:
             sides.append((folder, runs.results.summary_of_dump(folder), runs.results.flow_of_dump(folder)))
         else:
             run = open_run(folder)
+            if run.status != "complete":
+                log.info(f"note: {folder}: the run is {run.status}, not complete: its numbers are of what it has")
             sides.append((folder, run.summary, runs.results.flow_of(run.case, folder)))
     return _compare(sides, path)
 

@@ -3,8 +3,9 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, is_dataclass
+from dataclasses import asdict, dataclass, is_dataclass
 from dataclasses import fields as fields_of
 from functools import cache, reduce
 from operator import or_
@@ -29,10 +30,11 @@ from lammps_jump.case.case import ReadCase
 from lammps_jump.case.parts.old_words import new_word
 from lammps_jump.engines import RunResult, Setting
 from lammps_jump.errors import DumpError
-from lammps_jump.files import plain, read_json, write_json
+from lammps_jump.files import MOST_TEXT, RESULT_FILES, plain, read_file, read_json, write_json
+from lammps_jump.folders import read_marker, standing
 from lammps_jump.identity import run_key, shown_key
 from lammps_jump.provenance import versions
-from lammps_jump.quoting import echoed
+from lammps_jump.quoting import echoed, shortened
 
 from .engine import program_of
 
@@ -211,6 +213,93 @@ def compose(
             "theory": case.check().theory,
         }
     )
+
+
+class _Sums(BaseModel, strict=True):
+    status: Literal["complete", "unchecked", "interrupted", "failed"] | None = None
+    message: str | None = None
+    outputs: dict[str, _Sum] | None = None
+    analysed: _Analysed | None = None
+
+
+@dataclass(frozen=True)
+class Results:
+    """What a whole analysis has left in a folder, and the checksums that its summary has of it.
+
+    Attributes
+    ----------
+    folder : Path
+    sums : mapping, or None
+        Size and SHA-256 by the name of a file; None of a version that kept none.
+    """
+
+    folder: Path
+    sums: Mapping[str, Mapping[str, Any]] | None
+
+    @property
+    def tables(self) -> list[str]:
+        """Names of the tables, without their ending."""
+        names = self.sums or [
+            name for pattern in (*RESULT_FILES, "force_*.csv") for name in standing(self.folder, pattern)
+        ]
+        return sorted(name.removesuffix(".csv") for name in names if name.endswith(".csv") and "/" not in name)
+
+    def read(self, name: str) -> bytes:
+        """A file as the analysis wrote it.
+
+        Raises
+        ------
+        DumpError
+            Not there, or another one than the summary means.
+        """
+        path, again = self.folder / name, f"`lammps-jump analyze {self.folder}` makes the results again"
+        if self.sums is not None and name not in self.sums:
+            raise DumpError(f"{path}: is no result of this run; {again}")
+        try:
+            data = read_file(path, MOST_TEXT)
+        except OSError as error:
+            raise DumpError(f"{path}: cannot be read ({error.strerror or error}); {again}") from None
+        found = {"size": len(data), "sha256": hashlib.sha256(data).hexdigest()}
+        if self.sums is not None and found != self.sums[name]:
+            raise DumpError(f"{path}: differs from its checksum in {SUMMARY_FILE}, so it was changed; {again}")
+        return data
+
+
+def status_of(folder: Path) -> str:
+    """What a summary says of its run; DumpError where it is none."""
+    return _sums_of(folder).status or ""
+
+
+def _sums_of(folder: Path) -> _Sums:
+    path = folder / SUMMARY_FILE
+    try:
+        return _Sums.model_validate(read_json(path))
+    except OSError as error:
+        raise DumpError(f"{path}: cannot be read ({error.strerror or error}); name a folder with results") from None
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise DumpError(f"{path}: {'.'.join(map(str, first['loc']))}: {first['msg']}; {NO_SUMMARY}") from None
+    except ValueError as error:
+        raise DumpError(f"{path}: is no JSON ({shortened(str(error))}); {NO_SUMMARY}") from None
+
+
+def open_results(folder: Path) -> Results:
+    """The results of a run that is complete, or of a bare dump.
+
+    Raises
+    ------
+    DumpError
+        No summary, a run that is not complete, or no whole analysis of it.
+    """
+    found, marker = _sums_of(folder), read_marker(folder)
+    if found.status != "complete" and not (found.status is None and marker is not None and marker.kind == "analysis"):
+        said = f": {shortened(found.message)}" if found.message else ""
+        raise DumpError(f"{folder}: the run there is {found.status or 'of no known status'}, not complete{said}")
+    if found.analysed is None and "analysed" in found.model_fields_set:
+        raise DumpError(f"{folder}: was not analysed to the end; `lammps-jump analyze {folder}` does that")
+    if found.analysed is None:
+        return Results(folder, None)
+    return Results(folder, {name: one.model_dump() for name, one in found.analysed.files.items()})
 
 
 def write_summary(folder: Path, summary: Mapping[str, object]) -> Path:

@@ -3,23 +3,36 @@
 
 from __future__ import annotations
 
-import csv
-import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from math import isfinite, nan
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lammps_jump.errors import CaseError
-from lammps_jump.files import whole
+from lammps_jump.analysis.draw.style import drawing, save
+from lammps_jump.dump.exports import netcdf_of
+from lammps_jump.dump.tables import LARGEST, table_of
+from lammps_jump.errors import CaseError, DumpError
+from lammps_jump.files import COMPARED_FILES, read_file, write_json, write_text
+from lammps_jump.folders import Marker, publish, require_no_link, results_folder
+from lammps_jump.quoting import echoed, figure_text, shortened, visible
+from lammps_jump.runs.summary import SUMMARY_FILE, Results, open_results, status_of
+from lammps_jump.sweeps.members import RUNS
 
-PROFILES = "profiles"
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+PROFILES, PROFILES_FILE = "profiles", "profiles.nc"
 """Name of the means over x in profiles.nc, beside the names of the CSV tables."""
 FEWEST = 2
 """Measured points that must lie where the run has a curve."""
+MOST_MEASURED = 10_000_000
+"""Bytes of a file with measured points."""
+RUN, MEASURED = "#0b2f6b", "#a02c3c"
+Curves = list[tuple[np.ndarray, np.ndarray]]
+"""Axis and values of each start."""
 
 
 @dataclass(frozen=True)
@@ -69,50 +82,45 @@ def parse_columns(text: str) -> dict[str, str]:
     return pairs
 
 
-def tables_of(folder: Path) -> dict[str, list[str]]:
-    """Columns of the CSV tables of a run folder that have an axis, by the name of the table."""
-    found = {}
-    for path in sorted(folder.glob("*.csv")):
-        with path.open() as file:
-            columns = file.readline().strip().split(",")
-        if len(columns) > 1 and "structure" not in columns:
-            found[path.stem] = columns
-    return found
-
-
-def curve_of(folder: Path, axis: str, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """The axis and a column of a table of a run folder, without rows that hold no number.
+def curve_of(results: Results, axis: str, name: str) -> tuple[np.ndarray, np.ndarray]:
+    """The axis and a column of a table of a run, without rows that hold no number.
 
     Raises
     ------
     CaseError
         No such table or column; says which there are.
+    DumpError
+        A table that is not as the analysis wrote it.
     """
-    import pandas as pd  # 0.3 s
-
     table, column = name.split(".", 1)
-    if table == PROFILES:
-        import xarray as xr
-
-        if not (folder / "profiles.nc").is_file():
-            raise CaseError(f"{folder}: no profiles.nc; analyse the run first")
-        with xr.open_dataset(folder / "profiles.nc", engine="scipy") as found:
-            known = [key for key in found if found[key].dims == ("x",)]
-            if column not in known or axis != "x":
-                raise CaseError(f"{name} against {axis}: profiles.nc has, against x: {', '.join(map(str, known))}")
-            x, y = np.array(found["x"], float), np.array(found[column], float)
-    else:
-        known_tables = tables_of(folder)
-        if table not in known_tables:
-            raise CaseError(f"{name}: {folder} has no table {table}; there are {', '.join([*known_tables, PROFILES])}")
-        for one in (axis, column):
-            if one not in known_tables[table]:
-                raise CaseError(f"{table}.csv has no column {one}; there are {', '.join(known_tables[table])}")
-        rows = pd.read_csv(folder / f"{table}.csv")
-        x, y = rows[axis].to_numpy(float), rows[column].to_numpy(float)
+    x, y = _of_profiles(results, axis, name) if table == PROFILES else _of_table(results, table, axis, column)
     known_rows = np.isfinite(x) & np.isfinite(y)
     order = np.argsort(x[known_rows], kind="stable")
     return x[known_rows][order], y[known_rows][order]
+
+
+def _of_profiles(results: Results, axis: str, name: str) -> tuple[np.ndarray, np.ndarray]:
+    path, column = results.folder / PROFILES_FILE, name.split(".", 1)[1]
+    found = netcdf_of(results.read(PROFILES_FILE), path)
+    known = [str(key) for key in found if found[key].dims == ("x",) and found[key].dtype.kind in "fiu"]
+    if column not in known or axis != "x" or "x" not in found.coords:
+        raise CaseError(f"{name} against {axis}: profiles.nc has, against x: {', '.join(known)}")
+    x, y = np.array(found["x"], float), np.array(found[column], float)
+    if max(np.abs(np.nan_to_num(x)).max(), np.abs(np.nan_to_num(y)).max()) > LARGEST:
+        raise DumpError(f"{path}: {column}: a number beyond {LARGEST:g}; analyse the run again")
+    return x, y
+
+
+def _of_table(results: Results, name: str, axis: str, column: str) -> tuple[np.ndarray, np.ndarray]:
+    tables = [table for table in results.tables if not table.startswith("profiles")]
+    if name not in tables:
+        there = ", ".join([*tables, PROFILES])
+        raise CaseError(f"{name}.{column}: {results.folder} has no table {shortened(name)}; there are {there}")
+    found = table_of(results.read(f"{name}.csv"), str(results.folder / f"{name}.csv"))
+    for one in (axis, column):
+        if one not in found.heads:
+            raise CaseError(f"{name}.csv has no column {shortened(one)}; there are {', '.join(found.heads)}")
+    return found.numbers(axis), found.numbers(column)
 
 
 def measured_of(path: Path, columns: Mapping[str, str]) -> dict[str, np.ndarray]:
@@ -123,74 +131,67 @@ def measured_of(path: Path, columns: Mapping[str, str]) -> dict[str, np.ndarray]
     CaseError
         No such file or column, or a value that is no number, with its line.
     """
-    (_, heads), *rows = table_of(path)
-    found = {}
+    try:
+        data = read_file(path, MOST_MEASURED)
+    except OSError as error:
+        told = error.strerror or error
+        raise CaseError(f"{path} cannot be read: {told}; name a CSV file with a line of heads") from None
+    table = table_of(data, str(path), comments=True, fewest=FEWEST, error=CaseError)
+    heads, found = table.heads, {}
     for name in columns.values():
         if heads.count(name) != 1:
             apart = "; put commas between the columns" if any(sign in heads[0] for sign in ";\t") else ""
             many = "no column" if name not in heads else "more than one column"
             raise CaseError(f"{path} has {many} {name}; there are {', '.join(heads)}{apart}")
-        found[name] = np.array([finite(path, line, name, cells[heads.index(name)]) for line, cells in rows])
+        found[name] = np.array([finite(path, line, name, cells[heads.index(name)]) for line, cells in table.rows])
     return found
 
 
-def table_of(path: Path) -> list[tuple[int, list[str]]]:
-    """Number and cells of each line of a CSV file, heads first, without empty lines and those that begin with #.
-
-    Raises
-    ------
-    CaseError
-        It cannot be read, has no row, or a row has more or fewer values than there are heads.
-    """
-    try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        told = error.strerror if isinstance(error, OSError) else "it is no text in UTF-8"
-        raise CaseError(f"{path} cannot be read: {told}; name a CSV file with a line of heads") from None
-    kept = [
-        (number, line) for number, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith("#")
-    ]
-    rows = [(number, [cell.strip() for cell in next(csv.reader([line]))]) for number, line in kept]
-    if len(rows) <= FEWEST:
-        raise CaseError(f"{path} has {max(0, len(rows) - 1)} rows below its heads; {FEWEST} are needed")
-    for number, cells in rows:
-        if len(cells) != len(rows[0][1]):
-            raise CaseError(f"{path}, line {number}: {len(cells)} values, but {len(rows[0][1])} heads")
-    return rows
-
-
 def finite(path: Path, line: int, name: str, cell: str) -> float:
-    """A cell as a number; CaseError, with its place, where it is none."""
+    """A cell as a number; CaseError, with its place, where it is none or one beyond all measure."""
     try:
         value = float(cell)
     except ValueError:
         value = nan
     if not isfinite(value):
         raise CaseError(
-            f"{path}, line {line}, column {name}: {cell!r} is no finite number; write 1.5 or 2e-3, or begin the line "
+            f"{path}, line {line}, column {name}: {echoed(cell)} is no finite number; write 1.5 or 2e-3, or begin the "
+            "line with # to leave it out"
+        )
+    if abs(value) > LARGEST:
+        raise CaseError(
+            f"{path}, line {line}, column {name}: {value:g} is beyond {LARGEST:g}; write it in SI, or begin the line "
             "with # to leave it out"
         )
     return value
 
 
-def starts_of(folder: Path) -> list[Path]:
-    """The run folders of a study that are complete, or the folder itself.
+def starts_of(folder: Path) -> list[Results]:
+    """The results of the runs of a study that are complete, or of the folder itself.
 
     Raises
     ------
     CaseError
         A folder of neither, or without a complete run.
+    DumpError
+        A run that is not complete, or a summary that is none.
+    SetupError
+        A run of the study is a link.
     """
-    if (folder / "summary.json").is_file():
-        return [folder]
-    runs = sorted(path.parent for path in folder.glob("runs/*/summary.json"))
-    found = [path for path in runs if json.loads((path / "summary.json").read_text()).get("status") == "complete"]
+    if not (folder / RUNS).is_dir():
+        return [open_results(folder)]
+    require_no_link(folder / RUNS)
+    found = []
+    for path in sorted((folder / RUNS).iterdir()):
+        require_no_link(path)
+        if (path / SUMMARY_FILE).exists() and status_of(path) == "complete":
+            found.append(open_results(path))
     if not found:
         raise CaseError(f"{folder} holds no complete run; name a run folder, or that of the starts of one case")
     return found
 
 
-def distance(curves: list[tuple[np.ndarray, np.ndarray]], at: np.ndarray, measured: np.ndarray) -> dict[str, Any]:
+def distance(curves: Curves, at: np.ndarray, measured: np.ndarray) -> dict[str, Any]:
     """Deviation of curves (axis, values) of some starts from measured points; keys as of `Distance`.
 
     Curves are taken at the measured points by straight lines. Points beyond the end of a curve are left out.
@@ -246,9 +247,11 @@ def compare_with_data(folder: Path, data: Path, columns: str, out: Path | None =
     ------
     CaseError
         A table, column or file that is not there, a value that is no number, no points in common.
+    DumpError
+        A run that is not complete, or whose tables are not as its analysis wrote them.
+    SetupError
+        `out` holds files of others, or what was compared with another run.
     """
-    from matplotlib.figure import Figure
-
     pairs = parse_columns(columns)
     (axis, own_axis), *wanted = pairs.items()
     given, places = measured_of(data, pairs), starts_of(folder)
@@ -261,31 +264,33 @@ def compare_with_data(folder: Path, data: Path, columns: str, out: Path | None =
         found.append(Distance(name, own, **distance(curves, at, given[own])))
         drawn.append((name, own, curves))
     out = out or Path(f"{folder.absolute().name}_against_{data.stem}")
-    out.mkdir(parents=True, exist_ok=True)
-    figure = Figure(figsize=(7, 3.2 * len(drawn)), layout="constrained")
-    for place, (name, own, curves) in zip(figure.subplots(len(drawn), squeeze=False)[:, 0], drawn, strict=True):
-        for number, (x, y) in enumerate(curves):
-            place.plot(x, y, color="#0b2f6b", lw=1.4, label=None if number else f"run: {name}")
-        place.plot(at, given[own], "o", ms=4, mfc="white", mec="#a02c3c", label=f"measured: {own}")
-        place.set_xlabel("time [s]" if axis == "time" else f"{axis} [SI]")
-        place.set_ylabel(f"{name} [SI]")
-        place.grid(alpha=0.3)
-        place.legend(frameon=False)
-    figure.savefig(out / "compared.png", dpi=150)
-    plain = [{key: None if value != value else value for key, value in asdict(one).items()} for one in found]
-    for file, text in (
-        ("compared.json", json.dumps(plain, indent=1) + "\n"),
-        ("compared.md", page(found, folder, data)),
-    ):
-        with whole(out / file) as new:
-            new.write_text(text)
+    marker = Marker("comparison", COMPARED_FILES, {"of": str(folder.absolute())})
+    with results_folder(out, marker, "of") as stage:
+        save(drawn_of(drawn, axis, given), stage / "compared.png")
+        write_json(stage / "compared.json", [asdict(one) for one in found])
+        write_text(stage / "compared.md", page(found, folder, data))
+        publish(stage, out)
     return found, out
+
+
+def drawn_of(drawn: list[tuple[str, str, Curves]], axis: str, given: Mapping[str, np.ndarray]) -> Figure:
+    """Each pair of columns in a panel: curves of the starts as lines, measured points, the first of `given` along x."""
+    with drawing(7, 3.2 * len(drawn), len(drawn), squeeze=False) as (figure, panels):
+        for place, (name, own, curves) in zip(panels[:, 0], drawn, strict=True):
+            for number, (x, y) in enumerate(curves):
+                place.plot(x, y, color=RUN, lw=1.4, label=None if number else f"run: {figure_text(name)}")
+            at = next(iter(given.values()))
+            place.plot(at, given[own], "o", ms=4, mfc="white", mec=MEASURED, label=f"measured: {figure_text(own)}")
+            place.set_xlabel("time [s]" if axis == "time" else f"{figure_text(axis)} [SI]")
+            place.set_ylabel(f"{figure_text(name)} [SI]")
+            place.legend()
+    return figure
 
 
 def page(found: list[Distance], folder: Path, data: Path) -> str:
     """The distances as a page in Markdown."""
     lines = [
-        f"# {folder.absolute().name} against {data.name}",
+        f"# {visible(folder.absolute().name)} against {visible(data.name)}",
         "",
         "| run | measured | points | mean of run - measured | root mean square | over the measured range |",
         "|---|---|---:|---:|---:|---:|",
@@ -293,8 +298,8 @@ def page(found: list[Distance], folder: Path, data: Path) -> str:
     for one in found:
         sure = f" ± {one.mean_interval:.2g}" if one.starts > 1 else ""
         lines.append(
-            f"| {one.column} | {one.measured} | {one.points} of {one.points_measured} | {one.mean:.4g}{sure} | "
-            f"{one.rms:.3g} | {100 * one.rms_over_range:.1f} % |"
+            f"| {cell(one.column)} | {cell(one.measured)} | {one.points} of {one.points_measured} | "
+            f"{one.mean:.4g}{sure} | {one.rms:.3g} | {100 * one.rms_over_range:.1f} % |"
         )
     starts = found[0].starts
     told = (
@@ -303,3 +308,8 @@ def page(found: list[Distance], folder: Path, data: Path) -> str:
         else "One run has no interval: repeat it from other starts."
     )
     return "\n".join([*lines, "", told, "", "![the curves](compared.png)", ""])
+
+
+def cell(text: str) -> str:
+    """A text as a cell of a table in Markdown."""
+    return visible(text).replace("|", "\\|")

@@ -16,7 +16,7 @@ from lammps_jump.engines.result import Progress
 from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import DumpError, JumpError, ResumeError, SetupError
 from lammps_jump.files import DUMP_NAMES
-from lammps_jump.folders import holder, read_marker, require_no_link, require_unlocked
+from lammps_jump.folders import clear, holder, read_marker, require_no_link, require_unlocked
 from lammps_jump.identity import analysis_key, member_key, run_key, short_hash
 from lammps_jump.runs.engine import choose_setting, program_of
 from lammps_jump.runs.run import Case
@@ -312,5 +312,10 @@ def run_member(member: Member, store: Path, again: bool, keep_dump: bool) -> Non
             raise
         run(force=True)
     if not keep_dump:
-        for name in DUMP_NAMES.values():
-            (folder / name).unlink(missing_ok=True)
+        drop_dumps(member, store)
+
+
+def drop_dumps(member: Member, store: Path) -> None:
+    """Delete the dump of a member's run; SetupError where its folder is a link, to a run that is no member."""
+    require_no_links([member], store)
+    clear(member.folder(store), DUMP_NAMES.values())

@@ -1,15 +1,19 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Two runs on one page: numbers with their difference, curves on the same axes."""
 
+import copy
 import json
 import re
 
 import numpy as np
 import pytest
 
-from lammps_jump.analysis.draw.chart import TIME, Chart, Line, Panel
+from lammps_jump.analysis.draw.chart import TIME, Bars, Chart, Line, Panel
 from lammps_jump.analysis.report.compare import Side, comparison
 from lammps_jump.analysis.report.page import Curve
+from lammps_jump.analysis.report.received_curves import read_curves
+from lammps_jump.errors import DumpError
+from lammps_jump.files import CURVES, write_json
 
 T = np.linspace(0.0, 2.0, 5)
 HOSTILE = "</script><b>run</b>"
@@ -50,3 +54,64 @@ def test_curves_of_both_have_the_same_axes(page):
 
 def test_names_are_text(page):
     assert HOSTILE not in page and "&lt;b&gt;run" in page
+
+
+CHARTS = {
+    "front": Chart(
+        "front",
+        TIME,
+        (
+            Panel(
+                "Distance x [m]", (Line("front", T, T, error=0 * T), Line("b", T, -T)), "", {"free": 0.5}, {"toe": 1.0}
+            ),
+        ),
+        window=(0.0, 1.0),
+    ).plain,
+    "jump_balance": Bars("balance", "m2/s", {"in": 1.0, "out": float("nan")}).plain,
+}
+
+
+def places(data, path=()):
+    """Every place in plain data."""
+    yield path
+    items = data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list | tuple) else ()
+    for key, item in items:
+        yield from places(item, (*path, key))
+
+
+def test_curves_are_read_as_they_were_written(tmp_path):
+    assert read_curves(tmp_path) == {}
+    write_json(tmp_path / CURVES, CHARTS)
+    found = read_curves(tmp_path)
+    assert list(found) == list(CHARTS)
+    assert json.loads(json.dumps(found)) == json.loads((tmp_path / CURVES).read_text())
+
+
+@pytest.mark.fault("values in JSON files")
+def test_curves_that_were_handed_on_are_checked_by_field(tmp_path, tried):
+    """A value of another kind at any place is refused, or is one that the page can draw."""
+    write_json(tmp_path / CURVES, CHARTS)
+    whole, number = json.loads((tmp_path / CURVES).read_text()), 0
+    for path in places(whole):
+        for odd in (True, "t", -1e308, {}, [], [None], {"x": [1]}, None):
+            data = copy.deepcopy(whole)
+            if path:
+                place = data
+                for key in path[:-1]:
+                    place = place[key]
+                place[path[-1]] = odd
+            else:
+                data = odd
+            write_json(tmp_path / CURVES, data)
+            number += 1
+            try:
+                curves = {name: Curve("", one) for name, one in read_curves(tmp_path).items()}
+            except DumpError as error:
+                assert CURVES in str(error) and "makes it again" in str(error)
+                continue
+            comparison(Side("a", {}, curves, None), Side("b", {}, curves, None))
+    tried(number)
+    for text in ("", "{", 100_000 * "[", "\x00"):
+        (tmp_path / CURVES).write_text(text)
+        with pytest.raises(DumpError, match=CURVES):
+            read_curves(tmp_path)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The picture of a case before it is run: labels apart, everything that moves drawn where it goes."""
 
+import errno
 from itertools import combinations
 from xml.etree import ElementTree as ET
 
@@ -12,6 +13,8 @@ from made_up import call
 import lammps_jump as lj
 from lammps_jump.analysis.draw.labels import ROOM, Label, place_labels
 from lammps_jump.analysis.draw.preview import Region, preview
+from lammps_jump.analysis.draw.style import drawing, save
+from lammps_jump.errors import DumpError
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.motion import Motion, MovingWall, gate
 from lammps_jump.scene.scene import InletRow, Outlet
@@ -131,6 +134,35 @@ def test_command_writes_a_page_and_a_picture_and_nothing_else(tmp_path, monkeypa
     (tmp_path / "file").write_text("")
     status, _, err = call(monkeypatch, capsys, "preview", "mine.yaml", "--out", "file")
     assert status == 2 and "file" in err
+
+
+@pytest.mark.fault("folders")
+def test_no_picture_goes_through_a_link(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.yaml").write_text(CASE)
+    (tmp_path / "thesis.txt").write_text("precious")
+    for ending in ("png", "html"):
+        (tmp_path / f"mine.preview.{ending}").symlink_to("thesis.txt")
+    assert call(monkeypatch, capsys, "preview", "mine.yaml")[0] == 0
+    assert (tmp_path / "thesis.txt").read_text() == "precious"
+    assert (tmp_path / "mine.preview.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.fault("files that cannot be written")
+def test_the_old_picture_stays_where_the_new_one_cannot_be_written(tmp_path, monkeypatch):
+    path = tmp_path / "a.png"
+    with drawing() as (figure, _):
+        save(figure, path)
+    whole = path.read_bytes()
+
+    def full(place):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr("lammps_jump.files.flush", full)
+    for ending in ("png", "pdf", "svg"):
+        with pytest.raises(DumpError, match="No space left"):
+            save(figure, path.with_suffix(f".{ending}"))
+    assert path.read_bytes() == whole and [one.name for one in tmp_path.iterdir()] == ["a.png"]
 
 
 def test_a_case_in_a_notebook_shows_walls_of_several_parts_as_one_shape():

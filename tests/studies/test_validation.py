@@ -7,12 +7,14 @@ from math import inf, nan
 
 import pytest
 
+from lammps_jump.case import parse_case
 from lammps_jump.cli.app import main
 from lammps_jump.errors import CaseError, SetupError
 from lammps_jump.files import plain
 from lammps_jump.studies import validation
-from lammps_jump.studies.validation import LOOKED_UP, Row, around, mean_of
+from lammps_jump.studies.validation import LOOKED_UP, Row, around, mean_of, work
 from lammps_jump.studies.validation.page import explained
+from lammps_jump.sweeps.members import Member, drop_dumps
 from lammps_jump.sweeps.pool import Outcome
 
 MEASURE = """
@@ -162,6 +164,35 @@ def test_laws_are_listed_and_what_is_not_there_is_named(laws, tmp_path, monkeypa
     with pytest.raises(SetupError, match="validation/ of the source of lammps-jump"):
         validation.laws_folder()
     assert command(monkeypatch) == 2
+
+
+@pytest.mark.fault("text as a command")
+@pytest.mark.parametrize("tree", ["no tree", "a folder beside an installed package"])
+def test_no_law_of_the_current_folder_is_run(tmp_path, monkeypatch, tree):
+    for place in (tmp_path, tmp_path / "site"):
+        (place / "validation" / "x").mkdir(parents=True)
+        (place / "validation" / "x" / "law.py").write_text("open('PWNED', 'w')")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(validation.find, "TREE", tmp_path / ("none" if tree == "no tree" else "site") / "validation")
+    with pytest.raises(SetupError, match="validation/ of the source of lammps-jump"):
+        validation.study.listing()
+    assert not (tmp_path / "PWNED").exists()
+
+
+@pytest.mark.fault("folders")
+def test_no_dump_behind_a_link_is_deleted(tmp_path):
+    case = parse_case(CASE, "case.yaml")
+    member = Member(0, 1, case, "k", "key")
+    mine = tmp_path / "mine"
+    mine.mkdir()
+    (mine / "dump.lammpstrj").write_text("mine")
+    (tmp_path / "runs").mkdir()
+    (tmp_path / "runs" / "k").symlink_to(mine)
+    with pytest.raises(SetupError, match="is a link"):
+        drop_dumps(member, tmp_path)
+    with pytest.raises(SetupError, match="is a link"):
+        work._measured(work.Task(tmp_path, "x", {}, member, tmp_path), member, lambda run: {})
+    assert (mine / "dump.lammpstrj").read_text() == "mine"
 
 
 @pytest.mark.parametrize(

@@ -17,11 +17,13 @@ from .law import Law
 LAW_FILE, MEASURE_FILE = "law.py", "measure.py"
 FOLDER = "validation"
 TREE = Path(__file__).parents[3] / FOLDER
-"""In the source tree; the folder of an installed package has none."""
+"""In the source tree, beside its ``pyproject.toml``; where the package is installed there is none."""
 
 
 def laws_folder(given: Path | None = None) -> Path:
-    """Return the folder of the laws: the given one, else that of the source tree, else ``validation`` in this folder.
+    """Return the folder of the laws: the given one, else that of the source tree.
+
+    Laws are Python that is run, so none is taken from where a person happens to stand.
 
     Raises
     ------
@@ -30,9 +32,9 @@ def laws_folder(given: Path | None = None) -> Path:
     SetupError
         There is none.
     """
-    for place in [given] if given else [TREE, Path(FOLDER)]:
-        if any(place.glob(f"*/{LAW_FILE}")):
-            return place
+    known = given or (TREE if (TREE.parent / "pyproject.toml").is_file() else None)
+    if known and any(known.glob(f"*/{LAW_FILE}")):
+        return known
     if given:
         raise CaseError(f"--laws {given}: holds no law; it needs a folder for each law, with a {LAW_FILE} in it")
     raise SetupError(

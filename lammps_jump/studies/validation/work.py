@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from lammps_jump import open_run
 from lammps_jump.errors import CaseError, JumpError, RunInterrupted
 from lammps_jump.files import DUMP_NAMES, plain
-from lammps_jump.sweeps.members import Member, run_member, state_of
+from lammps_jump.sweeps.members import Member, drop_dumps, require_no_links, run_member, state_of
 
 from .find import MEASURE_FILE, load_module
 
@@ -58,6 +58,7 @@ def work(task: Task) -> dict[str, Any]:
 
 
 def _measured(task: Task, member: Member, function: Any) -> dict[str, Any]:
+    require_no_links([member], task.store)
     folder = member.folder(task.store)
     stage = state_of(member, task.store).stage
     dumps = [folder / name for name in DUMP_NAMES.values()]
@@ -65,6 +66,5 @@ def _measured(task: Task, member: Member, function: Any) -> dict[str, Any]:
         run_member(member, task.store, stage in ("done", "failed"), True)
     found = function(open_run(folder), **task.options)
     if not task.keep_dump:
-        for path in dumps:
-            path.unlink(missing_ok=True)
+        drop_dumps(member, task.store)
     return found
