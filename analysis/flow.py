@@ -273,6 +273,7 @@ def from_scene(
         Run folder, whose ``walls.csv`` tells where the walls are that the discs push.
     """
     duration, asked_window = scene.time(scene.steps), window is not None
+    frames = scene.steps // scene.output_steps + 2
     window = window or (0.75 * duration, duration)
     if scene.inlets and scene.hydrograph is not None:
         inflow_depth, discharge = scene.hydrograph.means(*window)
@@ -291,7 +292,7 @@ def from_scene(
         inflow_speed,
         sized=scene.sizes is not None,
         water=water,
-        poses=PoseFile(folder / POSES, scene.lids) if scene.lids and folder is not None else None,
+        poses=PoseFile(folder / POSES, scene.lids, frames) if scene.lids and folder is not None else None,
     )
 
 

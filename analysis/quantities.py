@@ -240,7 +240,8 @@ def collect(
     """
     if flow.scene.contact_output:
         found = [place / CONTACTS_FILE for place in places]
-        flow = replace(flow, written=ContactFile(next((file for file in found if file.is_file()), found[-1])))
+        there = next((file for file in found if file.is_file()), found[-1])
+        flow = replace(flow, written=ContactFile(there, flow.scene))
     warnings = [*flow.notes, *without_friction(flow, places, wanted)]
     edges = bin_edges(flow.x_range, flow.bin_width) if "jump" in wanted else None
     contacts = ContactCollector(flow, edges) if flow.knows_contacts and {"jump", "energy"} & set(wanted) else None

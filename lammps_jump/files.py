@@ -18,6 +18,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+from zipfile import ZipFile
 
 import numpy as np
 from pydantic_core import to_jsonable_python
@@ -230,6 +231,37 @@ def delete(*paths: Path) -> None:
     """Delete files that are there; of a link the link alone, and no folder."""
     for path in paths:
         path.unlink(missing_ok=True)
+
+
+def move(path: Path, target: Path) -> None:
+    """Put a file in the place of another, in one move."""
+    os.replace(path, target)
+
+
+def name_again(path: Path, name: Path) -> None:
+    """Give a file a second name, which takes the place of another file in one move."""
+    new = name.with_name(f".{name.name}.new")
+    delete(new)
+    os.link(path, new)
+    os.replace(new, name)
+
+
+def write_arrays(path: Path, **arrays: Any) -> None:
+    """Write arrays as NPZ into a new file; a hard-linked backup of the old one stays as it is."""
+    delete(path)
+    with open_to_write(path) as file:
+        np.savez(file, **arrays)
+
+
+def read_arrays(path: Path) -> dict[str, np.ndarray]:
+    """The arrays of `write_arrays`; OSError, ValueError or BadZipFile where the file is none."""
+    with open_to_read(path) as file:
+        with ZipFile(file) as packed:
+            if any(entry.compress_type for entry in packed.infolist()):
+                raise ValueError("its arrays are compressed")  # and may be of any size
+        file.seek(0)
+        with np.load(file, allow_pickle=False) as stored:
+            return {name: stored[name] for name in stored.files}
 
 
 def cut_to(path: Path, size: int) -> None:

@@ -163,7 +163,7 @@ def results_folder(folder: Path, marker: Marker, of: str) -> Iterator[Path]:
             fresh = claim(folder, marker)
             found = read_marker(folder)
             if found is not None and (there := found.about.get(of)) != marker.about[of]:
-                raise SetupError(f"{folder}: holds {HOLDS[marker.kind]} ({there}); name another folder with --out")
+                raise SetupError(f"{folder}: holds the {marker.kind} of {there}; name another folder with --out")
             with staging(folder) as stage:
                 yield stage
     except BaseException as error:

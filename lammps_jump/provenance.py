@@ -10,6 +10,8 @@ from functools import cache
 from importlib import metadata
 from pathlib import Path
 
+from .files import told_by_system
+
 
 @cache
 def package_version(package: str) -> str | None:
@@ -42,9 +44,8 @@ def versions(*more: str) -> dict[str, str]:
 def machine() -> dict[str, str | int | None]:
     """Processor model and number of cores, system; no host name, no paths."""
     model = platform.processor() or platform.machine()
-    with suppress(OSError):
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
-        model = next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), model)
+    lines = told_by_system("/proc/cpuinfo").splitlines()
+    model = next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), model)
     return {
         "processor": model,
         "cores": os.cpu_count(),
@@ -56,13 +57,10 @@ def machine() -> dict[str, str | int | None]:
 def usable_cores(root: Path = Path("/sys/fs/cgroup")) -> int:
     """Cores this process may use by its affinity and by the limits of its control groups (version 2); at least 1."""
     cores = float(len(os.sched_getaffinity(0)))
-    try:
-        own = Path("/proc/self/cgroup").read_text().rpartition("::")[2].strip().lstrip("/")
-    except OSError:
-        own = ""
+    own = told_by_system("/proc/self/cgroup").rpartition("::")[2].strip().lstrip("/")
     for folder in (root / own, *(root / own).parents):
         with suppress(OSError, ValueError, IndexError):
-            quota, period = (folder / "cpu.max").read_text().split()  # "max 100000" is no limit, and no number
+            quota, period = told_by_system(folder / "cpu.max").split()  # "max 100000" is no limit, and no number
             cores = min(cores, float(quota) / float(period))
         if folder == root:
             break

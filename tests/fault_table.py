@@ -19,6 +19,7 @@ FORM = os.environ.get("JUMP_FAULTS", "")
 LONG = FORM == "long"
 PAGE = Path(__file__).parents[1] / "docs" / "reliability.md"
 BEGIN, END = "<!-- written by make faults -->\n", "<!-- end -->\n"
+BEGIN_PLACES = "<!-- places, written by make faults -->\n"
 
 KINDS = {
     "killed": ("at most one checkpoint interval", "`--resume` continues; the native engine gives the same bytes"),
@@ -35,10 +36,12 @@ KINDS = {
     "wrong frames, discs or forces": ("nothing", "frame, step or row that is wrong"),
     "values in JSON files": ("nothing", "file, field and what is wrong"),
     "wrong tables": ("nothing", "file, line and column, or that a table differs from its checksum"),
+    "mutants of run folders": ("nothing", "file and what is wrong in it, or the status of the run"),
     "mutants of cases": ("nothing: no file is written", "line, field and what is allowed"),
     "mutants of dumps": ("nothing", "the frame or value that is wrong"),
     "text as a command": ("nothing: no command is run", "the character that is not allowed"),
     "folders": ("nothing of the user's", "what stands there, or which process writes"),
+    "places that commands read and write": ("nothing of the user's", "the place, and what is wrong with it"),
     "surroundings": ("nothing", "a note of what is left aside, or what to install"),
 }
 """Kind of fault: what may be lost, what the user sees. The tests of the kind check both."""
@@ -46,6 +49,63 @@ KINDS = {
 NONE = "\N{EN DASH}"
 """Text of a cell where an engine lacks a feature."""
 CELLS_BEGIN, CELLS_END = "<!-- cells written by make faults -->\n", "<!-- end of cells -->\n"
+CASE, SITE, RUN, LAWS, POINTS = "case file", "site file", "folder of a run", "folder of laws", "measured points"
+FOLDER, FILE = "folder that is written", "file that is written"
+QUICK = ("--quick", "--quiet")
+PLACES = {
+    ("analyze", "targets"): (RUN, ("analyze", "@")),
+    ("analyze", "out"): (FOLDER, ("analyze", "DUMP", "--out", "@")),
+    ("analyze", "case"): (CASE, ("analyze", "DUMP", "--out", "OUT", "--case", "@")),
+    ("animate", "folder"): (RUN, ("animate", "@")),
+    ("animate", "out"): (FILE, ("animate", "RUN", "--out", "@")),
+    ("bench", "case"): (CASE, ("bench", "@", "--quick")),
+    ("bench", "out"): (FOLDER, ("bench", "CASE", "--quick", "--out", "@")),
+    ("build", "case"): (CASE, ("build", "@", "--out", "OUT")),
+    ("build", "out"): (FOLDER, ("build", "CASE", "--out", "@")),
+    ("build", "site"): (SITE, ("build", "CASE", "--out", "OUT", "--slurm", "--site", "@")),
+    ("build-and-run", "case"): (CASE, ("build-and-run", "@", "--out", "OUT")),
+    ("build-and-run", "site"): (SITE, ("build-and-run", "CASE", "@", "--slurm", "--members", "2", "--out", "OUT")),
+    ("build-and-run", "out"): (FOLDER, ("build-and-run", "CASE", "--out", "@")),
+    ("calibrate", "out"): (FOLDER, ("calibrate", *QUICK, "--out", "@")),
+    ("check", "case"): (CASE, ("check", "@")),
+    ("compare", "first"): (RUN, ("compare", "@", "RUN", "--out", "OUT.html")),
+    ("compare", "second"): (POINTS, ("compare", "RUN", "@", "--columns", "time=t,energy.total=h", "--out", "OUT")),
+    ("compare", "out"): (FILE, ("compare", "RUN", "DUMPED", "--out", "@")),
+    ("cross-validate", "case"): (CASE, ("cross-validate", "@", *QUICK)),
+    ("cross-validate", "out"): (FOLDER, ("cross-validate", "CASE", *QUICK, "--out", "@")),
+    ("export", "target"): (RUN, ("export", "@", "--csv", "--vtk", "--out", "OUT")),
+    ("export", "out"): (FOLDER, ("export", "RUN", "--csv", "--out", "@")),
+    ("figures", "folder"): (RUN, ("figures", "@")),
+    ("fluid", "case"): (CASE, ("fluid", "@", *QUICK)),
+    ("fluid", "out"): (FOLDER, ("fluid", "CASE", *QUICK, "--out", "@")),
+    ("preview", "case"): (CASE, ("preview", "@", "--out", "OUT")),
+    ("preview", "out"): (FOLDER, ("preview", "CASE", "--out", "@")),
+    ("run", "folder"): (RUN, ("run", "@")),
+    ("sensitivity", "out"): (FOLDER, ("sensitivity", *QUICK, "--out", "@")),
+    ("show", "folder"): (RUN, ("show", "@")),
+    ("stress", "out"): (FOLDER, ("stress", *QUICK, "--out", "@")),
+    ("sweep", "study"): (CASE, ("sweep", "@")),
+    ("sweep", "site"): (SITE, ("sweep", "CASE", "@", "--slurm", "--members", "2", "--out", "OUT")),
+    ("sweep", "out"): (FOLDER, ("sweep", "CASE", "--members", "2", "--out", "@")),
+    ("validate", "out"): (FOLDER, ("validate", *QUICK, "--laws", "LAWS", "--out", "@")),
+    ("validate", "place"): (LAWS, ("validate", "--list", "--laws", "@")),
+}
+"""What each command reads and writes: by command and parameter the kind of place, and a call with @ for the place.
+
+`tests/faults/test_places.py` compares them with the commands, and tries `FAULTS` on each.
+"""
+NO_PLACE = {"doctor", "kernels build", "kernels status", "new", "schema"}
+"""Commands that take no place of the user's; the cache of `kernels` is tried by tests/engines/test_plugin_build.py."""
+FAULTS = {
+    **dict.fromkeys(
+        (CASE, SITE, POINTS), ("absent", "folder", "pipe", "endless", "empty", "garbage", "brackets", "huge", "Latin-1")
+    ),
+    RUN: ("absent", "pipe", "endless", "empty", "garbage", "empty folder", "folder of pipes", "folder of links"),
+    LAWS: ("absent", "pipe", "endless", "empty", "empty folder"),
+    FOLDER: ("empty", "garbage", "pipe", "endless", "dangling", "below a file"),
+    FILE: ("folder", "garbage", "pipe", "endless", "dangling", "below a file"),
+}
+"""What is put in a place of each kind; a file that is written is one that the user has."""
 
 tried: Counter[str] = Counter()
 cells: dict[tuple[str, str], str] = {}
@@ -71,6 +131,7 @@ def write_table() -> None:
     rows = [f"| {kind} | {tried[kind]:,} | {lost} | {seen} |\n" for kind, (lost, seen) in KINDS.items() if tried[kind]]
     table = "| fault | times tried | what is lost | what the user sees |\n|---|---|---|---|\n" + "".join(rows)
     _put(BEGIN, table, END)
+    _put(BEGIN_PLACES, places_table(), END)
     if cells:
         rows, columns = (list(dict.fromkeys(names)) for names in zip(*sorted(cells, key=_place), strict=True))
         lines = [f"| {row} | {' | '.join(cells[row, column] for column in columns)} |\n" for row in rows]
@@ -95,3 +156,23 @@ def cells_of_page() -> dict[tuple[str, str], str]:
     table = PAGE.read_text(encoding="utf-8").partition(CELLS_BEGIN)[2].partition(CELLS_END)[0]
     (_, *columns), _, *rows = ([word.strip() for word in line.split("|")[1:-1]] for line in table.splitlines())
     return {(row, column): text for row, *texts in rows for column, text in zip(columns, texts, strict=True)}
+
+
+def option_of(command: str, parameter: str) -> str:
+    """A place as a person writes it."""
+    words = PLACES[command, parameter][1]
+    before = words[words.index("@") - 1]
+    return (
+        f"`{command} {before}`"
+        if before.startswith("--") and before not in QUICK
+        else f"`{command} {parameter.upper()}`"
+    )
+
+
+def places_table() -> str:
+    """What commands read and write, by the kind of place, and what is tried on each."""
+    lines = ["| place | given to | tried in its place |", "|---|---|---|"]
+    for kind, faults in FAULTS.items():
+        given = ", ".join(option_of(*key) for key, (one, _) in PLACES.items() if one == kind)
+        lines.append(f"| {kind} | {given} | {', '.join(faults)} |")
+    return "\n".join(lines) + "\n"

@@ -13,6 +13,7 @@ import re
 import tokenize
 import tomllib
 from collections import Counter
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
@@ -80,6 +81,42 @@ IMPORTS_INSIDE: dict[str, int] = {}
 """Imports of our own modules inside functions, by file."""
 
 
+DOOR = {
+    "lammps_jump/files.py": "reads, writes, deletes",
+    "lammps_jump/folders.py": "markers, locks and staging folders",
+    "lammps_jump/compiling/trust.py": "the lock of who builds a library",
+    "lammps_jump/engines/plugin/wheel.py": "clears the folder of the libraries of a wheel that is being made",
+    "lammps_jump/cli/streams.py": "standard output that was closed",
+}
+"""The files that may call the system for a file, and for what."""
+PAST_THE_DOOR = {
+    "open", "read_text", "write_text", "read_bytes", "write_bytes", "unlink", "rmtree", "symlink_to",
+    "hardlink_to", "imread", "imsave", "savefig", "savetxt", "loadtxt", "genfromtxt", "fromfile", "tofile", "memmap",
+    "savez", "savez_compressed", "open_dataset", "load_dataset", "open_mfdataset", "netcdf_file", "read_csv",
+    "read_table", "read_json", "read_excel", "read_pickle", "to_json", "to_pickle", "copyfile", "copy2", "copytree",
+    "mkstemp", "NamedTemporaryFile",
+}  # fmt: skip
+"""Functions that open, make or delete a file, whosever they are."""
+OF_A_MODULE = {
+    "os": {"open", "replace", "rename", "remove", "unlink", "truncate", "link", "symlink", "mkfifo"},
+    "json": {"load", "dump"}, "pickle": {"load", "dump"}, "np": {"load", "save"}, "numpy": {"load", "save"},
+    "shutil": {"copy", "move"}, "gzip": {"open"},
+}  # fmt: skip
+"""Functions of a module that do, whose names are also of others."""
+OWN_DOOR = {"read_json", "read_text", "write_text", "write_bytes", "read_table"}
+"""Names that functions of the house share with others: called by their bare name, they are ours."""
+NO_FILE = {
+    ("analysis/draw/style.py", "savefig"): "into memory",
+    ("analysis/report/page.py", "open"): "Image.open of bytes in memory",
+    ("lammps_jump/runs/run.py", "savefig"): "into memory",
+    ("lammps_jump/dump/exports.py", "open_dataset"): "of bytes in memory",
+    ("lammps_jump/cli/live.py", "imread"): "of bytes in memory",
+    ("lammps_jump/cli/analyse.py", "open"): "webbrowser.open",
+    ("lammps_jump/runs/results.py", "symlink_to"): "forces.csv of a dump beside a staging folder of ours",
+}
+"""(file, function) that goes past the door, and why no file of a folder is read or written there."""
+
+
 @cache
 def trees(pattern: str = "*.py") -> dict[str, ast.Module]:
     """Syntax tree of every file of the program, by its path from the root."""
@@ -114,6 +151,66 @@ def imports() -> dict[str, set[str]]:
 def floor(module: str) -> str:
     """The part of ``lammps_jump`` that a module belongs to."""
     return module.partition(".")[2].partition(".")[0]
+
+
+def past_the_door(tree: ast.Module) -> Iterator[tuple[str, int]]:
+    """Name and line of each call, or function handed on, that opens, makes or deletes a file."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Name) and node.id in PAST_THE_DOOR - OWN_DOOR and isinstance(node.ctx, ast.Load):
+            yield node.id, node.lineno
+        if not isinstance(node, ast.Attribute):
+            continue
+        module = node.value.id if isinstance(node.value, ast.Name) else ""
+        if node.attr in PAST_THE_DOOR or node.attr in OF_A_MODULE.get(module, ()):
+            if (module, node.attr) != ("files", node.attr):
+                yield node.attr, node.lineno
+
+
+def test_files_are_reached_through_one_door():
+    found = {
+        (file, name): line for file, tree in trees().items() if file not in DOOR for name, line in past_the_door(tree)
+    }
+    more = [f"{file}:{line}: {name}" for (file, name), line in sorted(found.items()) if (file, name) not in NO_FILE]
+    assert not more, "use a function of lammps_jump/files.py or folders.py"
+    assert found.keys() == NO_FILE.keys() and trees().keys() >= DOOR.keys()
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("open('a')", ["open"]),
+        ("import io\nio.open('a')", ["open"]),
+        ("Path('a').read_text()", ["read_text"]),
+        ("path.open('rb')", ["open"]),
+        ("write_text(path, 'a')", []),
+        ("path.write_text('a')", ["write_text"]),
+        ("pd.read_csv('a')", ["read_csv"]),
+        ("pd.read_table('a')", ["read_table"]),
+        ("json.load(file)", ["load"]),
+        ("json.loads(text)", []),
+        ("np.load('a')", ["load"]),
+        ("case.load('a')", []),
+        ("list(map(Path.read_text, paths))", ["read_text"]),
+        ("os.replace(a, b)", ["replace"]),
+        ("text.replace(a, b)", []),
+        ("figure.savefig('a.png')", ["savefig"]),
+        ("files.read_json('a')", []),
+    ],
+)
+def test_what_goes_past_the_door(text, found):
+    assert [name for name, _ in past_the_door(ast.parse(text))] == found
+
+
+def test_no_python_of_the_current_folder_is_run():
+    """A process of Python puts the folder where a person stands first on its path, unless -P says no."""
+    lists = [
+        [ast.unparse(item) for item in node.elts]
+        for tree in trees().values()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.List)
+    ]
+    commands = [items for items in lists if "sys.executable" in items]
+    assert len(commands) >= 4 and all(items[items.index("sys.executable") + 1] == "'-P'" for items in commands)
 
 
 def test_what_lies_at_the_root():

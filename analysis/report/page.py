@@ -23,7 +23,7 @@ import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
-from lammps_jump.files import plain, read_file, read_start
+from lammps_jump.files import plain, read_file, read_start, text_of
 from lammps_jump.units import ABSENT, AT_LEAST, POWERS, is_bound, numbers_of, shown, two_digits
 
 from .coder import digits_of, encode
@@ -218,7 +218,7 @@ def _hash(text: str) -> str:
 @lru_cache
 def _own(file: str) -> Markup:
     """The text of a style or script of this folder."""
-    return Markup((Path(__file__).parent / file).read_text(encoding="utf-8"))
+    return Markup(text_of(Path(__file__).parent / file))
 
 
 @lru_cache(maxsize=1)

@@ -10,6 +10,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from lammps_jump.errors import CaseError
+from lammps_jump.files import text_of
 from lammps_jump.folders import MARKER_FILE
 from lammps_jump.quoting import LONGEST
 
@@ -46,7 +47,7 @@ def scene_text(name: str) -> str:
     names = scene_names()
     if name not in names:
         raise CaseError(f"new {name}: there is no such scene; {nearest(name, names)}")
-    return (scene_folder() / f"{name}.yaml").read_text()
+    return text_of(scene_folder() / f"{name}.yaml")
 
 
 def described(text: str, source: CaseSource) -> str:

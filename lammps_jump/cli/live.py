@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 import time
@@ -14,6 +15,7 @@ from lammps_jump.analysis.flow import from_scene
 from lammps_jump.dump.tail import Tail
 from lammps_jump.engines.result import Progress, ProgressCallback
 from lammps_jump.errors import DumpError
+from lammps_jump.files import MOST_TEXT, read_file
 from lammps_jump.scene.scene import Scene
 
 if TYPE_CHECKING:
@@ -104,7 +106,7 @@ def _show(window: Figure, picture: Path) -> bool:
 
     if plt.fignum_exists(window.number):
         window.axes[0].clear()
-        window.axes[0].imshow(plt.imread(picture)).axes.axis("off")
+        window.axes[0].imshow(plt.imread(io.BytesIO(read_file(picture, MOST_TEXT)))).axes.axis("off")
         window.canvas.draw_idle()
         window.canvas.flush_events()
     return plt.fignum_exists(window.number)

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import logging
+import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -35,6 +36,20 @@ def folder_option(text: str) -> Path:
 def place(text: str) -> Any:
     """The option ``--out``, with its help."""
     return typer.Option("--out", parser=folder_option, metavar="PATH", help=text)
+
+
+def results_place(text: str) -> Any:
+    """The option ``--out`` of a study, with its help: a place where no folder can be made is refused at once."""
+    return typer.Option("--out", parser=results_folder, metavar="PATH", help=text)
+
+
+def results_folder(text: str) -> Path:
+    """A folder of ``--out`` that is there, or can be made."""
+    path = folder_option(text)
+    there = next(place for place in (path, *path.absolute().parents) if os.path.lexists(place))
+    if not there.is_dir() or not os.access(there, os.W_OK):
+        raise typer.BadParameter(f"{there} is no folder that can be written to; name another one")
+    return path
 
 
 def quantity(unit: str, text: str) -> Any:

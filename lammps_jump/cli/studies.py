@@ -33,7 +33,7 @@ def sweep(
     until: options.Until = None,
     most_members: Annotated[int | None, typer.Option(help="Members that --until may come to (default 32).")] = None,
     out: Annotated[
-        Path | None, options.place("Folder (default: runs/<stem of the study>, of a case runs/<stem>_sweep).")
+        Path | None, options.results_place("Folder (default: runs/<stem of the study>, of a case runs/<stem>_sweep).")
     ] = None,
     jobs: options.Jobs = None,
     set_: options.Sets = None,
@@ -132,7 +132,7 @@ def run_sweep(
 @app.command("cross-validate")
 def cross_validate(
     case: options.CaseFile,
-    out: Annotated[Path | None, options.place("Folder (default: runs/<name>_cross_validation).")] = None,
+    out: Annotated[Path | None, options.results_place("Folder (default: runs/<name>_cross_validation).")] = None,
     members: Annotated[int | None, typer.Option(help="Runs in each ensemble (default 6, quick 3).")] = None,
     kernel: Annotated[str, typer.Option(help="LAMMPS kernel of the ensembles: auto, stock or compiled.")] = "auto",
     quick: Annotated[bool, typer.Option("--quick", help="Fewer members, no comparison of laws.")] = False,
@@ -156,7 +156,7 @@ def validate(
         list[str] | None, typer.Argument(metavar="[LAW]…", help="Names of laws; default all.", show_default=False)
     ] = None,
     out: Annotated[
-        Path | None, options.place("Folder (default: runs/validate, with --quick runs/validate_quick).")
+        Path | None, options.results_place("Folder (default: runs/validate, with --quick runs/validate_quick).")
     ] = None,
     list_: Annotated[bool, typer.Option("--list", help="List the laws; run nothing.")] = False,
     quick: Annotated[bool, typer.Option("--quick", help="Fewer and shorter runs: seconds a law.")] = False,
@@ -191,7 +191,7 @@ def bench(
         Path,
         typer.Argument(help="Case file, or `collision` for two discs against their closed forms.", show_default=False),
     ],
-    out: Annotated[Path | None, options.place("Folder (default: runs/bench/<name>).")] = None,
+    out: Annotated[Path | None, options.results_place("Folder (default: runs/bench/<name>).")] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Three steps, two starts.")] = False,
     axes: Annotated[
         str | None,
@@ -232,7 +232,7 @@ def bench(
 
 @app.command()
 def stress(
-    out: Annotated[Path | None, options.place("Folder (default: runs/stress).")] = None,
+    out: Annotated[Path | None, options.results_place("Folder (default: runs/stress).")] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Small packings, few scenes.")] = False,
     long: Annotated[
         bool, typer.Option("--long", help="Also long runs: a bed for 10^7 steps, a drowned inlet for minutes.")
@@ -254,7 +254,7 @@ def stress(
 
 @app.command()
 def sensitivity(
-    out: Annotated[Path | None, options.place("Folder (default: runs/sensitivity).")] = None,
+    out: Annotated[Path | None, options.results_place("Folder (default: runs/sensitivity).")] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Short, coarse flows: seconds.")] = False,
     only: Annotated[str | None, typer.Option(help="Of diameter,restitution,friction,stiffness,froude,sill.")] = None,
     fresh: options.Fresh = False,
@@ -266,7 +266,7 @@ def sensitivity(
 
 @app.command()
 def calibrate(
-    out: Annotated[Path | None, options.place("Folder (default: runs/calibrate).")] = None,
+    out: Annotated[Path | None, options.results_place("Folder (default: runs/calibrate).")] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Four candidates on coarse flows: seconds.")] = False,
     fresh: options.Fresh = False,
     quiet: options.QuietStudy = False,
@@ -278,7 +278,7 @@ def calibrate(
 @app.command()
 def fluid(
     case: options.CaseFile,
-    out: Annotated[Path | None, options.place("Folder (default: runs/<name>_fluid).")] = None,
+    out: Annotated[Path | None, options.results_place("Folder (default: runs/<name>_fluid).")] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Two starts and three rates of shear.")] = False,
     depth: Annotated[
         float | None, typer.Option(min=1e-9, help="Depth of the flow, m; default: behind the jump, or of the column.")

@@ -23,7 +23,7 @@ from functools import partial
 from pathlib import Path
 
 from lammps_jump.errors import SetupError
-from lammps_jump.files import read_file, read_json
+from lammps_jump.files import read_file, read_json, write_text
 
 from .cache import MOST_BYTES, Made, cache_folder, checksum, is_whole, kept, record_of, write
 from .carried import Carried, carried_folder, check_loads, fitting, needs
@@ -143,7 +143,7 @@ def _compile(recipe: _Recipe, unit: tuple[str, ...]) -> Made:
     """Compile a unit: a file that includes its files."""
     with tempfile.TemporaryDirectory(prefix="lammps-jump-") as work:
         source, product = Path(work) / "unit.cpp", Path(work) / "unit.o"
-        source.write_text("".join(f'#include "{name}"\n' for name in unit))
+        write_text(source, "".join(f'#include "{name}"\n' for name in unit))
         return _run(recipe, [*recipe.headers, "-c", str(source)], product, _is_object)
 
 

@@ -17,7 +17,7 @@ from typing import Any
 from platformdirs import user_cache_path
 
 from lammps_jump.errors import SetupError
-from lammps_jump.files import read_file, read_json, whole
+from lammps_jump.files import read_file, read_json, write_bytes
 
 from .trust import locked_alone, require_own
 
@@ -60,9 +60,7 @@ def write(code: Path, made: Made) -> None:
         (code, data, 0o755),  # whatever the umask of this user: nobody else may write
         (record_of(code), json.dumps({**record, "sha256": checksum(data)}, indent=1).encode() + b"\n", 0o644),
     ):
-        with whole(path) as new:
-            new.write_bytes(text)
-            new.chmod(mode)
+        write_bytes(path, text, mode)
 
 
 def kept(code: Path, is_made: Callable[[bytes], bool], make: Callable[[], Made], force: bool = False) -> Path:

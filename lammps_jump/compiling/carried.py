@@ -12,14 +12,13 @@ import os
 import platform
 import subprocess
 import sys
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 from lammps_jump.errors import SetupError
-from lammps_jump.files import read_file, read_json
+from lammps_jump.files import read_file, read_json, told_by_system
 from lammps_jump.provenance import wheel_file
 
 from .cache import MOST_BYTES, checksum, record_of
@@ -69,9 +68,8 @@ def needs(product: Product) -> dict[str, str]:
 @lru_cache(maxsize=1)
 def processor_flags() -> frozenset[str]:
     """What this processor can do, by the words of Linux; empty where it does not say."""
-    with suppress(OSError), open("/proc/cpuinfo") as file:
-        return frozenset(next((line.partition(":")[2].split() for line in file if line.startswith("flags")), ()))
-    return frozenset()
+    lines = told_by_system("/proc/cpuinfo").splitlines()
+    return frozenset(next((line.partition(":")[2].split() for line in lines if line.startswith("flags")), ()))
 
 
 def fitting(product: Product) -> tuple[Carried | None, str]:

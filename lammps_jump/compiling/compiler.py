@@ -9,12 +9,12 @@ import platform
 import shlex
 import shutil
 import subprocess
-from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
 from threading import BoundedSemaphore
 
 from lammps_jump.errors import SetupError
+from lammps_jump.files import MOST_TEXT, read_file, told_by_system
 from lammps_jump.provenance import usable_cores
 
 COMPILERS = ("c++", "g++", "clang++")
@@ -83,14 +83,12 @@ def run_compiler(command: list[str], product: Path, title: str, version: str) ->
         lines = [line for line in done.stderr.splitlines() if "error" in line] or done.stderr.splitlines()
         said = "; ".join(lines[:3]) or f"exit status {done.returncode}"
         raise SetupError(f"{title} could not be built with {name}: {said}; {ADVICE}")
-    return product.read_bytes()
+    return read_file(product, MOST_TEXT)
 
 
 @lru_cache(maxsize=1)
 def processor() -> str:
     """Name and abilities of the processor, as far as the system tells."""
-    lines = []
-    with suppress(OSError):
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    lines = told_by_system("/proc/cpuinfo").splitlines()
     told = {line for line in lines if line.startswith(("model name", "flags", "Features", "CPU part"))}
     return json.dumps([platform.system(), platform.machine(), *(sorted(told) or [platform.processor()])])

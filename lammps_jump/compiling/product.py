@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from lammps_jump.errors import SetupError
+from lammps_jump.files import MOST_TEXT, read_file
 from lammps_jump.provenance import package_version, wheel_file
 
 FLAGS = (
@@ -135,7 +136,7 @@ class Product:
             path = waiting.pop()
             if path in found:
                 continue
-            found[path] = path.read_bytes()
+            found[path] = read_file(path, MOST_TEXT)
             for name in _INCLUDE.findall(found[path]):
                 places = (folder / name.decode() for folder in (path.parent, self.folder, *self.also))
                 waiting += [place for place in places if place.is_file()][:1]  # others are the wheels'

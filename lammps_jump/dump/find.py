@@ -16,6 +16,7 @@ import numpy as np
 from lammps_jump.errors import DumpError
 from lammps_jump.files import DUMP_NAMES, FORCES_HEADER, forces_header, text_of, write_text
 from lammps_jump.folders import read_marker
+from lammps_jump.quoting import shortened
 from lammps_jump.scene.motion import MovingWall, arms
 from lammps_jump.scene.scene import Scene
 
@@ -137,16 +138,18 @@ def read_forces(path: str | Path) -> dict[str, ForceHistory]:
     if missing:
         raise DumpError(f"{path}, line 1: no column '{missing[0]}'; expected {','.join(FORCE_COLUMNS)}.")
     columns = ("time", "fx", "fy", "moment", *(["power"] if "power" in header else []))
-    for number, row in enumerate(csv.reader(lines[1:]), start=2):
-        if not row:
+    for number, line in enumerate(lines[1:], start=2):
+        if not line:
             continue
         try:
-            cells = dict(zip(header, row, strict=True))
+            cells = dict(zip(header, next(csv.reader([line])), strict=True))
             values = tuple(float(cells.get(name, "nan")) for name in columns)
-        except ValueError:
+        except (ValueError, csv.Error):
             if number == len(lines) and not text.endswith("\n"):
                 break
-            raise DumpError(f"{path}, line {number}: {','.join(row)[:60]!r} is no row of {','.join(header)}.") from None
+            raise DumpError(
+                f"{path}, line {number}: {line[:60]!r} is no row of {shortened(','.join(header))}."
+            ) from None
         rows.setdefault(cells["structure"].strip(), []).append(values)
     return {name: ForceHistory(*np.array(values).T) for name, values in rows.items()}
 

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import BinaryIO, overload
 
 from lammps_jump.errors import DumpError
-from lammps_jump.files import read_start
+from lammps_jump.files import open_to_read, read_start
 
 from .formats import DAMAGE, NoFrame, walk
 from .frame import DumpFile, Frame, FrameHeader
@@ -197,4 +197,9 @@ def _identified(path: Path) -> Dump:
 
 
 def _open(path: Path, compressed: bool) -> BinaryIO:
-    return gzip.open(path) if compressed else open(path, "rb")
+    file = open_to_read(path)
+    if not compressed:
+        return file
+    packed = gzip.GzipFile(fileobj=file)
+    packed.myfileobj = file  # type: ignore[assignment]  # so that it is closed with it
+    return packed

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from lammps_jump.errors import DumpError
+from lammps_jump.files import open_to_read
 
 from .formats import walk
 from .frame import DumpFile, Frame
@@ -65,7 +66,7 @@ class _Growing(io.RawIOBase):
     """The bytes of a dump that grows; its end is that of the whole file."""
 
     def __init__(self, dump: GrowingDump):
-        self.dump, self.file = dump, dump.path.open("rb", buffering=0)
+        self.dump, self.file = dump, open_to_read(dump.path).detach()
         dump.read = hashlib.sha256()
 
     def readable(self) -> bool:
@@ -113,7 +114,7 @@ class Tail:
         """
         if not self.path.exists():
             return
-        with self.path.open("rb") as file:
+        with open_to_read(self.path) as file:
             file.seek(self._read)
             arrived = file.read()
         self._read += len(arrived)
@@ -143,7 +144,7 @@ class Tail:
         """
         try:
             size = self.path.stat().st_size
-            with self.path.open("rb") as file:
+            with open_to_read(self.path) as file:
                 while True:
                     start = max(0, size - guess)
                     file.seek(start)

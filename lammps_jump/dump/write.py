@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from lammps_jump.errors import CaseError, DumpError
-from lammps_jump.files import DUMP_NAMES, writes
+from lammps_jump.files import DUMP_NAMES, open_to_write, writes
 from lammps_jump.scene.scene import Scene
 
 from .frame import Frame
@@ -65,9 +65,11 @@ class DumpWriter:
         self.units = units
         self._row = " ".join("%d" if name in INTEGER_COLUMNS else precision for name in self.columns) + "\n"
         self._first = not append
-        mode = "ab" if append else "wb"
-        with writes(path):  # mtime 0: the same run gives the same bytes
-            self._file = gzip.GzipFile(path, mode, compresslevel=4, mtime=0) if fmt == "gz" else open(path, mode)
+        with writes(path):
+            self._out = open_to_write(path, append=append)
+        # mtime 0: the same run gives the same bytes
+        packed = gzip.GzipFile(fileobj=self._out, mode="wb", compresslevel=4, mtime=0) if fmt == "gz" else None
+        self._file = packed or self._out
 
     def __enter__(self) -> DumpWriter:
         return self
@@ -78,6 +80,7 @@ class DumpWriter:
     def close(self) -> None:
         """Finish the file."""
         self._file.close()
+        self._out.close()
 
     def write_frame(self, frame: Frame) -> None:
         """Write a frame, which has at least the columns of this writer, and hand it to the system for readers."""

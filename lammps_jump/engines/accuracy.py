@@ -8,7 +8,6 @@ is *shown* to meet an accuracy where its error and the floor of that error (the 
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
@@ -18,6 +17,7 @@ from lammps_jump.case import CaseFields, ReadCase
 from lammps_jump.case.packing import disc_sizes
 from lammps_jump.case.to_scene import contact_coefficients
 from lammps_jump.errors import CaseError
+from lammps_jump.files import read_json
 from lammps_jump.physics import contact
 from lammps_jump.physics.slip import FRICTION_LAWS, slip_warnings
 
@@ -99,7 +99,7 @@ def read_store(path: Path = STORE) -> dict[str, dict]:
         Where the file is missing or cannot be read.
     """
     try:
-        return json.loads(path.read_text())["kinds"]
+        return read_json(path)["kinds"]
     except (OSError, ValueError) as error:
         raise CaseError(
             f"run.accuracy: the stored calibration {path.name} cannot be read ({error}); set run.time_step_fraction"

@@ -32,8 +32,13 @@ from lammps_jump.files import (
     CONTACTS_FILE,
     DUMP_NAMES,
     POSES,
+    cut_to,
+    delete,
     flush,
     make_own,
+    name_again,
+    open_to_read,
+    open_to_write,
     plain,
     read_json,
     write_json,
@@ -152,16 +157,14 @@ class CheckpointWriter:
         kept = {*states, *(before.state if before else ())}
         for path in _states(folder):
             if path.name not in kept:
-                path.unlink()
+                delete(path)
 
 
 def put_checkpoint(folder: Path, checkpoint: Checkpoint) -> None:
     """Put ``checkpoint.json`` in its place; what stands there becomes the previous one."""
-    path, kept = folder / CHECKPOINT_FILE, folder / f".{PREVIOUS_FILE}.new"
+    path = folder / CHECKPOINT_FILE
     if path.exists():  # one of the two names always stands
-        kept.unlink(missing_ok=True)
-        os.link(path, kept)
-        os.replace(kept, folder / PREVIOUS_FILE)
+        name_again(path, folder / PREVIOUS_FILE)
     content = plain(asdict(checkpoint))
     write_json(path, {**content, "sum": sum_of(content)})
 
@@ -176,7 +179,7 @@ class _Growing:
 
     def sum(self, most: int = sys.maxsize) -> Sum:
         """Size and checksum of the file, or of so many bytes from its start."""
-        with self.path.open("rb") as file:
+        with open_to_read(self.path) as file:
             file.seek(self._size)
             while chunk := file.read(min(CHUNK, most - self._size)):
                 self._hash.update(chunk)
@@ -290,9 +293,8 @@ def _checked(path: Path) -> Checkpoint:
 def remove_checkpoint(folder: Path) -> None:
     """Delete the checkpoints, the files that make them some first, and the force records of LAMMPS that they name."""
     for name in (CHECKPOINT_FILE, PREVIOUS_FILE):
-        (folder / name).unlink(missing_ok=True)
-    for path in [*_states(folder), *folder.glob("forces_*.raw")]:
-        path.unlink()
+        delete(folder / name)
+    delete(*_states(folder), *folder.glob("forces_*.raw"))
 
 
 def join_part(folder: Path) -> None:
@@ -303,7 +305,7 @@ def join_part(folder: Path) -> None:
     part, whole = folder / BINARY_PART, folder / DUMP_NAMES["binary"]
     if not part.exists():
         return
-    with part.open("rb") as source, whole.open("ab") as target:
+    with open_to_read(part) as source, open_to_write(whole, append=True) as target:
         shutil.copyfileobj(source, target)
     flush(whole)
     found = _newest(folder)
@@ -312,20 +314,20 @@ def join_part(folder: Path) -> None:
         size = outputs[whole.name].size + outputs.pop(BINARY_PART).size
         outputs[whole.name] = _Growing(whole).sum(size)
         put_checkpoint(folder, replace(found, outputs=outputs))
-        (folder / PREVIOUS_FILE).unlink()  # it names the part
-    part.unlink()
+        delete(folder / PREVIOUS_FILE)  # it names the part
+    delete(part)
 
 
 def cut_back(folder: Path, checkpoint: Checkpoint) -> None:
     """Cut off, or delete, what a part that was killed has written since the checkpoint."""
     for name, entry in checkpoint.outputs.items():
         make_own(folder / name)
-        os.truncate(folder / name, entry.size)
+        cut_to(folder / name, entry.size)
         if name == DUMP_NAMES["gz"]:
             _end_gzip(folder / name)
     for path in folder.iterdir():
         if APPENDED.fullmatch(path.name) and path.name not in (*checkpoint.outputs, "forces.csv"):
-            path.unlink()
+            delete(path)
 
 
 def _end_gzip(path: Path) -> None:
@@ -334,7 +336,7 @@ def _end_gzip(path: Path) -> None:
     Of RFC 1951 and 1952: an empty last block, the CRC-32 of the data, its length.
     """
     stream, check, length, begun = zlib.decompressobj(31), 0, 0, False
-    with path.open("rb") as file:
+    with open_to_read(path) as file:
         while chunk := file.read(CHUNK):
             while chunk:
                 if stream.eof:
@@ -343,5 +345,5 @@ def _end_gzip(path: Path) -> None:
                 check, length, begun = zlib.crc32(data, check), length + len(data), True
                 chunk = stream.unused_data
     if begun and not stream.eof:
-        with path.open("ab") as file:
+        with open_to_write(path, append=True) as file:
             file.write(b"\x03\x00" + check.to_bytes(4, "little") + (length % 2**32).to_bytes(4, "little"))

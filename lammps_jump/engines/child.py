@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING
 
 from lammps_jump import errors
 from lammps_jump.errors import SetupError
-from lammps_jump.files import RANKS_FILE, write_bytes
+from lammps_jump.files import RANKS_FILE, delete, write_bytes
 from lammps_jump.folders import writable
 
 from .interrupts import SIGNALS, held_back
@@ -208,7 +208,7 @@ def child_for(job: Job) -> Iterator[Child]:
             finally:
                 child.close()
         finally:
-            file.unlink(missing_ok=True)
+            delete(file)
         return
     waiting = _idle.setdefault(setting.engine, [])
     child = waiting.pop() if waiting else Child(setting.engine)

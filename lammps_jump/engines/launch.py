@@ -13,6 +13,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+from lammps_jump.files import delete, write_text
 from lammps_jump.folders import writable
 from lammps_jump.scene.scene import Scene
 from lammps_jump.script import write_continuation, write_script
@@ -100,10 +101,10 @@ def write_inputs(job: Job) -> None:
             present, removed = resume.result.present, resume.result.removed
             checkpoint = {"step": resume.step, "removed": resume.removed}
             checkpoint["poured"] = present + removed - len(scene.positions)
-            (job.folder / "in.resume.lammps").unlink(missing_ok=True)  # it may have other names
+            delete(job.folder / "in.resume.lammps")  # it may have other names
             path = write_continuation(scene, job.folder, **checkpoint, **options)
         if setting.script is not None:
-            path.write_text(setting.script)
+            write_text(path, setting.script)
         make_ready(job)
 
 

@@ -26,6 +26,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from lammps_jump.errors import JumpError
+from lammps_jump.files import MOST_TEXT, read_file
 from lammps_jump.folders import engine_at_work
 
 from . import lammps, native, step_hook  # the first two load on first use: LAMMPS 0.2 s, numba 0.25 s
@@ -122,7 +123,7 @@ def _work(engine: str, job_file: str = "") -> None:
         for job in inbox:
             _serve(job)
         return
-    job = pickle.loads(Path(job_file).read_bytes())
+    job = pickle.loads(read_file(Path(job_file), MOST_TEXT))
     if os.environ["PMI_RANK"] == "0":
         _Inbox(number=1)
         _serve(job)

@@ -22,7 +22,7 @@ from lammps_jump.engines import Progress, ProgressCallback, RunResult, Setting
 from lammps_jump.engines.checkpoint import remove_checkpoint
 from lammps_jump.engines.interrupts import terminate_as_interrupt
 from lammps_jump.errors import DumpError, RunError, RunInterrupted
-from lammps_jump.files import checksum, write_text
+from lammps_jump.files import checksum, delete, text_of, write_text
 from lammps_jump.folders import clear, publish, staging
 from lammps_jump.identity import analysis_key
 
@@ -133,7 +133,7 @@ class Conclusion:
         """Delete what a run needs to go on, where the summary says that it will not."""
         if self.ended or (self.result.status == "failed" and not self.result.outside):
             remove_checkpoint(self.folder)
-            (self.folder / "in.resume.lammps").unlink(missing_ok=True)
+            delete(self.folder / "in.resume.lammps")
 
     def _changed(self, stored: Mapping[str, Any]) -> list[str]:
         """Files that are not as the summary says, and what is wrong with them."""
@@ -221,7 +221,7 @@ class Conclusion:
         clear(folder, ["report.html", *self.stored.get("files", ())])
         names = publish(stage, folder)
         text, path = case_text(self.case, as_written=is_older(folder)), folder / "case.yaml"
-        if not path.exists() or path.read_text() != text:
+        if not path.exists() or text_of(path, "replace") != text:
             write_text(path, text)
         files = {name: checksum(folder / name) for name in names}
         key = analysis_key(self.case.rest, self.outputs)

@@ -396,6 +396,7 @@ def packed(flow: Flow, folder: Path) -> FramePacker:
             pass
     except DumpError as error:
         log.info(f"note: the report has no player: {error}")
+        return FramePacker(flow)
     return packer
 
 

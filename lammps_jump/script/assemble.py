@@ -10,6 +10,7 @@ from types import ModuleType
 
 import numpy as np
 
+from lammps_jump.files import write_text
 from lammps_jump.quoting import lammps_comment
 from lammps_jump.scene.scene import Scene
 
@@ -176,11 +177,10 @@ def write_script(scene: Scene, folder: Path, **options) -> Path:
     """
     folder.mkdir(parents=True, exist_ok=True)
     if len(scene.positions):
-        with (folder / stock.DATA_FILE).open("w") as file:
-            file.writelines(data_text(scene))
+        write_text(folder / stock.DATA_FILE, "".join(data_text(scene)))
     if scene.inlets or scene.pours:
-        (folder / stock.MOLECULE_FILE).write_text(molecule_text(scene))
+        write_text(folder / stock.MOLECULE_FILE, molecule_text(scene))
     for kernel in dict.fromkeys(("stock", Options(**options).kernel)):
         path = folder / SCRIPTS[kernel]
-        path.write_text(script_text(scene, **{**options, "kernel": kernel}))
+        write_text(path, script_text(scene, **{**options, "kernel": kernel}))
     return path

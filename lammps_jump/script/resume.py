@@ -14,7 +14,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from lammps_jump.files import BINARY_PART, DUMP_NAMES
+from lammps_jump.files import BINARY_PART, DUMP_NAMES, write_text
 from lammps_jump.scene.scene import Pour, Scene
 
 from . import stock
@@ -107,5 +107,5 @@ def _output(scene: Scene, dump_format: str) -> list[str]:
 def write_continuation(scene: Scene, folder: Path, **options) -> Path:
     """Write ``in.resume.lammps`` (see `continuation_text`) into a run folder; returns its path."""
     path = folder / SCRIPT
-    path.write_text(continuation_text(scene, **options))
+    write_text(path, continuation_text(scene, **options))
     return path

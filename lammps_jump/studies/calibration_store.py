@@ -13,6 +13,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from lammps_jump.engines.accuracy import KINDS, STORE, Calibrated
+from lammps_jump.files import read_json, write_json
 
 from .settings import Setting
 
@@ -50,9 +51,9 @@ def _calibrated(row: dict, quantity: str) -> Calibrated | None:
 
 def main(files: list[str]) -> None:
     """Write ``calibration.json`` from the files; kinds of scene that they do not have are kept."""
-    old = json.loads(STORE.read_text())["kinds"] if STORE.is_file() else {}
-    kinds = old | make_store(json.loads(Path(name).read_text()) for name in files)["kinds"]
-    STORE.write_text(json.dumps({"kinds": kinds}, indent=1) + "\n")
+    old = read_json(STORE)["kinds"] if STORE.is_file() else {}
+    kinds = old | make_store(read_json(Path(name)) for name in files)["kinds"]
+    write_json(STORE, {"kinds": kinds})
     found = ", ".join(f"{kind} ({len(entry['rows'])} settings)" for kind, entry in kinds.items())
     print(f"{STORE.name}: {found}")
 

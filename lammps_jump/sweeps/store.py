@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from lammps_jump.engines.lammps.loader import wheel_version
+from lammps_jump.errors import SetupError
 from lammps_jump.files import plain, read_json, write_json, write_text
 from lammps_jump.identity import short_hash
 from lammps_jump.provenance import machine, versions
@@ -51,6 +52,11 @@ class Store:
         JSON file, written whole after every piece.
     fresh : bool
         Ignore what is stored.
+
+    Raises
+    ------
+    SetupError
+        The file holds other data.
     """
 
     def __init__(self, path: Path, *, fresh: bool = False):
@@ -61,6 +67,8 @@ class Store:
                 self.data = read_json(path)
             except ValueError:
                 self.data = {}
+            if not isinstance(self.data, dict) or not isinstance(self.data.get("pieces", {}), dict):
+                raise SetupError(f"{path}: is of something else and is not overwritten; name another folder with --out")
         self.data.setdefault("pieces", {})
 
     @property

@@ -169,3 +169,46 @@ def test_a_resumed_run_writes_the_same_file(run, tmp_path):
 def test_a_scene_that_does_not_ask_writes_none(tmp_path):
     run_native(replace(heap(), contact_output=False, steps=300), tmp_path)
     assert not (tmp_path / CONTACTS_FILE).exists()
+
+
+@pytest.mark.fault("wrong frames, discs or forces")
+@pytest.mark.parametrize(
+    ("column", "value", "said"),
+    [
+        ("i", 0, "ids i of discs begin at 1"),
+        ("i", -7, "ids i of discs begin at 1"),
+        ("j", 0, "ids j too, or are -1 to 0 for a wall"),
+        ("j", -1, "ids j too, or are -1 to 0 for a wall"),
+        ("x", np.nan, "x, y, fx and fy are finite numbers"),
+        ("fy", np.inf, "x, y, fx and fy are finite numbers"),
+    ],
+)
+def test_contacts_that_no_run_writes_are_refused(tmp_path, column, value, said):
+    scene = handmade_scene([[1.0, 1.0]], [[0.0, 0.0]], domain=((0, 2), (0, 2)), steps=10, output_steps=5)
+    rows = np.ones(2, ROW)
+    rows["power"] = np.nan  # as the compiled kernel has it
+    for damaged in (False, True):
+        if damaged:
+            rows[column][1] = value
+        (tmp_path / CONTACTS_FILE).write_bytes(HEAD.pack(b"LJC1", 5, 2) + rows.tobytes())
+        if not damaged:
+            assert len(ContactFile(tmp_path / CONTACTS_FILE, scene).contacts(5)) == 2
+    with pytest.raises(DumpError, match=f"byte 20: step 5: .*{said}"):
+        ContactFile(tmp_path / CONTACTS_FILE, scene).contacts(5)
+
+
+@pytest.mark.fault("wrong frames, discs or forces")
+@pytest.mark.parametrize(
+    ("steps", "said"),
+    [
+        ((0, 5, 5), "does not follow step 5"),
+        ((0, 10, 5), "does not follow step 10"),
+        ((0, 5, 15), "does not follow step 5"),
+        ((0, 1, 2, 3, 4), "more frames than the run"),
+    ],
+)
+def test_frames_of_contacts_are_those_of_the_run(tmp_path, steps, said):
+    scene = handmade_scene([[1.0, 1.0]], [[0.0, 0.0]], domain=((0, 2), (0, 2)), steps=10, output_steps=5)
+    (tmp_path / CONTACTS_FILE).write_bytes(b"".join(HEAD.pack(b"LJC1", step, 0) for step in steps))
+    with pytest.raises(DumpError, match=said):
+        ContactFile(tmp_path / CONTACTS_FILE, scene).contacts(10)

@@ -53,3 +53,12 @@ def test_a_file_that_is_none_or_too_large_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr("lammps_jump.dump.beside.poses.MOST_POSES", 5)
     with pytest.raises(DumpError, match="at most 5 are read"):
         PoseFile(tmp_path / "more.csv", ["lid"]).at(0.0)
+
+
+@pytest.mark.fault("wrong frames, discs or forces")
+def test_rows_beyond_the_frames_of_the_run_are_refused(tmp_path):
+    path = tmp_path / "walls.csv"
+    path.write_text(HEAD + "".join(f"{time},lid,0,0,0\n" for time in range(3)))
+    assert PoseFile(path, ["lid"], 3).at(2.0) == {"lid": (0, 0, 0)}
+    with pytest.raises(DumpError, match="line 4: more rows of the wall lid than the 2 frames of the run"):
+        PoseFile(path, ["lid"], 2).at(2.0)

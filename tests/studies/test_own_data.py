@@ -240,7 +240,7 @@ def test_files_of_others_and_links_stay_as_they_are(tmp_path, data):
     (out / "compared.png").symlink_to(mine)
     compare_with_data(run, data, GAUGES, out)  # now the folder is ours, and the link gives way
     assert mine.read_text() == "precious" and not (out / "compared.png").is_symlink()
-    with pytest.raises(SetupError, match="holds curves of a run against measured ones"):
+    with pytest.raises(SetupError, match="holds the comparison of"):
         compare_with_data(marked(tmp_path / "another"), data, GAUGES, out)
     (tmp_path / "study" / "runs").mkdir(parents=True)
     (tmp_path / "study" / "runs" / "k").symlink_to(run)

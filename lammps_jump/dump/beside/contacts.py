@@ -13,7 +13,8 @@ from pathlib import Path
 import numpy as np
 
 from lammps_jump.errors import DumpError
-from lammps_jump.files import writes
+from lammps_jump.files import open_to_read, open_to_write, writes
+from lammps_jump.scene.scene import Scene
 
 ROW = np.dtype([(name, "<i4") for name in ("i", "j")] + [(name, "<f4") for name in ("x", "y", "fx", "fy", "power")])
 """Id of the disc that the force acts on; that of the other, or -1 - w for wall w of the scene; the point (m), the force
@@ -39,7 +40,7 @@ class ContactWriter:
 
     def __init__(self, path: Path, *, append: bool = False):
         with writes(path):
-            self._file = path.open("ab" if append else "wb")
+            self._file = open_to_write(path, append=append)
 
     def write(self, step: int, who: np.ndarray, found: np.ndarray) -> None:
         """Write the contacts of a frame and hand them to the system for readers.
@@ -70,12 +71,14 @@ class ContactFile:
     ----------
     path : Path
         A file that is not there holds no frame.
+    scene : Scene, optional
+        That of the run: steps, discs and walls beyond it are refused.
     """
 
-    def __init__(self, path: Path):
-        self.path = path
+    def __init__(self, path: Path, scene: Scene | None = None):
+        self.path, self.scene = path, scene
         self._places: dict[int, tuple[int, int]] = {}
-        self._end = 0
+        self._end, self._last = 0, -1
 
     def contacts(self, step: int) -> np.ndarray | None:
         """The contacts at a step, of `ROW`, shape (n,); None where the file does not hold the step whole.
@@ -83,30 +86,56 @@ class ContactFile:
         Raises
         ------
         DumpError
-            The file is damaged.
+            The file is damaged, or holds what no run writes.
         """
         if step not in self._places:
             self._look_on()
         if step not in self._places:
             return None
         place, count = self._places[step]
-        return np.fromfile(self.path, ROW, count, offset=place)
+        try:
+            with open_to_read(self.path) as file:
+                file.seek(place)
+                rows = np.frombuffer(file.read(count * ROW.itemsize), ROW)
+        except OSError as error:
+            raise DumpError(f"{self.path}: cannot be read ({error.strerror or error})") from None
+        wrong = self._wrong(rows, count)
+        if wrong:
+            raise DumpError(f"{self.path}: byte {place}: step {step}: {wrong}; the file is damaged")
+        return rows
+
+    def _wrong(self, rows: np.ndarray, count: int) -> str:
+        """What no run writes in the rows of a frame; empty where all is well."""
+        if len(rows) < count:
+            return "the frame is cut off"
+        walls = len(self.scene.walls) if self.scene is not None else np.iinfo(np.int32).max
+        if (rows["i"] < 1).any() or (rows["j"] == 0).any() or (rows["j"] < -walls).any():
+            return f"ids i of discs begin at 1, ids j too, or are -1 to {-walls} for a wall"
+        if not all(np.isfinite(rows[name]).all() for name in ("x", "y", "fx", "fy")):
+            return "x, y, fx and fy are finite numbers"
+        return ""
 
     def _look_on(self) -> None:
         """Find the frames that were written since the last look."""
         if not self.path.is_file():
             return
         size = self.path.stat().st_size
-        with self.path.open("rb") as file:
+        with open_to_read(self.path) as file:
             while self._end + HEAD.size <= size:
                 file.seek(self._end)
                 mark, step, count = HEAD.unpack(file.read(HEAD.size))
                 place = self._end + HEAD.size
-                if mark != MARK or step < 0 or count < 0:
-                    raise DumpError(f"{self.path}: byte {self._end}: no frame of contacts; the file is damaged")
+                most = self.scene.steps if self.scene is not None else step
+                if mark != MARK or not self._last < step <= most or count < 0:
+                    raise DumpError(
+                        f"{self.path}: byte {self._end}: no frame of contacts, or one whose step does not follow "
+                        f"step {self._last}; the file is damaged"
+                    )
                 if place + count * ROW.itemsize > size:
                     return
-                self._places[step] = place, count
+                self._places[step], self._last = (place, count), step
+                if self.scene is not None and len(self._places) > self.scene.steps // self.scene.output_steps + 2:
+                    raise DumpError(f"{self.path}: holds more frames than the run; the file is damaged")
                 self._end = place + count * ROW.itemsize
 
     def forces(self, step: int, one: np.ndarray, other: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

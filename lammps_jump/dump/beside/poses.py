@@ -10,7 +10,7 @@ from math import isfinite
 from pathlib import Path
 
 from lammps_jump.errors import DumpError
-from lammps_jump.files import POSES_HEADER, open_regular, writes
+from lammps_jump.files import POSES_HEADER, open_to_read, open_to_write, writes
 from lammps_jump.scene.motion import Pose
 
 MOST_POSES = 200_000_000
@@ -34,15 +34,14 @@ class PoseWriter:
 
     def __init__(self, path: Path, *, append: bool = False):
         with writes(path):
-            self._file = path.open("a" if append else "w")
+            self._file = open_to_write(path, append=append)
             if not append:
-                self._file.write(POSES_HEADER + "\n")
+                self._file.write(f"{POSES_HEADER}\n".encode())
 
     def write(self, time: float, poses: Mapping[str, Pose]) -> None:
         """Write the pose of each wall at a time (s) and hand the rows to the system for readers."""
-        self._file.writelines(
-            f"{time:.15g},{name},{pose.x:.17g},{pose.y:.17g},{pose.angle:.17g}\n" for name, pose in poses.items()
-        )
+        rows = (f"{time:.15g},{name},{pose.x:.17g},{pose.y:.17g},{pose.angle:.17g}\n" for name, pose in poses.items())
+        self._file.write("".join(rows).encode())
         self._file.flush()
 
     def close(self) -> None:
@@ -59,6 +58,8 @@ class PoseFile:
         Need not be there yet.
     names : collection of str
         Walls of the scene that the discs push; rows of other walls are refused.
+    most : int, optional
+        Frames of the run: more rows of a wall are refused.
 
     Notes
     -----
@@ -67,8 +68,8 @@ class PoseFile:
     a row that stands there twice are skipped.
     """
 
-    def __init__(self, path: Path, names: Collection[str]):
-        self.path = path
+    def __init__(self, path: Path, names: Collection[str], most: int | None = None):
+        self.path, self.most = path, most
         self._times: dict[str, list[float]] = {name: [] for name in names}
         self._poses: dict[str, list[Pose]] = {name: [] for name in names}
         self._read, self._line = 0, 0
@@ -97,7 +98,7 @@ class PoseFile:
         if not self.path.exists():
             return
         try:
-            with open(self.path, "rb", opener=open_regular) as file:
+            with open_to_read(self.path) as file:
                 size = os.fstat(file.fileno()).st_size
                 if size > MOST_POSES:
                     raise DumpError(
@@ -132,5 +133,9 @@ class PoseFile:
                 f"{self.path}, line {self._line}: {line[:60]!r} is no row of {POSES_HEADER}: allowed are finite "
                 f"numbers, growing times and the walls {', '.join(self._times)}."
             ) from None
+        if self.most is not None and len(times) >= self.most:
+            raise DumpError(
+                f"{self.path}, line {self._line}: more rows of the wall {name} than the {self.most} frames of the run"
+            )
         times.append(time)
         self._poses[name].append(pose)

@@ -14,6 +14,7 @@ from lammps_jump.engines.checkpoint import cut_back, join_part, remove_checkpoin
 from lammps_jump.engines.interrupts import save_request, stop_request
 from lammps_jump.engines.result import REPORT_SECONDS, Progress, RunResult
 from lammps_jump.engines.setting import Job
+from lammps_jump.files import delete, text_of
 from lammps_jump.script import resume
 from lammps_jump.script.assemble import SCRIPTS, STOP_FILE
 
@@ -65,13 +66,13 @@ def plugin_arguments(plugin: Path | None) -> list[str]:
 def make_ready(job: Job) -> None:
     """Clear the folder of what an earlier run has left, or of what a part has left behind its checkpoint."""
     folder = job.folder
-    (folder / STOP_FILE).unlink(missing_ok=True)
+    delete(folder / STOP_FILE)
     if job.resume is not None:
         cut_back(folder, job.resume)
         join_part(folder)
     else:
         remove_checkpoint(folder)
-        (folder / "forces.csv").unlink(missing_ok=True)
+        delete(folder / "forces.csv")
 
 
 def play(job: Job, report: Callable[[Progress | None], None] | None) -> Outcome:
@@ -92,7 +93,7 @@ def play(job: Job, report: Callable[[Progress | None], None] | None) -> Outcome:
         try:
             with stop_request.calls(steps.ask), save_request.calls(steps.ask):
                 script = SCRIPTS[job.setting.kernel] if job.resume is None else resume.SCRIPT
-                steps.play(Path(script).read_text())
+                steps.play(text_of(Path(script)))
         except Exception as error:  # the module raises bare Exception for every ERROR of LAMMPS
             outcome.error = str(error)
             if ranks > 1 and "MPIAbort" in type(error).__name__:  # the others still wait for this rank

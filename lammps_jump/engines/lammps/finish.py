@@ -11,7 +11,7 @@ from lammps_jump.dump.find import with_groups
 from lammps_jump.engines.checkpoint import join_part, last_saved
 from lammps_jump.engines.result import RunResult, interruption
 from lammps_jump.engines.setting import Job
-from lammps_jump.files import FORCES_HEADER, forces_header, text_of, write_text
+from lammps_jump.files import FORCES_HEADER, delete, forces_header, text_of, write_text
 from lammps_jump.scene.scene import Scene
 from lammps_jump.script.assemble import STOP_FILE
 from lammps_jump.script.probes import raw_forces
@@ -58,7 +58,7 @@ def conclude(job: Job, outcome: Outcome) -> RunResult:
     Status 'failed', with a message, where LAMMPS gave an error, its process ended, or discs are lost.
     """
     scene, folder = job.scene, job.folder
-    (folder / STOP_FILE).unlink(missing_ok=True)
+    delete(folder / STOP_FILE)
     gather_forces(scene, folder)
     join_part(folder)
     log = read_log(folder / LOG)

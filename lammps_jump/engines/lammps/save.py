@@ -12,7 +12,7 @@ import numpy as np
 from lammps_jump.engines.checkpoint import CheckpointWriter
 from lammps_jump.engines.result import interruption
 from lammps_jump.engines.setting import Job
-from lammps_jump.files import BINARY_PART, CONTACTS_FILE, DUMP_NAMES, POSES
+from lammps_jump.files import BINARY_PART, CONTACTS_FILE, DUMP_NAMES, POSES, write_arrays
 from lammps_jump.script.probes import raw_forces
 from lammps_jump.script.resume import STATE
 
@@ -58,8 +58,7 @@ class Saver(CheckpointWriter):
 
         def make() -> list[str]:
             name = f"checkpoint-{step}.npz"
-            Path(name).unlink(missing_ok=True)  # a hard-linked backup stays as it is
-            np.savez(name, **velocities)
+            write_arrays(Path(name), **velocities)
             return [STATE.format(step=step), name]
 
         return self.save(make, result, log.removed_by[: len(self.scene.outlets)])

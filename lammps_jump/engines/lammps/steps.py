@@ -20,6 +20,7 @@ import numpy as np
 from lammps_jump.engines import step_hook
 from lammps_jump.engines.interrupts import save_request, stop_request
 from lammps_jump.engines.setting import Job
+from lammps_jump.files import delete, move, open_to_write, read_arrays
 from lammps_jump.script.assemble import STOP_FILE, stop_at
 from lammps_jump.script.regions import LOOK_BACK
 from lammps_jump.script.resume import STATE
@@ -60,8 +61,9 @@ class Steps:
             self.engine.lib.lammps_force_timeout(self.engine.lmp)
             return
         new = Path(f"{STOP_FILE}.{os.getpid()}")
-        new.write_text(f"{END if stop_request.is_made() else SAVE}\n")
-        os.replace(new, STOP_FILE)
+        with open_to_write(new) as file:
+            file.write(f"{END if stop_request.is_made() else SAVE}\n".encode())
+        move(new, Path(STOP_FILE))
 
     def play(self, text: str) -> None:
         """Run a script to its end, or until the end is asked for."""
@@ -72,7 +74,7 @@ class Steps:
             self.engine.commands_string("\n".join(commands))
         if step_hook.at_step is not None:
             self._hook()
-        velocities = None if self.resume is None else np.load(HALF_STEP.format(step=self.resume.step))
+        velocities = None if self.resume is None else read_arrays(Path(HALF_STEP.format(step=self.resume.step)))
         still = 0 if velocities is None else next(i for i, part in enumerate(runs) if part.split()[1] != "0")
         for number, part in enumerate(runs):
             line, _, rest = part.partition("\n")
@@ -132,7 +134,7 @@ class Steps:
         order = self.engine.extract_variable("order")
         self.engine.command("variable order delete")
         if self.saver is not None:
-            Path(STOP_FILE).unlink(missing_ok=True)
+            delete(Path(STOP_FILE))
             if order != END and stop_request.is_made():
                 self.ask()
         return order
@@ -159,7 +161,7 @@ class Steps:
         """Run on to a step, also where an end is asked for meanwhile; with `save`, write the restart file there."""
         if save:
             if self.saver is not None:
-                Path(STATE.format(step=step)).unlink(missing_ok=True)  # a hard-linked backup stays as it is
+                delete(Path(STATE.format(step=step)))  # a hard-linked backup stays as it is
             self.engine.command(f"restart {step} {STATE.format(step='*')}")
         while self._step < step:
             self.engine.command("timer timeout off")

@@ -11,11 +11,12 @@ from __future__ import annotations
 import json
 from dataclasses import astuple
 from pathlib import Path
-from zipfile import BadZipFile, ZipFile
+from zipfile import BadZipFile
 
 import numpy as np
 
 from lammps_jump.errors import ResumeError
+from lammps_jump.files import read_arrays, write_arrays
 from lammps_jump.scene.scene import Scene
 
 from .ledger import Energy
@@ -51,22 +52,20 @@ def save_state(simulation: NativeSimulation, path: Path) -> None:
     }
     arrays = {name: getattr(d, name)[: d.n] for name in d.columns}
     near = {f"near_{name}": array for name, array in simulation.walls.listed.items()}
-    path.unlink(missing_ok=True)  # a hard-linked backup stays as it is
-    with path.open("xb") as file:
-        np.savez(
-            file,
-            plain=np.array(json.dumps(plain)),
-            list_start=d.start[: pairs.rows + 1],
-            list_discs=d.neighbours[: d.start[pairs.rows]],
-            **({} if d.owner is None else {"list_owner": d.owner, "list_shift": d.shift}),
-            wall_sum=simulation.walls.sums,
-            **near,
-            **_moves(simulation),
-            work=books.work,
-            start_work=books.start_work,
-            stations=simulation.stations.sums,
-            **arrays,
-        )
+    write_arrays(
+        path,
+        plain=np.array(json.dumps(plain)),
+        list_start=d.start[: pairs.rows + 1],
+        list_discs=d.neighbours[: d.start[pairs.rows]],
+        **({} if d.owner is None else {"list_owner": d.owner, "list_shift": d.shift}),
+        wall_sum=simulation.walls.sums,
+        **near,
+        **_moves(simulation),
+        work=books.work,
+        start_work=books.start_work,
+        stations=simulation.stations.sums,
+        **arrays,
+    )
 
 
 def _moves(simulation: NativeSimulation) -> dict[str, np.ndarray]:
@@ -91,24 +90,21 @@ def load_state(scene: Scene, path: Path, *, ledger: bool = True) -> NativeSimula
 
 def _loaded(scene: Scene, path: Path, ledger: bool) -> NativeSimulation:
     simulation = NativeSimulation(scene, ledger=ledger)
-    with ZipFile(path) as packed:
-        if any(entry.compress_type for entry in packed.infolist()):
-            raise ValueError("its arrays are compressed")  # and may be of any size
-    with np.load(path) as stored:
-        plain = json.loads(str(stored["plain"]))
-        if not (type(plain["n"]) is int and 0 <= 8 * plain["n"] <= path.stat().st_size):
-            raise ValueError(f"it is too small for {plain['n']} discs")
-        for name in COUNTS:
-            setattr(simulation, name, plain[name])
-        _load_discs(simulation.discs, plain["n"], stored)
-        simulation.lay_walls()  # those of this step: gates may have gone
-        books, windows = simulation.books, simulation.windows
-        books.work[:], books.start_work[:] = stored["work"], stored["start_work"]
-        simulation.walls.sums[:] = stored["wall_sum"]
-        for name, array in _moves(simulation).items():
-            array[:] = stored[name]
-        simulation.walls.put(**{name: stored[f"near_{name}"] for name in simulation.walls.listed})
-        simulation.stations.sums[:] = stored["stations"]
+    stored = read_arrays(path)
+    plain = json.loads(str(stored["plain"]))
+    if not (type(plain["n"]) is int and 0 <= 8 * plain["n"] <= path.stat().st_size):
+        raise ValueError(f"it is too small for {plain['n']} discs")
+    for name in COUNTS:
+        setattr(simulation, name, plain[name])
+    _load_discs(simulation.discs, plain["n"], stored)
+    simulation.lay_walls()  # those of this step: gates may have gone
+    books, windows = simulation.books, simulation.windows
+    books.work[:], books.start_work[:] = stored["work"], stored["start_work"]
+    simulation.walls.sums[:] = stored["wall_sum"]
+    for name, array in _moves(simulation).items():
+        array[:] = stored[name]
+    simulation.walls.put(**{name: stored[f"near_{name}"] for name in simulation.walls.listed})
+    simulation.stations.sums[:] = stored["stations"]
     books.exchanged, books.start = plain["exchanged"], Energy(*plain["start_energy"])
     books.start_fallen = plain["start_fallen"]
     windows.begin = plain["window_begin"]

@@ -22,6 +22,7 @@ from pydantic import Field, TypeAdapter, ValidationError
 
 from lammps_jump import Case
 from lammps_jump.dump import read_forces, read_netcdf
+from lammps_jump.dump.tables import read_table
 from lammps_jump.engines import usable_kernels
 from lammps_jump.errors import CaseError, RunError
 from lammps_jump.files import plain
@@ -98,10 +99,10 @@ def measure(run: Made) -> Measures:
     if energy := summary.get("energy"):
         found["energy deviation"] = energy["max_deviation"]
     if summary.get("front"):
-        table = pd.read_csv(folder / "front.csv")
+        table = read_table(folder / "front.csv")
         times = np.linspace(0.1, 1.0, CURVE_POINTS) * summary["simulated_time"]
-        found["front position"] = np.interp(times, table["time"], table["quantile"]).tolist()
-        found["column height"] = np.interp(times, table["time"], table["height"]).tolist()
+        found["front position"] = np.interp(times, table.numbers("time"), table.numbers("quantile")).tolist()
+        found["column height"] = np.interp(times, table.numbers("time"), table.numbers("height")).tolist()
     if jump := summary.get("jump"):
         depth = read_netcdf(folder / "profiles.nc")["mass_depth_mean"].values
         found["depth profile"] = np.nan_to_num(depth, posinf=0.0, neginf=0.0).tolist()

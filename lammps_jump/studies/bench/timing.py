@@ -13,7 +13,6 @@ What is compared takes turns, so that ratios hold on a busy machine.
 
 from __future__ import annotations
 
-import json
 import subprocess
 import sys
 import tempfile
@@ -33,7 +32,7 @@ from lammps_jump.analysis.draw.style import drawn, save
 from lammps_jump.engines import usable_kernels
 from lammps_jump.engines.native import run_native
 from lammps_jump.errors import RunError, SetupError
-from lammps_jump.files import write_text
+from lammps_jump.files import read_json, write_text
 from lammps_jump.runs.summary import SUMMARY_FILE
 from lammps_jump.scene import Scene
 from lammps_jump.studies.cross_validation import trajectories
@@ -234,7 +233,7 @@ def command_time(case: Case) -> dict[str, float]:
         whole = time.perf_counter() - begin
         if ended.returncode:
             raise RunError(f"{case.name}: the command failed: {ended.stderr.strip()}")
-        summary = json.loads((folder / SUMMARY_FILE).read_text())
+        summary = read_json(folder / SUMMARY_FILE)
     seconds = summary["wall_seconds"]
     known = {"build": seconds["build"], "engine": seconds["run"], **summary["analysis_seconds"]}
     return {**known, "else": whole - sum(known.values()), "whole": whole}

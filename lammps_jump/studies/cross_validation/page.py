@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from lammps_jump.analysis.draw.chart import PLACE, TIME, Chart, Line, Panel
 from lammps_jump.analysis.draw.style import BLUE, GOLD, GREY, RED, drawing, drawn, save
 from lammps_jump.analysis.report.page import Mark, Picture, Section, Table, Text, picture, render
+from lammps_jump.files import write_text
 from lammps_jump.scene import Scene
 from lammps_jump.studies.table import Column, cells
 
@@ -172,8 +173,7 @@ def write_report(report: dict, description: str, figures: dict[str, Path], path:
     first, laws = ([shown.pop(title) for title in some if title in shown] for some in ((DIVERGENCE,), LAW_FIGURES))
     sections = [Section("", [Text(about), verdict]), _checks(report, first), _statistics(report, [*shown.values()])]
     sections += [*_laws(report["laws"], laws), _how(report)]
-    path.write_text(render(f"Cross-validation: {report['name']}", sections), encoding="utf-8")
-    return path
+    return write_text(path, render(f"Cross-validation: {report['name']}", sections))
 
 
 def verdict_text(report: dict) -> str:

@@ -25,13 +25,13 @@ from lammps_jump.analysis.passes import feed
 from lammps_jump.dump import open_dump, read_dump
 from lammps_jump.engines import RunResult
 from lammps_jump.errors import DumpError, JumpError, SetupError
-from lammps_jump.files import plain
+from lammps_jump.files import plain, text_of
 from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.scene import Box, Scene, handmade_scene
 from lammps_jump.studies.runs import KERNELS, execute
 from lammps_jump.sweeps import pool
 
-HARD = yaml.safe_load(Path(__file__).with_name("scenes.yaml").read_text())
+HARD = yaml.safe_load(text_of(Path(__file__).with_name("scenes.yaml")))
 """Scenes by hand: ``base``, and what each of ``scenes`` changes in it."""
 GOOD = ("stable", "refused", "stopped")
 """Good outcomes."""
@@ -247,6 +247,6 @@ def look_for_trouble(folder: Path, result: RunResult) -> tuple[str, str] | None:
             if result.status == "complete":
                 return "nan", f"the dump cannot be read: {error}"
     forces = folder / "forces.csv"
-    if forces.is_file() and re.search(r"nan|inf", forces.read_text(), re.I):
+    if forces.is_file() and re.search(r"nan|inf", text_of(forces), re.I):
         return "nan", "forces.csv"
     return None

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from lammps_jump.analysis.report.page import Items, Mark, Section, Table, Text, picture, render
+from lammps_jump.files import write_text
 from lammps_jump.studies.table import markdown
 from lammps_jump.units import shown
 
@@ -125,8 +126,7 @@ def write_page(report: Data, path: Path) -> Path:
     table = Table(rows, ("law", *HEADER))
     sections = [Section("", [Text(about, "verdict"), table, Text(how, "small")])]
     sections += [section_of(law, path.parent) for law in report["laws"].values()]
-    path.write_text(render("Held against published laws", sections), encoding="utf-8")
-    return path
+    return write_text(path, render("Held against published laws", sections))
 
 
 def section_of(law: Data, folder: Path) -> Section:

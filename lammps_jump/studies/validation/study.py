@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from lammps_jump import load_case
 from lammps_jump.analysis.draw.style import save
-from lammps_jump.files import plain, write_json
+from lammps_jump.files import plain, text_of, write_json
 from lammps_jump.identity import short_hash
 from lammps_jump.provenance import machine, usable_cores
 from lammps_jump.sweeps import Pool, Start, Store, SweepProgress, all_versions, plan
@@ -108,7 +108,7 @@ def lost(outcome: Outcome) -> dict[str, str]:
 
 def pieces_of(folder: Path, law: Law, quick: bool, store: Path) -> list[Piece]:
     """Return the pieces of a law. The key holds the run, what measures it, and the text of ``measure.py``."""
-    text = (folder / MEASURE_FILE).read_text(encoding="utf-8")
+    text = text_of(folder / MEASURE_FILE)
     found = []
     for point in law.points(quick):
         about = {"measure": point.measure, "options": plain(point.options), "text": text}
