@@ -56,6 +56,8 @@ class Flow:
         Contact forces of each frame as the engine had them; None: they are computed from the frame.
     poses : PoseFile or None
         Where the walls are that the discs push; without it they are where the case has them.
+    heads_at : tuple of float
+        Places along x between which the head lost is asked for, m.
     layers : ((float, float) or None, float or None) or None
         Stretch of x and height of the layers over which profiles over y are made, m; None: those of the analysis.
     """
@@ -76,6 +78,7 @@ class Flow:
     written: ContactFile | None = field(default=None, repr=False, compare=False)
     poses: PoseFile | None = field(default=None, compare=False)
     layers: tuple[Interval | None, float | None] | None = None
+    heads_at: tuple[float, ...] = ()
 
     def count(self, frame: Frame) -> int:
         """Discs of a frame that move."""

@@ -20,7 +20,7 @@ from lammps_jump.units import as_summary, is_bound, numbers_of, shown
 
 from . import draw, energy, front
 from .beds.slope import AlongBed, sloping_stretch
-from .budgets import depths, inflow, stations
+from .budgets import depths, grade, inflow, stations
 from .contacts import ContactCollector
 from .devices import drum, gaps, hopper, runup, waves
 from .draw.aside import aside
@@ -81,6 +81,7 @@ QUANTITIES = {
         inflow.Delivery, inflow.InflowCounter, inflow.analyse, lambda _: {}, lambda *_: {}, inflow.section
     ),
     "jump": Quantity(Jump, head.EnergyFluxes, jump.analyse, jump.tables, jump.figures, jump.section),
+    "grade": Quantity(grade.Grade, None, grade.analyse, grade.tables, grade.figures, grade.section),
     "front": Quantity(front.Front, front.FrontTracker, front.analyse, front.tables, front.figures, front.section),
     "force": Quantity(
         Force, MomentumLedger, forces.analyse, Forces.tables, forces.figures, forces.section, Forces.summary
@@ -282,6 +283,9 @@ def drawings(gathered: Gathered, results: Mapping[str, object]) -> dict[str, Cha
     }
     for name, result in results.items():
         shown |= QUANTITIES[name].figures(result, gathered)
+    if isinstance(heads := shown.get("energy_head"), Chart):
+        first, *others = heads.panels
+        shown["energy_head"] = replace(heads, panels=(replace(first, marks={**first.marks, **looks.places}), *others))
     return _titled(shown, flow)
 
 

@@ -114,6 +114,7 @@ RESULT_FILES = (
     "hopper.csv",
     "layers.csv",
     "heap.csv",
+    "grade.csv",
     "rest.csv",
     "front.csv",
     "jump_track.csv",

@@ -94,7 +94,7 @@ COEFFICIENTS = (
 )  # fmt: skip
 FLOW = (
     "x_range", "bin_width", "window", "inflow_depth", "inflow_speed", "notes", "sized", "timed", "water", "poses",
-    "layers",
+    "layers", "heads_at",
 )  # fmt: skip
 
 

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 from . import depths as depths
+from . import grade as grade
 from . import inflow as inflow
 from . import stations as stations

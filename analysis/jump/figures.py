@@ -7,10 +7,8 @@ from __future__ import annotations
 from math import isfinite
 
 import numpy as np
-import xarray as xr
 
 from lammps_jump.analysis.draw.chart import PLACE, Bars, Chart, Line, Panel, stairs
-from lammps_jump.physics import jump as theory
 from lammps_jump.units import numbers_of
 
 from .stream import running_median
@@ -101,32 +99,3 @@ def balance_bars(jump: Jump) -> Bars | None:
         "Share of the downstream momentum function [%]",
         {name: 100 * value for name, value in rows.items() if isfinite(value)},
     )
-
-
-def head_chart(profiles: xr.Dataset, jump: Jump) -> Chart | None:
-    """Energy head along the channel, averaged over the window, and its loss against theory."""
-    flow = jump.measured.flow
-    gravity = flow.gravity
-    if gravity <= 0:
-        return None
-    x, depth, bed = profiles["x"].values, profiles["mass_depth_mean"].values, profiles["bed"].values
-    with np.errstate(invalid="ignore", divide="ignore"):
-        discharge = profiles["discharge_mean"].values
-        flowing = (depth > 0.5 * flow.scene.diameter) & (np.abs(discharge) > 1e-3 * np.nanmax(np.abs(discharge)))
-        kinetic = np.where(flowing, profiles["energy_flux_mean"].values / discharge / gravity, np.nan)
-        uniform = np.where(flowing, (discharge / depth) ** 2 / (2 * gravity), np.nan)
-    if not flowing.any():
-        return None
-    lines = [
-        Line("head H = z + s + ∫ρu|v|²/2 / (ρ g q)", x, bed + depth + kinetic),
-        Line("with the mean velocity, z + s + u²/2g", x, bed + depth + uniform, "second"),
-        Line("z + s (mass depth)", x, bed + depth, "third"),
-    ]
-    levels, marks = {}, {}
-    if jump.local is not None:
-        marks = {"toe": jump.toe, "end": jump.end}
-    elif jump.inflow:
-        head = theory.specific_energy(jump.inflow.depth, jump.inflow.velocity, gravity)
-        levels = {"inflow": head}
-    panel = Panel("Energy head [m]", lines, "", levels, marks, ylim=(min(0.0, float(np.nanmin(bed))), None))
-    return Chart("energy head of the window", PLACE, (panel,))

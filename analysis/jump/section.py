@@ -23,7 +23,7 @@ from lammps_jump.analysis.statistics import Mean, propagated
 from lammps_jump.units import ABSENT, numbers_of, shown
 
 from .certainty import starts_needed
-from .figures import balance_bars, frame_chart, head_chart, stream_chart, track_chart
+from .figures import balance_bars, frame_chart, stream_chart, track_chart
 from .head import Budget, energy_budget, no_budget
 from .result import LEVEL, JumpResult, analyse_jump
 from .summary import ASKED, BEFORE, Jump, Local, summarise_jump
@@ -128,7 +128,6 @@ def figures(jump: Jump, gathered: Gathered) -> Drawings:
         "jump_stream": stream_chart(jump),
         "jump_frame": frame_chart(jump),
         "jump_balance": balance_bars(jump),
-        "energy_head": head_chart(gathered.profiles, jump),
     }
 
 

@@ -44,6 +44,14 @@ lost        what dashpots and friction take: every contact between the stations,
 left over   elastic energy stored and carried away, and the error of its integration
 frames      the same from the frames, where nothing rubs; elastic energy is in carried and stored there
 """,
+    "grade": """\
+head        z + p + k of the discs in a bin, means of the window by mass: height of the centre of mass; half of the
+            depth that is connected to the bed (hydrostatic pressure); ∑ m u |v|²/2 over g ∑ m u (kinetic energy);
+            where discs strike the bed, pressure is more than hydrostatic, and the line dips
+lost        difference of the heads of two stations whose discharges are within 10 %; friction, impacts and the jump
+stations    analysis.stations (--stations), else the gauges, else the ends of the stream; each is the bin that holds it
+error       standard error within this run, from eight pieces of the window
+""",
     "front": """\
 bulk front    right edge of the last disc in x before the first gap of two diameters between neighbours' centres
 99 % front    right edge that 99 % of the discs do not pass

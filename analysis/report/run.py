@@ -239,6 +239,8 @@ def _option(key: str, value: object) -> list[str]:
     """What was given with a bare dump, as options of its command."""
     if key == "analyses" and isinstance(value, Sequence):
         return [f"--{OPTIONS.get(name, name)}" for name in value]
+    if key == "stations" and isinstance(value, Sequence):
+        value = ",".join(f"{x:g}" for x in value)
     if isinstance(value, Mapping):
         value = ",".join(f"{kind}={number:g}" for kind, number in value.items())
     return [f"--{key.replace('_', '-')} {value if isinstance(value, str) else format(value, 'g')}"]

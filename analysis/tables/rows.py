@@ -13,6 +13,7 @@ from math import isfinite, nan
 from typing import Any, NamedTuple
 
 from lammps_jump.analysis.budgets.depths import Depths
+from lammps_jump.analysis.budgets.grade import Grade
 from lammps_jump.analysis.budgets.inflow import Delivery
 from lammps_jump.analysis.devices.drum import Drum
 from lammps_jump.analysis.devices.hopper import Hopper
@@ -32,6 +33,18 @@ from lammps_jump.analysis.verdicts import is_shown
 from lammps_jump.units import ABSENT, POWERS, ROUND_OFF, numbers_of, shown
 
 MOST = 5
+FAR = 3.0
+"""Factor between a measured number and theory from which on that does not apply."""
+HOLDS = {
+    "Bélanger": "of one jump on a level bed, with hydrostatic pressure on both sides",
+    "hydrostatic": "of water at rest before an upright face",
+    "piston, small waves": "of small waves of a piston",
+    "rods": "of columns of rods that fall on a level bed",
+    "sand": "of columns of sand that fall on a level bed",
+    "Ritter": "of a wave of water on a dry, level bed without friction",
+    "asked": "of an inlet that nothing holds up",
+}
+"""What theory is of, by its words. Lengths are not here: discs make a short jump, and the page says so beside them."""
 ONE_RUN = "one run; for error bars: the same command with --members 8"
 ONE_DUMP = "one dump; error bars need runs from other starts"
 """In place of error bars."""
@@ -73,11 +86,28 @@ class Row(NamedTuple):
         theory = f"{self.words} {_text(self.theory, alone=True)}{unit}" if isfinite(self.theory.value) else self.words
         return f"{_text(self.measured)}{unit}", theory, self.off()
 
+    @property
+    def far(self) -> bool:
+        """Whether theory is more than `FAR` times off, so that it does not apply."""
+        ratio = 1.0 + self.difference.value
+        return not self.plain and isfinite(ratio) and self.words in HOLDS and not 1 / FAR <= ratio <= FAR
+
+    def reason(self) -> str:
+        """Why theory does not apply, as a sentence; empty where it does."""
+        if not self.far:
+            return ""
+        ratio = 1.0 + self.difference.value
+        times = f"{ratio:.2g} times as much" if ratio >= 1 else f"{100 * ratio:.2g} % of it"
+        what, theory = heading(self.label, ""), self.numbers()[1]
+        return f"{what}: {theory} does not apply, because it is {HOLDS[self.words]}; measured is {times}."
+
     def off(self) -> str:
         """The difference as text, with its sign."""
         value, error = self.difference.value, self.difference.error
         if not isfinite(value):
             return ""
+        if self.far:
+            return "does not apply"
         scale, unit = (1.0, self.unit) if self.plain else (100.0, "%")
         if isfinite(error):
             text = shown(scale * value, error=scale * error)
@@ -127,6 +157,7 @@ FOUND = (
     Wanted(
         "front.martin_moyce.mean_bulk", MartinMoyce, "discs: −20 to 0 %", label="off Martin & Moyce’s water", **PERCENT
     ),
+    Wanted("grade.lost", Grade, label="head lost from {stations}"),
     Wanted("force.*.mean_fx", Force, "hydrostatic", "force.*.mean_hydrostatic", "mean Fx, {name}", **KILO),
     Wanted("force.*.mean_fy", Force, label="mean Fy, {name}", **KILO),
     Wanted("force.*.peak", Force, "hydrostatic", "force.*.hydrostatic", "peak {component}, {name}", **KILO),
@@ -183,6 +214,8 @@ def _rows(wanted: Wanted, summaries: Sequence[Mapping], mean: Callable[[Sequence
         number, absent = numbers_of(wanted.result)[key], Mean(nan, nan)
         time = _at(first, "front.time")
         when = {"time": f"{time:.3g} s" if isinstance(time, int | float) else "the last frame", "name": name}
+        ends = [_at(first, f"grade.{key}") for key in ("upstream", "downstream")]
+        when["stations"] = " to ".join(f"{x:.3g}" for x in ends if isinstance(x, int | float)) + " m"
         when |= {"component": component.replace("f", "F")}
         yield Row(
             path,
@@ -248,6 +281,7 @@ def tiles(rows: Sequence[Row]) -> list[Box]:
     boxes: dict[str, Box] = {}
     for row in rows:
         against = ", ".join(filter(None, row.numbers()[1:]))
+        against += f", because it is {HOLDS[row.words]}" if row.far else ""
         if before := boxes.get(row.label):
             boxes[row.label] = before._replace(against="; ".join(filter(None, (before.against, against))))
             continue

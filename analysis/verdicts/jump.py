@@ -50,8 +50,16 @@ def sentence(summary: Mapping) -> str:
     return (part(summary, "jump").get("headline") or "") if is_spoken_of(summary) else ""
 
 
+CREEPS = 0.02
+"""Share of the speed of the stream before it below which a front creeps."""
+FAR = 2.0
+"""Depth over Bélanger's, less one, from which on his relation does not apply."""
+
+
 def _off(of: str, off: float, error: float | None) -> str:
     """A difference from Bélanger's, rounded to its error; equal where it is within that."""
+    if off > FAR:
+        return f"its {of} is {shown(1 + off)} times Bélanger’s, whose relation does not apply to it"
     if not error:
         return f"its {of} is {abs(100 * off):.2g} % {'above' if off > 0 else 'below'} Bélanger’s"
     if abs(off) <= error:
@@ -77,7 +85,8 @@ def _jump(jump: Mapping, errors: float) -> str:
         said.append("its front stands")
     elif speed is not None:
         way = "upstream" if speed * ((jump.get("local") or {}).get("u1") or 1.0) < 0 else "downstream"
-        said.append(f"its front moves {way} at {shown(abs(speed))} m/s")
+        slow = abs(speed) < CREEPS * abs((jump.get("local") or {}).get("u1") or 0.0)
+        said.append(f"its front {'creeps' if slow else 'moves'} {way} at {shown(abs(speed))} m/s")
     tail = " and ".join(said)
     name = A_JUMP[jump["verdict"]]
     if jump["verdict"] == "jump":

@@ -5,12 +5,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import sqrt
 
 from lammps_jump.analysis.report.headline import DISCS, against_water
 from lammps_jump.analysis.report.page import percent
+from lammps_jump.physics.waves import GRAVITY
 
 from .kinds import Doubt, Verdict, asked_of_a_dump, at, below, part, place, shown
 
+CREEPS = 0.02
+"""Share of √(g H) of a column below which its front creeps."""
 ONE_WAY = 0.7
 """Share of the mean speed that the mean velocity has where discs run as a stream."""
 
@@ -44,7 +48,8 @@ def _collapse(summary: Mapping) -> str:
     more = f" and meets the obstacle after {shown(arrival)} s" if arrival is not None else more
     opens = front.get("gate_open")
     what = f"The gate opens in {shown(opens)} s: the" if opens is not None else "A column collapses: its"
-    return f"{what} front runs at {shown(front['speed'])} m/s{more}."
+    slow = front["speed"] < CREEPS * sqrt(GRAVITY * (front.get("column_depth") or 0.0))
+    return f"{what} front {'creeps' if slow else 'runs'} at {shown(front['speed'])} m/s{more}."
 
 
 def _collapse_at_length(summary: Mapping) -> str:

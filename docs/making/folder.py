@@ -49,6 +49,7 @@ FILES = {
     "hopper.csv": "mass before the gaps that discs pass, and discharge, against time",
     "layers.csv": "profiles over the height",
     "heap.csv": "surface of the heap at the last frame",
+    "grade.csv": "energy grade line over x, and the head lost since the first station",
     "rest.csv": "how fast the discs still move, against time",
     "front.csv": "front and column against time",
     "jump_track.csv": "front and toe of the jump against time",

@@ -33,6 +33,7 @@ mass m = ρd² over a length L, packed in squares.
 TITLES = {
     "inflow": "Inflow",
     "jump": "Hydraulic jump",
+    "grade": "Energy grade line",
     "front": "Front of a collapse",
     "force": "Forces",
     "energy": "Energy",

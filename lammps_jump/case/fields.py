@@ -279,6 +279,7 @@ class Analysis(Strict):
     )
     heap: bool = Field(default=False, description="shape of the discs at the end, slopes, run-out of a column")
     rest: bool = Field(default=False, description="when the discs come to rest")
+    stations: tuple[units.Metre, ...] = Field(default=(), description="places between which the head lost is told")
     fields: bool = False
     animation: bool = False
     figures: Literal["default", "all", "player", "none"] = Field(default="default", description="none: no report")

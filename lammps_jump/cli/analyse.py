@@ -14,7 +14,7 @@ import lammps_jump as lj
 from lammps_jump import dump, runs, studies, sweeps
 from lammps_jump.errors import CaseError
 
-from .options import Quiet, Sets, Verbose, diameters, place, quantity, told
+from .options import Quiet, Sets, Verbose, diameters, place, places, quantity, told
 from .progress import print_summary
 
 app = typer.Typer(rich_markup_mode=None)
@@ -61,6 +61,15 @@ def analyze(
         float | None, quantity("s", "Time step, s or '0.1 ms' (of a bare dump without times).")
     ] = None,
     bin_width: Annotated[float | None, quantity("m", "Width of a profile bin, m.")] = None,
+    stations: Annotated[
+        Any,
+        typer.Option(
+            "--stations",
+            parser=places,
+            metavar="X,X…",
+            help="Places between which the head lost is told, m, such as 2,8.5,17.",
+        ),
+    ] = None,
     jump: Annotated[bool, look("jump", "Find a hydraulic jump")] = False,
     front: Annotated[bool, look("front", "Follow the front")] = False,
     heap: Annotated[bool, look("heap", "Measure the heap at the end")] = False,
@@ -86,6 +95,7 @@ def analyze(
                 )
         sets = [*(set_ or []), *([f"analysis.bin_width={bin_width}"] * bool(bin_width))]
         sets += [f"analysis.{name}=true" for name in analyses]
+        sets += [f"analysis.stations=[{','.join(map(str, stations))}]"] * bool(stations)
         with told(quiet):
             runs.start.reanalyse(target, sets)
         if not quiet:
@@ -99,7 +109,7 @@ def analyze(
     loaded = None if case is None else lj.load_case(case, set_ or [])
     with told(quiet):
         path = dump.find_dump(*targets)
-        given = runs.results.Given(diameter, density, time_step, bin_width, bodies, analyses)
+        given = runs.results.Given(diameter, density, time_step, bin_width, bodies, analyses, stations or ())
         summary, folder = runs.results.analyse_dump(path, loaded, given, out)
     if not quiet:
         print_summary(summary, folder, verbose=verbose)

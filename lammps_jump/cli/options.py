@@ -83,6 +83,17 @@ def diameters(given: str) -> float | dict[int, float]:
         raise typer.BadParameter(f"{error}; for discs of several types write 1=0.2,2=0.1") from None
 
 
+def places(given: str) -> tuple[float, ...]:
+    """Two or more places along x, m: ``2,8.5`` or ``2 m, 850 cm``."""
+    try:
+        found = tuple(float(to_si(part, "m")) for part in given.split(","))
+    except ValueError as error:
+        raise typer.BadParameter(f"{error}; write two places or more, such as 2,8.5,17") from None
+    if len(found) < 2:
+        raise typer.BadParameter(f"{given}: one place; write two or more, such as 2,8.5,17")
+    return found
+
+
 CaseFile = Annotated[
     Path, typer.Argument(help="Case file (YAML); inputs/ holds one for each scene.", show_default=False)
 ]

@@ -157,6 +157,7 @@ def print_summary(summary: Mapping[str, Any], folder: Path, *, verbose: bool = F
         found = analysis.tables.rows.rows_of([summary])
         about = [*filter(None, [analysis.tables.rows.at_gauges(summary)])]
         about += [analysis.tables.rows.sure(summary)] if found else []
+        about += filter(None, (row.reason() for row in found))
         about += [f"doubtful: {text}" for text in analysis.verdicts.doubts(summary)]
         about += [_spent(summary)] if "discs" in summary else []
         said = analysis.verdicts.verdict(summary)

@@ -68,6 +68,8 @@ class Given:
         spheres, cylinders or discs.
     analyses : tuple of str
         Names of quantities to look for, by default `OF_A_DUMP`.
+    stations : tuple of float
+        Places between which the head lost is asked for, m.
     """
 
     diameter: float | Mapping[int, float] | None = None
@@ -76,11 +78,13 @@ class Given:
     bin_width: float | None = None
     bodies: str | None = None
     analyses: tuple[str, ...] = ()
+    stations: tuple[float, ...] = ()
 
     @property
     def wanted(self) -> tuple[str, ...]:
         """Quantities to look for; the depths always."""
-        return ("depth", *(self.analyses or OF_A_DUMP))
+        heads = ("grade",) if self.stations or not self.analyses else ()
+        return ("depth", *heads, *(self.analyses or OF_A_DUMP))
 
     @property
     def known(self) -> dict[str, Any]:
@@ -94,7 +98,7 @@ class Given:
         given = {key: value for key, value in (summary.get("given") or {}).items() if key in names}
         if isinstance(sizes := given.get("diameter"), Mapping):
             given["diameter"] = {int(kind): value for kind, value in sizes.items()}
-        return cls(**given | {"analyses": tuple(given.get("analyses", ()))})
+        return cls(**given | {name: tuple(given.get(name, ())) for name in ("analyses", "stations")})
 
 
 NOTHING_GIVEN = Given()
@@ -139,6 +143,7 @@ def flow_of(case: ReadCase, folder: Path | None = None) -> Flow:
         water=asked.front == "water",
         folder=folder,
     )
+    flow = replace(flow, heads_at=asked.stations)
     return replace(flow, layers=(asked.layers.x, asked.layers.height)) if isinstance(asked.layers, Layers) else flow
 
 
@@ -153,7 +158,9 @@ def load(case: ReadCase) -> None:
 
 
 def _wanted(case: ReadCase) -> list[str]:
-    return [name for name in (*quantities.QUANTITIES, "fields") if getattr(case.fields.analysis, name, False)]
+    asked = case.fields.analysis
+    heads = ["grade"] * bool(asked.stations or asked.jump or case.fields.inflow)
+    return [*heads, *(name for name in (*quantities.QUANTITIES, "fields") if getattr(asked, name, False))]
 
 
 def collect(case: ReadCase, flow: Flow, folder: Path, dump: Dump, *watch: Collector) -> Gathered:
@@ -251,8 +258,9 @@ def _flow(path: Path, case: ReadCase | None, given: Given = NOTHING_GIVEN) -> Fl
     """The flow of a dump: that of its case, else what can be guessed."""
     if case is not None:
         water = case.fields.analysis.front == "water"
-        return from_scene(case.scene(), bin_width=given.bin_width, water=water, folder=path.parent)
-    return from_dump(
+        flow = from_scene(case.scene(), bin_width=given.bin_width, water=water, folder=path.parent)
+        return replace(flow, heads_at=given.stations or case.fields.analysis.stations)
+    flow = from_dump(
         open_dump(path),
         diameter=given.diameter,
         density=given.density,
@@ -260,6 +268,7 @@ def _flow(path: Path, case: ReadCase | None, given: Given = NOTHING_GIVEN) -> Fl
         time_step=given.time_step,
         kind=given.bodies,
     )
+    return replace(flow, heads_at=given.stations)
 
 
 def is_of_a_dump(folder: Path) -> bool:

@@ -335,3 +335,17 @@ def test_evidence_has_contents_and_tables_before_prose(tmp_path):
     assert listed == re.findall(r'<h2 id="(part\d)">(.*?)</h2>', content) and len(listed) == 3
     for section in content.split("<h2")[1:]:
         assert "<table" not in section.partition("<p>")[2]
+
+
+def test_a_comparison_that_is_far_off_does_not_apply():
+    jump = made_jump(y2=3.0, at="tail water", speed=0.0, length=5.0, head_lost=2.5, head_lost_theory=0.1)
+    jump |= {"belanger_y2": 3.5, "belanger_deviation": -0.14, "verdict": "jump", "length_theory": 5.0}
+    rows = {row.path: row for row in rows_of([{"jump": jump}])}
+    assert rows["jump.y2"].off() == "−14 %" and rows["jump.y2"].reason() == ""
+    assert rows["jump.head_lost"].off() == "does not apply"
+    assert rows["jump.head_lost"].reason() == (
+        "Head lost: Bélanger 0.100 m does not apply, because it is of one jump on a level bed, with hydrostatic "
+        "pressure on both sides; measured is 25 times as much."
+    )
+    box = next(box for box in tiles(list(rows.values())) if box.label == "Head lost")
+    assert "does not apply, because it is of one jump on a level bed" in box.against
