@@ -22,6 +22,7 @@ from lammps_jump.analysis.front import bulk_front, stack_top
 from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.report.page import Section, Table, described
 from lammps_jump.dump.frame import Frame
+from lammps_jump.scene.chains import X0, X1
 from lammps_jump.units import number
 
 PER_DIAMETER = 4
@@ -99,7 +100,9 @@ def obstacles_of(flow: Flow, middle: float) -> list[Obstacle]:
     """What stands to the left and to the right of discs around x = middle, m."""
     (low, high), d = flow.x_range, flow.scene.diameter
     step = max(d / PER_DIAMETER, (high - low) / MOST_PLACES)
-    x = np.arange(low + 0.5 * step, high, step)
+    ends = [wall.faces.shape[:, [X0, X1]].ravel() for wall in flow.scene.permanent]
+    ends = [one[(one > low) & (one < high)] for one in ends]
+    x = np.unique(np.concatenate([np.arange(low + 0.5 * step, high, step), *ends]))
     found = (_obstacle(flow, x, side, middle) for side in (-1, 1))
     return [one for one in found if one is not None]
 

@@ -78,7 +78,7 @@ def _jump(jump: Mapping, errors: float) -> str:
     said = []
     off, of, left_out = jump.get("belanger_deviation"), jump.get("at") or "depth", jump.get("left_out") or ()
     if off is not None:
-        but = ", which leaves that out," if left_out else ""
+        but = ", which leaves that out," if left_out and jump["verdict"] == "jump" else ""
         said.append(_off(of, off, jump.get("belanger_deviation_error")) + but)
     speed, error = jump.get("speed"), jump.get("speed_error") or 0.0
     if speed is not None and abs(speed) <= errors * error:

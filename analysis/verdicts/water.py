@@ -18,6 +18,9 @@ CREEPS = 0.02
 ONE_WAY = 0.7
 """Share of the mean speed that the mean velocity has where discs run as a stream."""
 
+RUNNING = 1.2
+"""Oncoming momentum over the thrust of water at rest from which on water runs against a wall."""
+
 
 def collapsed(front: Mapping) -> bool:
     """Whether there was a column at the start, whose front then ran."""
@@ -37,7 +40,7 @@ def has_front(summary: Mapping) -> bool:
 
 def _collapse(summary: Mapping) -> str:
     front = part(summary, "front")
-    if not has_front(summary):
+    if not has_front(summary) or part(summary, "heap").get("run_out_over_base") is not None:  # told by the heap
         return ""
     if not collapsed(front):
         after = "" if front.get("time") is None else f" after {front['time']:.3g} s"
@@ -160,9 +163,12 @@ def _run_up(summary: Mapping) -> str:
     on = f"{found['wall']}" if found.get("wall") else "the slope"
     still, over = found.get("run_up"), found.get("over") or 0.0
     above_still = f", {shown(still)} m over the still water" if still is not None else ""
-    tail = f"{shown(over)} m² go over the crest at y = {place(found['crest'])} m"
+    crest = found["crest"]
+    if over and found["highest"] <= crest:
+        return f"{shown(over)} m² of water go over {on}, whose crest is at y = {place(crest)} m."
+    tail = f"{shown(over)} m² go over the crest at y = {place(crest)} m"
     if not over:
-        tail = f"nothing goes over the crest at y = {place(found['crest'])} m"
+        tail = f"nothing goes over the crest at y = {place(crest)} m"
     return f"The water reaches y = {place(found['highest'])} m on {on}{above_still}; {tail}."
 
 
@@ -205,14 +211,19 @@ RUN_UP = Verdict(
 def struck(summary: Mapping) -> tuple[str, Mapping]:
     """Name and force of the probed wall that water runs against: that of the run-up, else that with the largest peak.
 
-    An upright face towards a flow has an oncoming momentum; floors and walls that move have none. The name is empty
-    where there is no such wall.
+    An upright face towards a flow has an oncoming momentum; floors and walls that move have none. Water at rest before
+    a wall does not run against it. The name is empty where there is no such wall.
     """
     walls = {name: one for name, one in part(summary, "force").items() if isinstance(one, Mapping) and "peak" in one}
     known = [pair for pair in walls.items() if None not in (pair[1]["peak"], pair[1].get("stagnation"))]
     climbed = part(summary, "runup").get("wall")
-    known = [pair for pair in known if pair[0] == climbed] or known
+    known = [pair for pair in known if pair[0] == climbed] or [pair for pair in known if _runs(pair[1])]
     return max(known, key=lambda pair: abs(pair[1]["peak"]), default=("", {}))
+
+
+def _runs(force: Mapping) -> bool:
+    """Whether the oncoming momentum is well above the thrust of the same water at rest."""
+    return force["stagnation"] > RUNNING * (force.get("hydrostatic") or 0.0)
 
 
 def _impact(summary: Mapping) -> str:

@@ -214,7 +214,7 @@ def ending(
     above += [line for text in about for line in textwrap.wrap(text, wide)]
     below = [f"page: lammps-jump show {shlex.quote(str(folder))}"] if folder is not None else []
     told = [line for text in notes for line in textwrap.wrap(f"note: {text}", wide, subsequent_indent="  ")]
-    if len(above) + len(told) + len(below) > MOST_LINES:
+    if told and len(above) + len(told) + len(below) > MOST_LINES:
         count = f"{len(notes)} note{'s' * (len(notes) > 1)}"
         told = [f"{count} on the page" if folder is not None else f"{count}: --verbose shows more"]
     return [*above, *told, *below]

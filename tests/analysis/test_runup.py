@@ -61,7 +61,7 @@ def test_the_tongue_on_a_slope_ends_before_the_first_gap():
     assert found.place == pytest.approx(16.0, abs=D) and found.highest == pytest.approx(1.2, abs=0.2 * D)
     assert (found.still, found.time, found.wall) == (pytest.approx(1.0), 5.0, "beach")
     assert found.run_up == pytest.approx(found.highest - 1.0) and found.diameters == pytest.approx(found.run_up / D)
-    assert (found.over, found.crest, found.reaches_crest) == (0.0, pytest.approx(2.0, abs=0.01), False)
+    assert (found.over, found.crest, found.reaches_crest) == (0.0, pytest.approx(2.0), False)
     summary = {"runup": numbers(found)}
     assert verdict(summary) == (
         "The water reaches y = 1.2 m on beach, 0.20 m over the still water; nothing goes over the crest at y = 2 m."
@@ -94,7 +94,7 @@ def test_what_goes_over_a_wall():
     assert found.highest == pytest.approx(1.4, abs=0.01) and (found.wall, found.crest) == ("wall", 1.5)
     assert found.over == pytest.approx(15 * D * D) and found.over_discs == 15 and found.reaches_crest
     summary = {"runup": numbers(found)}
-    assert "0.60 m² go over the crest at y = 1.5 m" in headline(summary)
+    assert "0.60 m² of water go over wall, whose crest is at y = 1.5 m." in headline(summary)
     told = doubts(summary)
     assert any(text.startswith("The water reaches the crest: ") for text in told)
     assert any(text.startswith("15 discs make the volume") for text in told)
@@ -112,7 +112,7 @@ def test_where_no_wave_can_run_up():
 @pytest.mark.parametrize(
     ("scene", "name", "foot", "top"),
     [
-        ("wave_paddle", "beach", 20.0, 3.08),
+        ("wave_paddle", "beach", 20.0, 10 * np.sin(np.radians(18))),
         ("dam_break_triangle", "triangle", 13.0, 1.0),
         ("wave_structure", "structure", 20.0, 6.0),
     ],
@@ -122,4 +122,4 @@ def test_obstacles_of_scenes(scene, name, foot, top):
     flow = flow_of(load_case(INPUTS / f"{scene}.yaml"))
     (found,) = runup.obstacles_of(flow, 3.0)
     d = flow.scene.diameter
-    assert (found.name, found.foot, found.top) == (name, pytest.approx(foot, abs=d), pytest.approx(top, abs=0.1 * d))
+    assert (found.name, found.foot, found.top) == (name, pytest.approx(foot, abs=d), pytest.approx(top, abs=1e-3))
