@@ -151,8 +151,8 @@ class Flow:
     def clock(self, time: float, until: float | None = None) -> str:
         """A time or a span of times (s) in words, for figures; steps where there are no times."""
         if not self.timed:
-            return f"step {time:.0f}" if until is None else f"steps {time:.0f} … {until:.0f}"
-        return f"t = {time:.2f} s" if until is None else f"t = {time:g} … {until:g} s"
+            return f"step {time:z.0f}" if until is None else f"steps {time:z.0f} … {until:z.0f}"
+        return f"t = {time:z.2f} s" if until is None else f"t = {time:zg} … {until:zg} s"
 
     @property
     def time_axis(self) -> str:
@@ -239,7 +239,7 @@ def radii_of(frame: Frame, diameters: Mapping[int, float]) -> np.ndarray | None:
         radii[types == kind] = 0.5 * diameter
     if np.isnan(radii).any():
         raise DumpError(
-            f"step {frame.step}: a disc has type {types[np.isnan(radii)][0]:g}; a diameter is given for "
+            f"step {frame.step}: a disc has type {types[np.isnan(radii)][0]:zg}; a diameter is given for "
             f"{', '.join(map(str, diameters))} only: give one for each type."
         )
     return radii

@@ -341,12 +341,12 @@ def section(found: Mapping) -> Section:
         return Section("Front", [Text(shown(found.get("reason")), "warn")])
     rows = []
     if found.get("column_base") is not None:
-        size = f"{found['column_base']:.3g} × {found['column_depth']:.3g}"
+        size = f"{found['column_base']:z.3g} × {found['column_depth']:z.3g}"
         rows.append(("Column at the start, base × height [m]", size))
     rows += described(Front, found, "position", "position_99", "column_height", "speed", "arrival_time")
     moyce = found.get("martin_moyce")
     if moyce and (ritter := found.get("ritter")):
-        until = f"Ritter's front, holds until t = {ritter['valid_until']:.2g} s: RMS difference"
+        until = f"Ritter's front, holds until t = {ritter['valid_until']:z.2g} s: RMS difference"
         rows.append((until, percent(ritter["rms"])))
     if moyce:
         rows += described(MartinMoyce, moyce, "aspect")
@@ -365,7 +365,7 @@ def front_chart(history: FrontHistory, flow: Flow) -> Chart | None:
     if flow.water and gravity > 0 and depth > 0 and flow.timed:
         limit = waves.ritter_wall_time(base, depth, gravity)
         t = np.linspace(0, max(min(limit, time.max()), 1e-9), 20)
-        label = f"Ritter, until its wave meets the back wall (t = {limit:.2g} s)"
+        label = f"Ritter, until its wave meets the back wall (t = {limit:z.2g} s)"
         fronts.append(Line(label, t, base + 2 * t * np.sqrt(gravity * depth), "theory"))
     speeds = (Line("surface, mean", time, history.top_speed), Line("tip (last 5 d)", time, history.tip_speed, "second"))
     panels = (
@@ -399,4 +399,4 @@ def martin_moyce_chart(history: FrontHistory, flow: Flow) -> Chart | None:
         Panel("Z = front / a", fronts, "T = n t √(g/a)", obstacle, xlim=ends[0], ylim=(1.0, top)),
         Panel("h / H", columns, "τ = t √(g/a)", xlim=ends[1], ylim=(0.0, 1.05)),
     )
-    return Chart(f"n² = H/a = {depth / base:.3g}{'' if same else ': no measured curve'}", "", panels)
+    return Chart(f"n² = H/a = {depth / base:z.3g}{'' if same else ': no measured curve'}", "", panels)

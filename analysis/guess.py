@@ -89,7 +89,7 @@ def from_dump(
     left, low, right = (np.concatenate(part) for part in zip(*edges, strict=True))
     floor = _floor(left, low, right, 5 * nominal, 0.5 * nominal, notes)
     reach, width = _bins((float(left.min()), float(right.max())), floor, bin_width, 5 * nominal)
-    notes.append(f"Profiles from x = {reach[0]:.6g} to {reach[1]:.6g} m: as far as discs were seen.")
+    notes.append(f"Profiles from x = {reach[0]:z.6g} to {reach[1]:z.6g} m: as far as discs were seen.")
     timed = _timed(dump, time_step, notes)
     scene = Scene(
         name=name or visible(dump.path.name),
@@ -145,8 +145,8 @@ def _require_a_plane(frames: Sequence[Frame], diameter: float, path: Path) -> No
         low, high = float(frame.z.min()), float(frame.z.max())
         if high - low > diameter:
             raise DumpError(
-                f"{path}: step {frame.step}: z runs from {low:.6g} to {high:.6g} m, further than a diameter "
-                f"({diameter:.6g} m): this is a flow in three dimensions; allowed is one layer of discs. Write a dump "
+                f"{path}: step {frame.step}: z runs from {low:z.6g} to {high:z.6g} m, further than a diameter "
+                f"({diameter:z.6g} m): this is a flow in three dimensions; allowed is one layer of discs. Write a dump "
                 "of a slice one diameter thick ('region … block', 'dump GROUP … custom')."
             )
 
@@ -167,7 +167,7 @@ def _floor(
     alike = (np.abs(known[:, None] - known) <= slack).sum(axis=1)
     most = known[alike == alike.max()].min()
     level = float(known[np.abs(known - most) <= slack].min())
-    said = f"Floor taken at y = {level:.6g} m: the lower edge of the lowest disc on it"
+    said = f"Floor taken at y = {level:z.6g} m: the lower edge of the lowest disc on it"
     floored, falls = (
         np.flatnonzero(chosen) for chosen in (np.abs(lowest - level) <= slack, lowest < level - 2 * slack)
     )
@@ -181,7 +181,7 @@ def _floor(
     on_it = (np.abs(low - level) <= slack) & (place >= stretch[0]) & (place <= stretch[-1])
     start = float(left[on_it].min() if falls[0] < stretch[0] else left.min())
     end = float(right[on_it].max() if falls[-1] > stretch[-1] else right.max())
-    notes.append(f"{said}. It runs from x = {start:.6g} to {end:.6g} m; discs fall below it beyond.")
+    notes.append(f"{said}. It runs from x = {start:z.6g} to {end:z.6g} m; discs fall below it beyond.")
     return Block("floor", (start, end), (level - strip, level))
 
 
@@ -219,12 +219,12 @@ def _mass(frame: Frame, diameters: np.ndarray, density: float | None, given: str
         kind = given or "discs"
         mass = bodies.per_width(kind, bodies.mass_of(kind, nominal, density), nominal)
         formula = {"spheres": "density x π/6 x diameter^2", "cylinders": "density x π/4 x diameter^2"}
-        notes.append(f"Mass taken as {formula.get(kind, 'density x diameter^2')} = {mass:.6g} kg per metre of width.")
+        notes.append(f"Mass taken as {formula.get(kind, 'density x diameter^2')} = {mass:z.6g} kg per metre of width.")
         return mass
     masses = frame.columns["mass"]
     mean = float(np.mean(masses))
     kinds, said = _bodies(masses, diameters, density, given)
-    notes.append(f"Mass {mean:.6g} kg from the dump's mass column (mean).")
+    notes.append(f"Mass {mean:z.6g} kg from the dump's mass column (mean).")
     notes.append(said)
     return bodies.per_width(kinds[0], mean, thickness) if len(kinds) == 1 else mean
 
@@ -240,12 +240,12 @@ def _bodies(
         Masses, diameters and what is given contradict each other.
     """
     found = {kind: bodies.density_of(kind, masses, diameters) for kind in bodies.SHAPES}
-    listed = ", ".join(f"{kind} of {value:.4g} kg/m3" for kind, value in found.items())
+    listed = ", ".join(f"{kind} of {value:z.4g} kg/m3" for kind, value in found.items())
     told = bodies.told(masses, diameters, density)
     if density is not None and (not told or (given and given not in told)):
         raise DumpError(
-            f"density = {density:g} kg/m3{f' of {given}' if given else ''}: masses of {np.mean(masses):.4g} kg and "
-            f"diameters of {np.mean(diameters):.4g} m are those of {listed}. Give one of these densities, or none; "
+            f"density = {density:zg} kg/m3{f' of {given}' if given else ''}: masses of {np.mean(masses):z.4g} kg and "
+            f"diameters of {np.mean(diameters):z.4g} m are those of {listed}. Give one of these densities, or none; "
             "or give the right diameter (--diameter)."
         )
     kinds = (given,) if given else told
@@ -254,7 +254,7 @@ def _bodies(
             f"Masses and diameters are of no body of one material ({listed}). Say which with --bodies; until then "
             "masses count per metre of width. Depths hold: they count diameter^2 for each disc."
         )
-    names = " or ".join(f"{kind} of {found[kind]:.4g} kg/m3" for kind in kinds)
+    names = " or ".join(f"{kind} of {found[kind]:z.4g} kg/m3" for kind in kinds)
     how = "as given" if given else "by mass and diameter"
     if "spheres" not in kinds:
         return kinds, f"Bodies: {names}, {how}; masses are per metre of width."
@@ -282,7 +282,7 @@ def _diameter(frame: Frame, diameter: float | Mapping[int, float] | None, notes:
     if np.ptp(sizes) <= 1e-6 * np.max(sizes):
         return float(np.mean(sizes)), False
     notes.append(
-        f"Discs differ in size ({sizes.min():.6g} to {sizes.max():.6g} m): each has its own; the nominal diameter "
+        f"Discs differ in size ({sizes.min():z.6g} to {sizes.max():z.6g} m): each has its own; the nominal diameter "
         "is that of the mean mass."
     )
     return 2 * float(np.sqrt(np.mean(radii**2))), True
@@ -304,8 +304,8 @@ def _require_touch(frame: Frame, diameter: float, path: Path) -> None:
     closest = float(np.quantile(near[:, 0], 0.01))
     if closest > (1.0 + CLOSE) * diameter and float(np.median(near[:, 2])) <= AROUND * closest:
         raise DumpError(
-            f"{path}: diameter = {diameter:g} m: discs lie packed {closest:.4g} m apart, with air between "
-            f"discs of that size. Give their diameter (--diameter {closest:.4g}), or leave it out."
+            f"{path}: diameter = {diameter:zg} m: discs lie packed {closest:z.4g} m apart, with air between "
+            f"discs of that size. Give their diameter (--diameter {closest:z.4g}), or leave it out."
         )
 
 
@@ -317,11 +317,11 @@ def _guess_diameter(frame: Frame, notes: list[str]) -> float:
     if not diameter > 0:
         raise DumpError("discs lie on top of each other: the diameter cannot be guessed; give it.")
     notes.append(
-        f"Diameter guessed as {diameter:.6g} m: 1 % quantile of nearest-neighbour distances. All discs count as equal."
+        f"Diameter guessed as {diameter:z.6g} m: 1 % quantile of nearest-neighbour distances. All discs count as equal."
     )
     if (usual := float(np.median(nearest))) > LOOSE * diameter:
         notes.append(
-            f"Half of the discs have no neighbour within {usual:.6g} m. Where discs differ in size, the guess is that "
+            f"Half of the discs have no neighbour within {usual:z.6g} m. Where discs differ in size, the guess is that "
             "of the smallest, and mass depths are too small: write a radius column, or give the diameter (--diameter)."
         )
     return diameter

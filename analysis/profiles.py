@@ -56,7 +56,7 @@ def bin_edges(x_range: Interval, bin_width: float) -> np.ndarray:
     bins = max(1, int(np.floor((high - low) / bin_width + 1e-9)))
     if bins > MOST_BINS:
         raise DumpError(
-            f"bin_width = {bin_width} m makes {bins} bins of {high - low:g} m; at most {MOST_BINS}: widen it."
+            f"bin_width = {bin_width} m makes {bins} bins of {high - low:zg} m; at most {MOST_BINS}: widen it."
         )
     return low + bin_width * np.arange(bins + 1)
 
@@ -233,7 +233,8 @@ def add_means(dataset: xr.Dataset, window: tuple[float, float] | None = None) ->
     inside = within(time, window)
     if not inside.any():
         raise DumpError(
-            f"no frame between t = {window[0]:g} and {window[1]:g} s: the dump covers {time[0]:g} to {time[-1]:g} s."
+            f"no frame between t = {window[0]:zg} and {window[1]:zg} s: "
+            f"the dump covers {time[0]:zg} to {time[-1]:zg} s."
         )
     means = {}
     for name, (units, long_name) in VARIABLES.items():

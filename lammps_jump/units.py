@@ -149,7 +149,7 @@ def shown(
     if error is not None and isfinite(error) and error > ROUND_OFF * abs(value):
         text = _to_digit_of(error, value) + ("" if alone else f" ± {AT_LEAST * bound}{two_digits(error)}")
     else:
-        text = f"{value:.{digits}g}" if isinstance(value, float) else str(value)
+        text = f"{value:z.{digits}g}" if isinstance(value, float) else str(value)
     return f"{text} {unit.translate(POWERS)}" if unit else text
 
 
@@ -160,8 +160,8 @@ def two_digits(error: float) -> str:
 
 def _to_digit_of(error: float, value: float) -> str:
     """A value rounded to the second digit of an error."""
-    last = 1 - floor(log10(float(f"{error:.1e}")))
-    return f"{round(value, last) + 0.0:.{max(0, last)}f}"
+    last = 1 - floor(log10(float(f"{error:z.1e}")))
+    return f"{round(value, last) + 0.0:z.{max(0, last)}f}"
 
 
 def is_bound(found: Mapping, key: str) -> bool:

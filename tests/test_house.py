@@ -213,6 +213,47 @@ def test_no_python_of_the_current_folder_is_run():
     assert len(commands) >= 4 and all(items[items.index("sys.executable") + 1] == "'-P'" for items in commands)
 
 
+SHOWN = (
+    "analysis/",
+    *(f"lammps_jump/{name}/" for name in ("cli", "runs", "sweeps", "studies")),
+    "lammps_jump/units.py",
+)
+"""What makes text for readers."""
+NUMBER = re.compile(r"(?:.?[<>=^])?[-+ ]?(z?)#?0?\d*,?(?:\.(?:\d+|\?))?[eEfFgG%]")
+"""Format of a float; `?` stands for what is inserted."""
+FIELD = re.compile(r"\{\w*(?:\[\w+\]|\.\w+)*:([^{}]+)\}")
+"""A field of a text for ``str.format``."""
+
+
+def formats(tree: ast.Module) -> list[tuple[int, str]]:
+    """Lines and formats of what a file puts into texts: f-strings, and texts for ``str.format``."""
+    found = []
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FormattedValue) and isinstance(node.format_spec, ast.JoinedStr):
+            parts = (part.value if isinstance(part, ast.Constant) else "?" for part in node.format_spec.values)
+            found.append((node.lineno, "".join(map(str, parts))))
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+            found += [(node.lineno, one) for one in FIELD.findall(node.value)]
+    return found
+
+
+def minus_zero(tree: ast.Module) -> list[int]:
+    """Lines whose numbers may be shown as -0."""
+    return [line for line, one in formats(tree) if (hit := NUMBER.fullmatch(one.replace("??", "?"))) and not hit[1]]
+
+
+def test_no_number_is_shown_as_minus_zero():
+    """PEP 682: the `z` of a format takes the sign off what is rounded to zero. Write ``f"{value:z.2f}"``."""
+    found = [f"{file}:{line}" for file, tree in trees().items() if file.startswith(SHOWN) for line in minus_zero(tree)]
+    assert not found, "write z before the precision, as in {value:z.2f}"
+    assert f"{-0.001:z.1f}" == "0.0" and f"{-0.0:zg}" == "0"
+
+
+def test_a_format_that_shows_minus_zero_is_found():
+    text = "a = f'{x:.2f} {y:{n}d} {x:z.1f} {x:+.{n}g}'; b = '{q:.1%}'.format(q=1)"
+    assert minus_zero(ast.parse(text)) == [1, 1, 1]
+
+
 def test_what_lies_at_the_root():
     entries = {path.name for path in (ROOT / "lammps_jump").iterdir() if path.name != "__pycache__"}
     folders = {name for name in entries if (ROOT / "lammps_jump" / name).is_dir()}

@@ -43,7 +43,7 @@ def depths_of(profiles: xr.Dataset, flow: Flow, largest: float) -> Depths:
     surface, mass = (profiles[f"{name}_depth_mean"].values for name in ("surface", "mass"))
     piled = np.nan_to_num(surface) >= PILED * largest
     if not piled.any():
-        return Depths(reason=f"discs lie nowhere {PILED:g} diameters deep on the bed in the mean of the window")
+        return Depths(reason=f"discs lie nowhere {PILED:zg} diameters deep on the bed in the mean of the window")
     found = float(mass[piled].mean()), float(surface[piled].mean())
     length = float(piled.sum() * flow.bin_width)
     return Depths(*found, found[0] / found[1], float(surface[piled].max()), length)
@@ -71,7 +71,7 @@ def require_agreement(gathered: Gathered) -> str:
     )
     if found.ratio > 1:
         raise DumpError(
-            f"{flow.scene.name}: {said}. Discs of {flow.scene.diameter:.4g} m overlap, or lie behind each other. Give "
+            f"{flow.scene.name}: {said}. Discs of {flow.scene.diameter:z.4g} m overlap, or lie behind each other. Give "
             "the right diameter (--diameter), or write a dump of one layer of discs."
         )
     return f"There is air below the surface: {said}. Depths by mass hold, those of the surface do not."

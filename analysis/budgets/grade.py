@@ -170,10 +170,10 @@ def _why_no_loss(first: Station, last: Station) -> str:
     """Why no head lost is given between two stations."""
     for one in (first, last):
         if np.isnan(one.head):
-            return f"no stream runs at x = {one.x:.4g} m in the window; take another station"
+            return f"no stream runs at x = {one.x:z.4g} m in the window; take another station"
     return (
-        f"the discharge is {first.discharge:.3g} m2/s at x = {first.x:.4g} m and {last.discharge:.3g} m2/s at "
-        f"{last.x:.4g} m: the flow is not steady in the window, and what it stores is no loss"
+        f"the discharge is {first.discharge:z.3g} m2/s at x = {first.x:z.4g} m and {last.discharge:z.3g} m2/s at "
+        f"{last.x:z.4g} m: the flow is not steady in the window, and what it stores is no loss"
     )
 
 
@@ -193,7 +193,7 @@ def figures(grade: Grade, gathered: Gathered) -> Drawings:
     line = grade.line
     if line is None:
         return {}
-    marks = {f"{station.x:.4g} m": station.x for station in grade.stations}
+    marks = {f"{station.x:z.4g} m": station.x for station in grade.stations}
     lines = [
         Line("head H = z + p + k", line.x, line.head),
         Line("level z + p", line.x, line.level, "third"),
@@ -202,7 +202,7 @@ def figures(grade: Grade, gathered: Gathered) -> Drawings:
     lost = Line("", line.x, grade.head_upstream - line.head)
     panels = (
         Panel("Energy head [m]", lines, marks=marks, height=1.6),
-        Panel(f"Head lost since\nx = {grade.upstream:.4g} m [m]", [lost], marks=marks),
+        Panel(f"Head lost since\nx = {grade.upstream:z.4g} m [m]", [lost], marks=marks),
     )
     return {"energy_head": Chart("energy head of the window", PLACE, panels)}
 

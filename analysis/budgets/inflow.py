@@ -294,7 +294,7 @@ def _blocked(arrivals: Arrivals) -> str:
     """Since when no disc has entered, where all turns of the last two frames or more were refused."""
     last = int(np.flatnonzero(arrivals.discs > 0)[-1]) if arrivals.discs.any() else 0
     blocked = (arrivals.turns[last + 1 :].sum(axis=1) > 0).sum() > 1
-    return f"; no disc has entered since t = {arrivals.time[last]:.4g} s" if blocked else ""
+    return f"; no disc has entered since t = {arrivals.time[last]:z.4g} s" if blocked else ""
 
 
 def _notes(delivered: float, asked: float, refused: int, turns: int, blocked: str) -> tuple[str, ...]:
@@ -307,8 +307,8 @@ def _notes(delivered: float, asked: float, refused: int, turns: int, blocked: st
             "close (inflow.spacing, schedule: thesis), or the flow backs up to the inlet"
         )
     return (
-        f"the inflow delivered {delivered:.4g} m2/s of the {asked:.4g} m2/s asked for "
-        f"({100 * (delivered / asked - 1):+.1f} %); {cause}{blocked}",
+        f"the inflow delivered {delivered:z.4g} m2/s of the {asked:z.4g} m2/s asked for "
+        f"({100 * (delivered / asked - 1):+z.1f} %); {cause}{blocked}",
     )
 
 
@@ -334,7 +334,7 @@ def section(found: Mapping) -> Section:
                 "The discharge is the area of the discs that entered, over whole turns of their rows (over the window "
                 "where the inflow changes with time): a count, which has no error. Depth, speed and momentum are means "
                 "over the window between "
-                f"x = {low:.3g} and {high:.3g} m."
+                f"x = {low:z.3g} and {high:z.3g} m."
             ),
         ],
     )

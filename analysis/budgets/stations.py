@@ -27,8 +27,8 @@ def place(ledger: Mapping) -> str:
     """The stations in words."""
     numbers = {key: ledger[f"stations_{key}"] for key in ("left", "right", "begin", "end", "speed", "discharge")}
     text = (
-        "x = {left:.2f} and {right:.2f} m at t = {begin:.3g} s, which move at {speed:+.3f} m/s until {end:.3g} s; "
-        "{discharge:.2f} m²/s flow through them"
+        "x = {left:z.2f} and {right:z.2f} m at t = {begin:z.3g} s, which move at {speed:+z.3f} m/s until {end:z.3g} s; "
+        "{discharge:z.2f} m²/s flow through them"
     )
     return text.format(**numbers).replace("-", "−")
 
@@ -59,7 +59,7 @@ def section(summary: Mapping) -> Section | None:
 
 
 def _metres(head: float) -> str:
-    return f"{round(head, 3) + 0.0:.3f}".replace("-", "−")
+    return f"{round(head, 3) + 0.0:z.3f}".replace("-", "−")
 
 
 def _of_frames(found: Mapping, key: str) -> str:

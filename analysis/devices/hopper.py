@@ -177,9 +177,11 @@ def _discharge(
 def _no_beverloo(width: float, turn: float) -> str:
     """Why Beverloo's law does not hold for one gap of this width (diameters) and way (degrees from -y); else empty."""
     if abs(turn) > DOWN:
-        return f"discs pass at {abs(turn):.0f} degrees to gravity, and the law is for gaps in a floor"
+        return f"discs pass at {abs(turn):z.0f} degrees to gravity, and the law is for gaps in a floor"
     if width < devices.BEVERLOO_FROM:
-        return f"the gap is {width:z.1f} d wide; the law holds from {devices.BEVERLOO_FROM:g} d on, below it discs arch"
+        return (
+            f"the gap is {width:z.1f} d wide; the law holds from {devices.BEVERLOO_FROM:zg} d on, below it discs arch"
+        )
     return ""
 
 

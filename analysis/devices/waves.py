@@ -80,7 +80,7 @@ def analyse(gathered: Gathered) -> Waves | None:
         return Waves(**known, reason="no wall oscillates, so that no period is known")
     periods = int((last - max(first, begin) + 1e-6 * period) / period)
     if periods < 1:
-        return Waves(period, **known, reason=f"the window holds no whole period of {period:g} s of the moving paddle")
+        return Waves(period, **known, reason=f"the window holds no whole period of {period:zg} s of the moving paddle")
     means = [mean_wave(time, record, period, last, periods) for record in records]
     heights = tuple(float(np.ptp(mean)) for mean in means)
     depths = tuple(float(mean.mean()) for mean in means)
@@ -90,7 +90,7 @@ def analyse(gathered: Gathered) -> Waves | None:
 
 def tables(waves: Waves) -> Tables:
     """Depth at each gauge against time, m."""
-    columns = {f"depth_{place:g}": record for place, record in zip(waves.gauges, waves.records, strict=True)}
+    columns = {f"depth_{place:zg}": record for place, record in zip(waves.gauges, waves.records, strict=True)}
     return {"gauges.csv": {"time": waves.time, **columns}}
 
 
@@ -100,7 +100,7 @@ LOOKS = ("first", "second", "third")
 def figures(waves: Waves, gathered: Gathered) -> Drawings:
     """Depth at the gauges against time."""
     lines = [
-        Line(f"x = {place:g} m", waves.time, record, LOOKS[k % len(LOOKS)])
+        Line(f"x = {place:zg} m", waves.time, record, LOOKS[k % len(LOOKS)])
         for k, (place, record) in enumerate(zip(waves.gauges, waves.records, strict=True))
     ]
     return {"gauges": Chart("depth at the gauges", TIME, [Panel("Depth of the\nfree surface [m]", lines)])}
@@ -114,7 +114,7 @@ def section(waves: Mapping) -> Section:
     if not known:
         return Section("Gauges", [])
     columns = zip(waves["gauges"], *(waves[name] for name in known), strict=True)
-    rows = [(f"{x:g}", *(f"{value:.3f}" for value in values)) for x, *values in columns]
+    rows = [(f"{x:zg}", *(f"{value:z.3f}" for value in values)) for x, *values in columns]
     blocks = [Table(rows, ("Gauge, x [m]", *(names[name] for name in known)))]
     if waves.get("height") is None:
         return Section("Gauges", blocks)

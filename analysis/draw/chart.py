@@ -209,7 +209,7 @@ def _plain_panel(panel: Panel) -> dict[str, Any]:
 
 
 def _digits(values: np.ndarray) -> list[float | None]:
-    return [float(f"{value:.5g}") if value == value else None for value in np.asarray(values, float).tolist()]
+    return [float(f"{value:z.5g}") if value == value else None for value in np.asarray(values, float).tolist()]
 
 
 def thinned(line: Line, most: int = MOST_POINTS) -> Line:

@@ -46,8 +46,10 @@ def field_map(fields: xr.Dataset, flow: Flow, variable: str = "pressure") -> Map
 
 
 def _heading(fields: xr.Dataset, what: str) -> str:
-    when = f"mean of {fields.attrs['frames']} frames" if "frames" in fields.attrs else f"t = {float(fields.time):.2f} s"
-    return f"{what.replace('_', ' ')}, {when} (kernel reach {fields.attrs['reach']:g} m)"
+    when = (
+        f"mean of {fields.attrs['frames']} frames" if "frames" in fields.attrs else f"t = {float(fields.time):z.2f} s"
+    )
+    return f"{what.replace('_', ' ')}, {when} (kernel reach {fields.attrs['reach']:zg} m)"
 
 
 def _time_of(fields: xr.Dataset, flow: Flow) -> float:

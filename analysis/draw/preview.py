@@ -150,7 +150,7 @@ def _draw_domain(drawing: Drawing, scene: Scene) -> None:
 
 
 def _span(ends: Interval) -> str:
-    return f"{ends[0]:.4g} … {ends[1]:.4g}".replace("-", "\N{MINUS SIGN}")
+    return f"{ends[0]:z.4g} … {ends[1]:z.4g}".replace("-", "\N{MINUS SIGN}")
 
 
 def _draw_discs(drawing: Drawing, scene: Scene, regions: Sequence[Region]) -> None:
@@ -172,7 +172,7 @@ def _draw_discs(drawing: Drawing, scene: Scene, regions: Sequence[Region]) -> No
         if (speed := hypot(*mean)) > 0.01:
             long = 0.05 * (drawing.x[1] - drawing.x[0]) / speed
             drawing.arrow(np.array([middle - 0.5 * long * mean, middle + 0.5 * long * mean]), BLUE)
-            text += f", {speed:.3g} m/s"
+            text += f", {speed:z.3g} m/s"
         drawing.label(text, middle[0], place.y[1], BLUE)
     _draw_movers(drawing, scene, regions)
     for pour in scene.pours:
@@ -190,7 +190,7 @@ def _draw_movers(drawing: Drawing, scene: Scene, regions: Sequence[Region]) -> N
     long = 0.06 * (drawing.x[1] - drawing.x[0]) / speed.max()
     for begin, velocity in zip(scene.positions[movers], scene.velocities[movers], strict=True):
         drawing.arrow(np.array([begin, begin + long * velocity]), BLUE)
-    drawing.label(f"{speed.max():.3g} m/s", *scene.positions[movers[speed[movers].argmax()]], BLUE)
+    drawing.label(f"{speed.max():z.3g} m/s", *scene.positions[movers[speed[movers].argmax()]], BLUE)
 
 
 def _draw_wall(drawing: Drawing, wall: Wall) -> None:
@@ -261,9 +261,9 @@ def _draw_traffic(drawing: Drawing, scene: Scene) -> None:
             drawing.arrow(np.array([(row.x, row.y), (row.x + long * row.vx, row.y)]), BLUE, 1.1, head)
         mean, top = np.mean([row.vx for row in scene.inlets]), max(scene.inlets, key=lambda row: row.y)
         count = len(scene.inlets)
-        said = f"{count} row{'s' * (count > 1)}, mean {mean:.3g} m/s"
+        said = f"{count} row{'s' * (count > 1)}, mean {mean:z.3g} m/s"
         if scene.hydrograph:
-            said = f"against time, up to {count} row{'s' * (count > 1)} and {fastest:.3g} m/s"
+            said = f"against time, up to {count} row{'s' * (count > 1)} and {fastest:z.3g} m/s"
         drawing.label(f"inlet: {said}", top.x, top.y, BLUE)
     for outlet in scene.outlets:
         upright, sign = outlet.axis == "x", 1 if outlet.side == "above" else -1
@@ -277,7 +277,7 @@ def _draw_traffic(drawing: Drawing, scene: Scene) -> None:
         drawing.keep_free(*((drawn, drawing.y) if upright else (drawing.x, drawn)))
         drawing.arrow(ends if upright else ends[:, ::-1], BLACK, 1.0)
         place = ends[0] if upright else ends[0, ::-1]
-        drawing.label(f"outlet {outlet.axis} = {outlet.at:g} m".replace("-", "\N{MINUS SIGN}"), *place)
+        drawing.label(f"outlet {outlet.axis} = {outlet.at:zg} m".replace("-", "\N{MINUS SIGN}"), *place)
 
 
 def _draw_sequent(drawing: Drawing, scene: Scene, sequent: float) -> None:
@@ -296,7 +296,7 @@ def _draw_sequent(drawing: Drawing, scene: Scene, sequent: float) -> None:
     drawing.axes.plot(ends, [height] * 2, color=RED, ls=(0, (5, 2)), lw=1.5, zorder=4, scalex=False, scaley=False)
     drawing.keep_free(ends, (height - 2 / drawing.scale, height + 2 / drawing.scale))
     drawing.label(
-        f"sequent depth to expect (Bélanger): {sequent:.3g} m", ends[0] + 0.7 * (ends[1] - ends[0]), height, RED
+        f"sequent depth to expect (Bélanger): {sequent:z.3g} m", ends[0] + 0.7 * (ends[1] - ends[0]), height, RED
     )
 
 
@@ -305,7 +305,7 @@ def _name_wall(drawing: Drawing, one: MovingWall, scene: Scene) -> None:
     wall, motion = one
     text = wall.name if motion.kind is None else f"{wall.name} ({motion.kind.kind})"
     if np.isfinite(motion.gone):
-        text += f", opens at t = {scene.time(int(motion.gone)):.3g} s"
+        text += f", opens at t = {scene.time(int(motion.gone)):z.3g} s"
     corners = np.clip(_corners(wall, drawing.x, drawing.y), *np.array([drawing.x, drawing.y]).T)
     low, high = corners.min(axis=0), corners.max(axis=0)
     ends, thin_one = np.stack([corners, np.roll(corners, -1, axis=0)]), 1.5 / drawing.scale

@@ -173,7 +173,7 @@ def _draw_bars(bars: Bars) -> Figure:
         span = max(np.abs(values).max(), 1.0)
         axes.set_xlim(-1.35 * span, 1.35 * span)
         for place, value in zip(places, values, strict=True):
-            label, side = f"{value:+.1f}".replace("-", "\N{MINUS SIGN}"), 1 if value >= 0 else -1
+            label, side = f"{value:+z.1f}".replace("-", "\N{MINUS SIGN}"), 1 if value >= 0 else -1
             axes.annotate(label, (value, place), (4 * side, 0), textcoords="offset points", fontsize=8, va="center",
                           ha="left" if side > 0 else "right")  # fmt: skip
         axes.set_yticks(places, bars.rows)

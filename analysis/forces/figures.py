@@ -60,7 +60,7 @@ def section(found: Mapping) -> Section:
     untouched = [name for name, values in structures.items() if values.get("reason")]
     blocks = [
         _table("Means of the window", steady, MEANS),
-        _table(f"Largest, means over {LOW_PASS:g} s", touched, LARGEST),
+        _table(f"Largest, means over {LOW_PASS:zg} s", touched, LARGEST),
         _table("Whole record", touched, WHOLE),
         Text("Directions are angles to the x axis, anticlockwise: −90 degrees is down." if touched else "", "small"),
         Text(f"Nothing touched {', '.join(untouched)}." if untouched else ""),
@@ -105,7 +105,7 @@ def _history_panel(name: str, force: Force) -> Panel:
     largest = {key: float(np.nanmax(np.abs(values), initial=0.0)) for key, values in smooth.items()}
     for (key, values), look in zip(smooth.items(), LOOKS, strict=False):
         if largest[key] > LEAST * max(largest.values()):
-            lines.append(Line(f"{key.replace('f', 'F')}, {LOW_PASS:g} s mean", time, values, look))
+            lines.append(Line(f"{key.replace('f', 'F')}, {LOW_PASS:zg} s mean", time, values, look))
     if force.component == "fx" and np.isfinite(table["hydrostatic"]).any():
         sign = np.sign(force.peak) or 1.0
         lines.append(Line("hydrostatic, wetted face", time, sign * table["hydrostatic"] / 1e3, "theory"))
@@ -134,7 +134,7 @@ def impulse_chart(result: Forces) -> Chart | None:
             point = "the foot" if force.wall is not None else "its point"
             moments.append(Line(f"{name}, about {point}, anticlockwise", time, moment / 1e3, look))
     panels = [Panel("Running impulse [kN s/m]", impulses)]
-    panels += [Panel(f"Moment, {LOW_PASS:g} s mean [kN m/m]", moments)] if moments else []
+    panels += [Panel(f"Moment, {LOW_PASS:zg} s mean [kN m/m]", moments)] if moments else []
     return Chart("impulse and overturning moment", TIME, panels)
 
 
@@ -145,7 +145,7 @@ def reflected_map(result: Forces, profiles: xr.Dataset) -> Map | None:
         return None
     good = np.isfinite(wave.position)
     ends = wave.time[good][[0, -1]]
-    label = f"fit {wave.speed:+.2f} m/s; bore theory {wave.bore_speed:+.2f} m/s"
+    label = f"fit {wave.speed:+z.2f} m/s; bore theory {wave.bore_speed:+z.2f} m/s"
     shown = xt_map(profiles, "mass_depth", title=f"wave thrown back by {wave.structure}")
     front = Line("reflected front", wave.position[good], wave.time[good], "measured")
     return replace(shown, lines=(front, Line(label, wave.start + wave.speed * ends, ends, "theory")))

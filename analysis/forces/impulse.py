@@ -186,7 +186,7 @@ def impulse_identity(forces: Mapping[str, ForceHistory], momentum: MomentumHisto
         inside = (history.time > start + slack) & (history.time <= end + slack)
         covered = float(lengths[inside].sum())
         if abs(covered - (end - start)) > 1e-6 * (end - start) + slack:
-            reasons.append(f"the record of '{name}' covers {covered:.4g} s of {end - start:.4g} s")
+            reasons.append(f"the record of '{name}' covers {covered:z.4g} s of {end - start:z.4g} s")
         values = (history.fx, history.fy)[column]
         walls -= float(np.dot(values[inside], lengths[inside]))
         scale += float(np.dot(np.abs(values[inside]), lengths[inside]))
@@ -231,7 +231,7 @@ def identity_sentence(identity: Identity) -> str:
         given, whose = given + identity.brought_in - identity.carried_out, "their"
         who = "walls, gravity and discs that came and went"
     return (
-        f"Impulse identity along {identity.axis}, t = {identity.start:.3f} to {identity.end:.3f} s: the discs' "
-        f"momentum changes by {identity.momentum_change:.8g} N s/m, {who} give {given:.8g} N s/m; they differ by "
-        f"{identity.relative:.1e} of {whose} total impulse."
+        f"Impulse identity along {identity.axis}, t = {identity.start:z.3f} to {identity.end:z.3f} s: the discs' "
+        f"momentum changes by {identity.momentum_change:z.8g} N s/m, {who} give {given:z.8g} N s/m; they differ by "
+        f"{identity.relative:z.1e} of {whose} total impulse."
     )

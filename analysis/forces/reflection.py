@@ -45,8 +45,8 @@ class ReflectedWave(Estimates):
         speed = shown(self.speed, "m/s", self.speed_error, alone=True)
         return (
             f"The wave thrown back by '{self.structure}' runs at {speed}; the oncoming stream of "
-            f"{self.oncoming_depth:.2f} m and {self.oncoming_velocity:.2f} m/s stopped by a wall would throw back a "
-            f"bore of {self.bore_depth:.2f} m at {self.bore_speed:+.2f} m/s."
+            f"{self.oncoming_depth:z.2f} m and {self.oncoming_velocity:z.2f} m/s stopped by a wall would throw back a "
+            f"bore of {self.bore_depth:z.2f} m at {self.bore_speed:+z.2f} m/s."
         )
 
 

@@ -357,7 +357,7 @@ def figures(heap: Heap, gathered: Gathered) -> Drawings:
     lines = [Line("discs, last frame", shape.x, shape.bed + shape.depth), Line("bed", shape.x, shape.bed, "faint")]
     for flank, angle in zip(shape.flanks, (heap.angle_left, heap.angle_right), strict=True):
         if isfinite(angle):
-            lines.append(Line(f"flank, {angle:.1f} degrees", np.array(flank.x), np.array(flank.y), "fit"))
+            lines.append(Line(f"flank, {angle:z.1f} degrees", np.array(flank.x), np.array(flank.y), "fit"))
     column = remains.column if isinstance(remains, Remains) else None
     theirs = published_shape(column)
     if theirs is not None and column is not None:
@@ -369,7 +369,7 @@ def figures(heap: Heap, gathered: Gathered) -> Drawings:
 
 
 def _with_interval(heap: Mapping, key: str) -> str:
-    return f"{heap[key]:.1f} ± {heap[f'{key}_interval']:.1f}"
+    return f"{heap[key]:z.1f} ± {heap[f'{key}_interval']:z.1f}"
 
 
 def section(heap: Mapping) -> Section:

@@ -128,7 +128,7 @@ def edges_of_layers(flow: Flow, stretch: Interval) -> np.ndarray:
     count = max(1, ceil((high - low) / height - 1e-9))
     if count > MOST_LAYERS:
         raise DumpError(
-            f"analysis.layers.height = {height:g} m makes {count} layers of {high - low:g} m; at most {MOST_LAYERS}: "
+            f"analysis.layers.height = {height:zg} m makes {count} layers of {high - low:zg} m; at most {MOST_LAYERS}: "
             "raise it."
         )
     return low + height * np.arange(count + 1)
@@ -356,7 +356,7 @@ def figures(layers: Layers, gathered: Gathered) -> Drawings:
         panels.append(Panel("Stress [kPa]", stresses))
         panels.append(Panel("Inertial\nnumber I", [Line("", y, profile.inertial_number)], ylim=(0.0, None)))
         panels.append(Panel("Friction\nμ = |τ|/σ_yy", [Line("", y, profile.friction)], ylim=(0.0, None)))
-    stretch = f"x = {layers.begin:.3g} … {layers.end:.3g} m"
+    stretch = f"x = {layers.begin:z.3g} … {layers.end:z.3g} m"
     return {"layers": Chart(f"layers, {stretch}", "Height y [m]", panels)}
 
 

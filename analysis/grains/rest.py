@@ -184,8 +184,8 @@ def analyse(gathered: Gathered) -> Rest:
 
 def _restless(speed: float) -> str:
     if speed >= SLOW:
-        return f"the discs still move: their median speed is {speed:.2g} √(g d), at rest it is below {SLOW:g}"
-    return f"the discs are slow, yet their top or number changed within the last {SPAN:g} √(d/g)"
+        return f"the discs still move: their median speed is {speed:z.2g} √(g d), at rest it is below {SLOW:zg}"
+    return f"the discs are slow, yet their top or number changed within the last {SPAN:zg} √(d/g)"
 
 
 def tables(rest: Rest) -> Tables:
@@ -207,7 +207,7 @@ def figures(rest: Rest, gathered: Gathered) -> Drawings:
         digits = np.log10(np.maximum(history.speed / scale, LOWEST))
     panels = (
         Panel("Median speed,\nlog₁₀ of v/√(g d)", [Line("", history.time, digits)],
-              levels={f"rest: {SLOW:g}": float(np.log10(SLOW))}, marks=marks),
+              levels={f"rest: {SLOW:zg}": float(np.log10(SLOW))}, marks=marks),
         Panel("Highest edge\nof the discs [m]", [Line("", history.time, history.top)], marks=marks),
     )  # fmt: skip
     return {"rest": Chart("the discs come to rest", flow.time_axis, panels)}

@@ -229,7 +229,7 @@ def _follow(nothing: JumpResult, stream: xr.Dataset, width: float) -> JumpResult
     if verdict == "jump" and share < SURE:
         others = _why_none(track, in_window, stream, result.heap, gravity, None)[1]
         verdict = "marginal jump"
-        reason = f"{100 * share:.0f} % of the frames have a jump, others not: {others}. {reason}"
+        reason = f"{100 * share:z.0f} % of the frames have a jump, others not: {others}. {reason}"
     return replace(result, verdict=verdict, reason=reason)
 
 
@@ -322,12 +322,12 @@ def _judge(result: JumpResult, used: np.ndarray, gravity: float, to_inlet: float
     heap, motion = result.heap, result.motion
     if heap.locked:
         return "locked heap", (
-            f"behind the toe {100 * heap.standing_share:.0f} % of the discs stand still under a surface that "
-            f"slopes by {heap.surface_slope:+.3f}: friction has locked them, this is no hydraulic jump."
+            f"behind the toe {100 * heap.standing_share:z.0f} % of the discs stand still under a surface that "
+            f"slopes by {heap.surface_slope:+z.3f}: friction has locked them, this is no hydraulic jump."
             f"{' It has reached the inlet.' if drowned else ''}"
         )
     if drowned:
-        return "drowned inlet", f"the toe stands {to_inlet:.2f} m from the inlet: the inflow is no longer free."
+        return "drowned inlet", f"the toe stands {to_inlet:z.2f} m from the inlet: the inflow is no longer free."
     words = "moves upstream" if motion.speed < 0 else "moves downstream"
     uncertain = 2 * motion.error if isfinite(motion.error) else 0.0
     if abs(motion.speed) <= max(uncertain, 1e-6 * sqrt(gravity * result.track.mass_depth_2[used].mean())):
@@ -346,15 +346,17 @@ def _why_none(track, in_window, stream, heap, gravity, inflow) -> tuple[str, str
     counted = ", ".join(f"{reason} ({n} of {int(in_window.sum())} frames)" for reason, n in reasons.most_common(2))
     if heap.locked:
         share, slope = heap.standing_share, heap.surface_slope
-        reason = f"{100 * share:.0f} % of the discs stand still under a surface that slopes by {slope:+.3f}; {counted}"
+        reason = (
+            f"{100 * share:z.0f} % of the discs stand still under a surface that slopes by {slope:+z.3f}; {counted}"
+        )
         return "locked heap", reason
     depth, discharge = (stream[name].values.mean(axis=0)[:3] for name in ("mass_depth", "discharge"))
     if inflow and depth.mean() > 0:
         froude = discharge.sum() / depth.sum() / sqrt(gravity * depth.mean())
         if depth.mean() > 1.5 * inflow and froude < 1:
             return "drowned inlet", (
-                f"the flow at the inlet is {depth.mean():.2f} m deep (inflow {inflow:.2f} m) and subcritical "
-                f"(Fr = {froude:.2f}): what jump there was has run over the inlet"
+                f"the flow at the inlet is {depth.mean():z.2f} m deep (inflow {inflow:z.2f} m) and subcritical "
+                f"(Fr = {froude:z.2f}): what jump there was has run over the inlet"
             )
     if reasons and reasons.most_common(1)[0][0] == TO_THE_END:
         return AT_SILL, f"{counted}: there is no level water behind it to compare with theory"

@@ -166,7 +166,7 @@ def _streams(jump: Mapping) -> Table:
         rows.append((BEFORE, "laboratory", cut(local, "froude_lab"), ABSENT))
     if asked:
         at = f"{ASKED}, {shown(asked['depth'])} m at {shown(asked['velocity'])} m/s, exact"
-        rows.append((at, "laboratory", f"{asked['froude']:.2f}", f"{asked['belanger_y2']:.2f}"))
+        rows.append((at, "laboratory", f"{asked['froude']:z.2f}", f"{asked['belanger_y2']:z.2f}"))
     return Table(rows, ("State", "frame", "Froude number", "sequent depth by Bélanger [m]"))
 
 
@@ -230,12 +230,12 @@ def _balances(jump: Mapping) -> Table:
     """Mass through the front, tail water, roller and stream; parts of the momentum are in the figure."""
     mass, tail, roller, stream = (jump.get(key) or {} for key in ("mass", "tail", "roller", "stream"))
     rows: list[tuple] = [
-        (f"Mass flux through the front, {words} [%]", f"{100 * mass[key]:+.2f}".replace("-", "−"))
+        (f"Mass flux through the front, {words} [%]", f"{100 * mass[key]:+z.2f}".replace("-", "−"))
         for key, words in (("closure", "downstream less upstream"), ("closure_with_storage", "the same with storage"))
         if mass.get(key) is not None
     ]
     if tail.get("length") is not None:
-        rows.append((f"Slope of the surface of the tail water, over {tail['length']:.1f} m", cut(tail, "slope")))
+        rows.append((f"Slope of the surface of the tail water, over {tail['length']:z.1f} m", cut(tail, "slope")))
     rows += [
         (f"Roller: surface that runs upstream, {frame} [m]", shown(roller[key], digits=2))
         for key, frame in (("length_in_jump_frame", "front's frame"), ("length", "laboratory"))
@@ -243,7 +243,7 @@ def _balances(jump: Mapping) -> Table:
     ]
     if stream.get("total_deviation") is not None:
         words = "Momentum flux + thrust of the stream before the jump: largest change [%]"
-        rows.append((words, f"{100 * stream['total_deviation']:.1f}"))
+        rows.append((words, f"{100 * stream['total_deviation']:z.1f}"))
     return Table(rows, ("Balances", ""))
 
 
@@ -253,9 +253,11 @@ def _budget(found: Mapping) -> Table:
         return Table(())
     words = numbers_of(Budget)
     keys = ("carried", "contacts", "storage", "dashpots", "residual")
-    values = (cut(found, key) if f"{key}_error" in found else f"{found[key]:.3f}" for key in keys)
+    values = (cut(found, key) if f"{key}_error" in found else f"{found[key]:z.3f}" for key in keys)
     rows = [(heading(words[key].meaning, ""), value.replace("-", "−")) for key, value in zip(keys, values, strict=True)]
-    head = f"Energy from {found['start']:+.1f} to {found['stop']:+.1f} m from the toe, at {found['speed']:+.2f} m/s [m]"
+    head = (
+        f"Energy from {found['start']:+z.1f} to {found['stop']:+z.1f} m from the toe, at {found['speed']:+z.2f} m/s [m]"
+    )
     return Table(rows, (head.replace("-", "−"), ""))
 
 

@@ -251,7 +251,7 @@ def _undeveloped(jump: Jump) -> str:
     """Why the depth behind the front is not that of a jump yet, as a sentence; empty where it is."""
     reached = jump.y2 / jump.belanger_y2
     if reached < DEVELOPED_SHARE:
-        return f"The depth behind it is {100 * reached:.0f} % of Bélanger's: the flow behind is still filling up."
+        return f"The depth behind it is {100 * reached:z.0f} % of Bélanger's: the flow behind is still filling up."
     return ""
 
 

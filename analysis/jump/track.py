@@ -221,13 +221,13 @@ def _look(edges, depth, discharge, gravity, diameter) -> str | tuple[float, ...]
     if depth_1 < 0.5 * diameter:
         return "no stream in front of the rise: a wave runs on a dry bed"
     if ramp.share < LEAST_SHARE:
-        return f"no ramp between two levels fits (it explains {100 * ramp.share:.0f} % of the variance)"
+        return f"no ramp between two levels fits (it explains {100 * ramp.share:z.0f} % of the variance)"
     velocity_1, velocity_2 = (discharge[side].sum() / depth[side].sum() for side in (before, behind))
     froude_1, froude_2 = velocity_1 / sqrt(gravity * depth_1), velocity_2 / sqrt(gravity * depth_2)
     if froude_1 <= 1:
-        return f"the stream in front of the rise is subcritical (Fr = {froude_1:.2f})"
+        return f"the stream in front of the rise is subcritical (Fr = {froude_1:z.2f})"
     if froude_2 >= 1:
-        return f"the stream behind the rise is still supercritical (Fr = {froude_2:.2f})"
+        return f"the stream behind the rise is still supercritical (Fr = {froude_2:z.2f})"
     return ramp.toe, ramp.end, depth_1, depth_2, velocity_1, velocity_2
 
 

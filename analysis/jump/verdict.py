@@ -111,13 +111,13 @@ def _how_sure(jump: Jump) -> str:
 def belongs_to(jump: Jump) -> str:
     """Where the numbers beside the jump were measured, and how far contacts have changed the stream there."""
     near, far = -jump.measured.upstream.zone[1], -jump.measured.upstream.zone[0]
-    text = f"The state before the toe is that of the stream {near:.1f} to {far:.1f} m before the front"
+    text = f"The state before the toe is that of the stream {near:z.1f} to {far:z.1f} m before the front"
     stream = jump.stream
     if stream is None or not isfinite(stream.compression):
         return f"{text}."
     return (
-        f"{text}. Contacts compress that stream from x = {stream.compression:.0f} m on: behind the inlet its "
-        f"Froude number is {stream.froude[0]:.2f}."
+        f"{text}. Contacts compress that stream from x = {stream.compression:z.0f} m on: behind the inlet its "
+        f"Froude number is {stream.froude[0]:z.2f}."
     )
 
 
@@ -127,7 +127,7 @@ def notes(jump: Jump) -> tuple[str, ...]:
     if stream is None or not stream.at_inlet:
         return ()
     return (
-        f"the compression front before the jump stands {stream.undisturbed:.1f} m behind the inlet: the stream before "
+        f"the compression front before the jump stands {stream.undisturbed:z.1f} m behind the inlet: the stream before "
         "the jump is no longer the inflow. Compare with Bélanger's depth of the inflow, lengthen the channel or take "
         "an earlier window.",
     )

@@ -4,6 +4,7 @@
 (() => {
   const LEFT = 76, RIGHT = 14, TOP = 10, GAP = 18, BELOW = 40, STEP = 74;
   const charts = pageData.curves;
+  const fixed = (value, digits) => (Number(value.toFixed(digits)) || 0).toFixed(digits).replace("-", "\u2212");  // no -0.0
   const text = (value) => (value === 0 ? "0" : String(Number(value.toPrecision(4)))).replace("-", "\u2212");
 
   function add(parent, name, attributes = {}, content = "") {
@@ -189,7 +190,7 @@
       const y = i * high + above, long = Math.abs(value) * unit, side = value < 0 ? -1 : 1;
       add(svg, "text", narrow ? { x: 0, y: y - 4 } : { x: label - 8, y: y + 16, "text-anchor": "end" }, name);
       add(svg, "rect", { class: i === rows - 1 ? "bar sum" : "bar", x: middle - (value < 0 ? long : 0), y: y + 4, width: long, height: 16 });
-      add(svg, "text", { x: middle + side * (long + 5), y: y + 16, "text-anchor": value < 0 ? "end" : "start" }, (value < 0 ? "" : "+") + value.toFixed(1).replace("-", "\u2212"));
+      add(svg, "text", { x: middle + side * (long + 5), y: y + 16, "text-anchor": value < 0 ? "end" : "start" }, (value < 0 ? "" : "+") + fixed(value, 1));
     });
     add(svg, "line", { class: "zero", x1: middle, x2: middle, y1: 0, y2: rows * high });
     add(svg, "text", { class: "name", x: width, y: rows * high + 18, "text-anchor": "end" }, chart.x);

@@ -273,7 +273,7 @@ def percent(share: float | None, digits: int = 1) -> str:
     """A share in per cent; with more than one digit its sign is shown."""
     if share is None:
         return shown(None)
-    return f"{100 * share:{'+' if digits > 1 else ''}.{digits}f} %"
+    return f"{100 * share:{'+' if digits > 1 else ''}z.{digits}f} %"
 
 
 def percent_of(share: float | None, error: float | None = None, *, bound: bool = False, alone: bool = False) -> str:
@@ -281,7 +281,7 @@ def percent_of(share: float | None, error: float | None = None, *, bound: bool =
     if share is None or share != share:
         return ABSENT
     if error is None or not isfinite(error) or not error:
-        return f"{100 * share:+.1f} %".replace("-", "−")
+        return f"{100 * share:+z.1f} %".replace("-", "−")
     text = shown(100 * share, error=100 * error, bound=bound, alone=alone)
     return f"{'+' * (share > 0)}{text} %".replace("-", "−")
 

@@ -265,7 +265,7 @@ function showPicked(p) {
   const k = p.picked === null ? -1 : found.disc.subarray(0, found.count).indexOf(p.picked);
   tip.hidden = k < 0;
   if (k < 0) return;
-  const speed = Math.hypot(found.u[k], found.v[k]), place = (value) => value.toFixed(2).replace("-", "\u2212");
+  const speed = Math.hypot(found.u[k], found.v[k]), place = (value) => (Number(value.toFixed(2)) || 0).toFixed(2).replace("-", "\u2212");  // no -0.00
   tip.textContent = `disc ${p.run.ids[p.picked]}\nx ${place(found.x[k])}, y ${place(found.y[k])} m\n` +
     `${place(speed)} m/s (${place(found.u[k])}, ${place(found.v[k])})\ndiameter ${short(2 * radiusOf(p, k) / p.grown)} m` +
     (p.run.map && p.run.map.name === "pressure" ? `\npressure around it ${short(mapValue(p, k))} Pa` : "");

@@ -240,9 +240,9 @@ def _option(key: str, value: object) -> list[str]:
     if key == "analyses" and isinstance(value, Sequence):
         return [f"--{OPTIONS.get(name, name)}" for name in value]
     if key == "stations" and isinstance(value, Sequence):
-        value = ",".join(f"{x:g}" for x in value)
+        value = ",".join(f"{x:zg}" for x in value)
     if isinstance(value, Mapping):
-        value = ",".join(f"{kind}={number:g}" for kind, number in value.items())
+        value = ",".join(f"{kind}={number:zg}" for kind, number in value.items())
     return [f"--{key.replace('_', '-')} {value if isinstance(value, str) else format(value, 'g')}"]
 
 
@@ -252,9 +252,9 @@ def _how(summary: Mapping) -> Section:
     sums = {name: values.get("sha256") for name, values in (summary.get("outputs") or {}).items()}
     rows = [
         ("Engine", f"{summary['engine']}, kernel {summary.get('kernel') or ABSENT}" if summary.get("engine") else None),
-        *((f"Wall time, {name}", f"{value:.2f} s") for name, value in seconds.items() if value is not None),
+        *((f"Wall time, {name}", f"{value:z.2f} s") for name, value in seconds.items() if value is not None),
         ("Steps", summary.get("steps")),
-        ("Disc-steps per second", f"{speed / 1e6:.1f} million" if speed else None),
+        ("Disc-steps per second", f"{speed / 1e6:z.1f} million" if speed else None),
         ("Discs", ", ".join(f"{value} {name}" for name, value in discs.items()) or None),
         *((f"Version of {name}", value) for name, value in versions.items()),
         ("Hash of the case", summary.get("case_hash")),

@@ -97,7 +97,7 @@ class Row(NamedTuple):
         if not self.far:
             return ""
         ratio = 1.0 + self.difference.value
-        times = f"{ratio:.2g} times as much" if ratio >= 1 else f"{100 * ratio:.2g} % of it"
+        times = f"{ratio:z.2g} times as much" if ratio >= 1 else f"{100 * ratio:z.2g} % of it"
         what, theory = heading(self.label, ""), self.numbers()[1]
         return f"{what}: {theory} does not apply, because it is {HOLDS[self.words]}; measured is {times}."
 
@@ -112,9 +112,9 @@ class Row(NamedTuple):
         if isfinite(error):
             text = shown(scale * value, error=scale * error)
         elif self.plain:
-            text = f"{value:.{len(_text(self.measured).partition('.')[2])}f}"
+            text = f"{value:z.{len(_text(self.measured).partition('.')[2])}f}"
         else:
-            text = f"{scale * value:.{1 if abs(scale * value) < 10 else 0}f}"
+            text = f"{scale * value:z.{1 if abs(scale * value) < 10 else 0}f}"
         return f"{'+' if value > 0 else ''}{text} {unit}".replace("-", "−")
 
 
@@ -213,9 +213,9 @@ def _rows(wanted: Wanted, summaries: Sequence[Mapping], mean: Callable[[Sequence
         off = [value - theory if wanted.plain else abs(value) / abs(theory) - 1.0 for value, theory in both if theory]
         number, absent = numbers_of(wanted.result)[key], Mean(nan, nan)
         time = _at(first, "front.time")
-        when = {"time": f"{time:.3g} s" if isinstance(time, int | float) else "the last frame", "name": name}
+        when = {"time": f"{time:z.3g} s" if isinstance(time, int | float) else "the last frame", "name": name}
         ends = [_at(first, f"grade.{key}") for key in ("upstream", "downstream")]
-        when["stations"] = " to ".join(f"{x:.3g}" for x in ends if isinstance(x, int | float)) + " m"
+        when["stations"] = " to ".join(f"{x:z.3g}" for x in ends if isinstance(x, int | float)) + " m"
         when |= {"component": component.replace("f", "F")}
         yield Row(
             path,
@@ -273,7 +273,7 @@ def _text(found: Mean, *, alone: bool = False) -> str:
     if not isfinite(found.value):
         return ABSENT
     whole = abs(found.value) >= 999.5 or not found.value
-    return (f"{found.value:.0f}" if whole else f"{found.value:#.3g}".rstrip(".")).replace("-", "−")
+    return (f"{found.value:z.0f}" if whole else f"{found.value:z#.3g}".rstrip(".")).replace("-", "−")
 
 
 def tiles(rows: Sequence[Row]) -> list[Box]:
@@ -308,7 +308,7 @@ def at_gauges(summary: Mapping) -> str:
     """A line on the depths at the gauges that were asked for; empty where there are none."""
     waves = summary.get("waves") or {}
     columns = [waves.get(key) or () for key in ("gauges", "means", "largest")]
-    each = [f"x = {x:g} m {mean:.2f} ({most:.2f})" for x, mean, most in zip(*columns, strict=False)]
+    each = [f"x = {x:zg} m {mean:z.2f} ({most:z.2f})" for x, mean, most in zip(*columns, strict=False)]
     return f"depth at gauges, mean of the window (largest), m: {', '.join(each)}" if each else ""
 
 

@@ -52,7 +52,9 @@ def _pause(summary: Mapping) -> str:
     pause, usual = at(summary, "hopper.pause"), at(summary, "hopper.usual_pause")
     if pause is None or not usual or pause <= 20 * usual:
         return ""
-    return f"no disc passes for {shown(pause)} s, {pause / usual:.0f} times the usual pause: the flow stops and goes on"
+    return (
+        f"no disc passes for {shown(pause)} s, {pause / usual:z.0f} times the usual pause: the flow stops and goes on"
+    )
 
 
 def _no_law(summary: Mapping) -> str:

@@ -61,11 +61,11 @@ def _off(of: str, off: float, error: float | None) -> str:
     if off > FAR:
         return f"its {of} is {shown(1 + off)} times Bélanger’s, whose relation does not apply to it"
     if not error:
-        return f"its {of} is {abs(100 * off):.2g} % {'above' if off > 0 else 'below'} Bélanger’s"
+        return f"its {of} is {abs(100 * off):z.2g} % {'above' if off > 0 else 'below'} Bélanger’s"
     if abs(off) <= error:
-        return f"its {of} equals Bélanger’s within {float(f'{100 * error:.1g}'):g} %"
+        return f"its {of} equals Bélanger’s within {float(f'{100 * error:z.1g}'):zg} %"
     digits = max(0, -floor(log10(100 * error)))
-    return f"its {of} is {abs(100 * off):.{digits}f} % {'above' if off > 0 else 'below'} Bélanger’s"
+    return f"its {of} is {abs(100 * off):z.{digits}f} % {'above' if off > 0 else 'below'} Bélanger’s"
 
 
 def _jump(jump: Mapping, errors: float) -> str:

@@ -43,7 +43,7 @@ def _collapse(summary: Mapping) -> str:
     if not has_front(summary) or part(summary, "heap").get("run_out_over_base") is not None:  # told by the heap
         return ""
     if not collapsed(front):
-        after = "" if front.get("time") is None else f" after {front['time']:.3g} s"
+        after = "" if front.get("time") is None else f" after {front['time']:z.3g} s"
         return f"The front of the discs is at {front['position']:z.3g} m{after}."
     ritter = against_water(front) and (front.get("ritter") or {}).get("front_speed")
     more = f"; Ritter’s would run at {shown(ritter)} m/s" if ritter else ""
@@ -67,17 +67,17 @@ def _collapse_at_length(summary: Mapping) -> str:
     speed = f", mean speed {front['speed']:z.2f} m/s" if front.get("speed") is not None else ""
     flow = "The discs’" if front.get("column_base") is not None else "Discs flow in; the"
     if collapsed(front):
-        column = f"A column of {front['column_base']:.3g} × {front['column_depth']:.3g} m"
+        column = f"A column of {front['column_base']:z.3g} × {front['column_depth']:z.3g} m"
         opens = front.get("gate_open")
         flow = (
             f"{column} collapsed; its"
             if opens is None
-            else f"{column} ran out below a gate that rose until {opens:.3g} s; its"
+            else f"{column} ran out below a gate that rose until {opens:z.3g} s; its"
         )
-    when = "at the last frame" if after is None else f"after {after:.2f} s"
+    when = "at the last frame" if after is None else f"after {after:z.2f} s"
     said = [f"{flow} front is at {front['position']:z.2f} m {when}{speed}."]
     if front.get("arrival_time") is not None:
-        said.append(f"It met the first obstacle after {front['arrival_time']:.2f} s.")
+        said.append(f"It met the first obstacle after {front['arrival_time']:z.2f} s.")
     said += _against_water(front)
     return " ".join([*said, "One run cannot say how sure that is: repeat it from other starts."])
 
@@ -91,12 +91,16 @@ def _against_water(front: Mapping) -> list[str]:
         off = f"{100 * water['mean_bulk']:+z.0f} % off Martin & Moyce's water (n² = 2) in the mean"
         said.append(f"It is {off}, {inside} ({low:z.0f} to {high:z.0f} %).")
     elif water.get("slope_of_table") is not None and water.get("slope") is not None:
-        of_table = f"{water['slope_of_table']:.2f}"
+        of_table = f"{water['slope_of_table']:z.2f}"
         said.append(f"Slope dZ/dT {water['slope']:z.2f}; Martin & Moyce's water of this shape has {of_table}.")
     elif water:
-        said.append(f"No measured curve of water belongs to its shape (n² = {water['aspect']:.2f}; measured: 1 and 2).")
+        said.append(
+            f"No measured curve of water belongs to its shape (n² = {water['aspect']:z.2f}; measured: 1 and 2)."
+        )
     if water and ritter.get("rms") is not None:
-        said.append(f"Ritter's front, until {ritter['valid_until']:.2f} s: RMS difference {percent(ritter['rms'], 0)}.")
+        said.append(
+            f"Ritter's front, until {ritter['valid_until']:z.2f} s: RMS difference {percent(ritter['rms'], 0)}."
+        )
     return said
 
 
@@ -130,8 +134,8 @@ def _waves(summary: Mapping) -> str:
     if waves.get("height") is None:
         return ""
     pairs = list(zip(waves["gauges"], waves["heights"], strict=True))
-    last = f" and {pairs[-1][1]:.2f} m at x = {pairs[-1][0]:g} m" if len(pairs) > 1 else ""
-    return f"Waves of {shown(waves['period'])} s are {pairs[0][1]:.2f} m high at x = {pairs[0][0]:g} m{last}."
+    last = f" and {pairs[-1][1]:z.2f} m at x = {pairs[-1][0]:zg} m" if len(pairs) > 1 else ""
+    return f"Waves of {shown(waves['period'])} s are {pairs[0][1]:z.2f} m high at x = {pairs[0][0]:zg} m{last}."
 
 
 def _die_out(summary: Mapping) -> str:
@@ -139,7 +143,7 @@ def _die_out(summary: Mapping) -> str:
     if not first or last is None or last >= 0.5 * first:
         return ""
     lost = 100 * (1 - last / first)
-    return f"the waves lose {lost:.0f} % of their height between the gauges: discs lose energy as water does not"
+    return f"the waves lose {lost:z.0f} % of their height between the gauges: discs lose energy as water does not"
 
 
 WAVES = Verdict(
@@ -182,7 +186,7 @@ def _few_over(summary: Mapping) -> str:
     discs = at(summary, "runup.over_discs")
     if not discs or discs >= 100:
         return ""
-    return f"{discs} discs make the volume over the crest, which scatters by {100 / discs**0.5:.0f} % at least"
+    return f"{discs} discs make the volume over the crest, which scatters by {100 / discs**0.5:z.0f} % at least"
 
 
 def _still_passes(summary: Mapping) -> str:
@@ -233,7 +237,7 @@ def _impact(summary: Mapping) -> str:
     if not force["peak"]:
         return f"Nothing pushes {name}."
     along = {"fx": " along x", "fy": " along y"}.get(force.get("component") or "", "")
-    when = f", at t = {force['peak_time']:.2f} s" if force.get("peak_time") is not None else ""
+    when = f", at t = {force['peak_time']:z.2f} s" if force.get("peak_time") is not None else ""
     return f"The discs push {name} with {shown(abs(force['peak']) / 1e3)} kN/m{along} at most{when}."
 
 

@@ -96,7 +96,7 @@ class Derived:
         """What is asked for in each quarter of the run."""
         ends = [0.25 * i * self.fields.run.duration for i in range(5)]
         means = [(begin, end, *graph.means(begin, end)) for begin, end in pairwise(ends)]
-        return [f"  t = {a:.4g} to {b:.4g} s  depth {h:.4g} m  discharge {q:.4g} m^2/s" for a, b, h, q in means]
+        return [f"  t = {a:z.4g} to {b:z.4g} s  depth {h:z.4g} m  discharge {q:z.4g} m^2/s" for a, b, h, q in means]
 
     def __str__(self) -> str:
         """Text for the screen: the verdict, tables with units, what is skipped and adapted."""
@@ -123,8 +123,8 @@ class Derived:
         elif scene.inlets:
             lines += ["", "inflow rows (a disc waits while its place is occupied)"]
             lines += [
-                f"  y = {row.y:.4g} m  v = {row.vx:.3f} m/s  every {row.every_steps} steps = "
-                f"{row.every_steps * scene.time_step:.5f} s"
+                f"  y = {row.y:z.4g} m  v = {row.vx:z.3f} m/s  every {row.every_steps} steps = "
+                f"{row.every_steps * scene.time_step:z.5f} s"
                 for row in scene.inlets
             ]
         if self.walls:
@@ -143,7 +143,7 @@ def _show(value) -> str:
         return "-"
     if isinstance(value, str | int):
         return str(value)
-    return f"{value:.6g}"
+    return f"{value:z.6g}"
 
 
 def _described(result: object, keys: str) -> list[Row]:
@@ -222,7 +222,7 @@ def _time_rows(scene: Scene) -> list[Row]:
     rows: list[Row] = [
         ("integrator", "integrator", scene.integrator, ""),
         *_described(c, "critical_time_step"),
-        ("time_step", f"time step, f = {c.time_step_fraction:g}", c.time_step, "s"),
+        ("time_step", f"time step, f = {c.time_step_fraction:zg}", c.time_step, "s"),
         *_described(c, "contact_duration contact_steps"),
     ]
     for packing in ("pair", "square", "hexagonal"):

@@ -73,7 +73,7 @@ class ProgressLine:
         if not seconds:
             return
         if report.doing:
-            self._show(1.0, f"t = {report.time:.3f} of {self.end_time:g} s  {report.doing}")
+            self._show(1.0, f"t = {report.time:z.3f} of {self.end_time:zg} s  {report.doing}")
             return
         rate = (report.step - self.step) * report.discs / seconds
         self.step = report.step
@@ -83,8 +83,8 @@ class ProgressLine:
         threads = f"  {report.threads} threads" if report.threads > 1 else ""
         self._show(
             share,
-            f"t = {report.time:.3f} of {self.end_time:g} s  {100 * share:3.0f} %  {report.discs - self.fixed} discs  "
-            f"{rate / 1e6:.1f} M disc-steps/s{threads}  {_duration(left)} left",
+            f"t = {report.time:z.3f} of {self.end_time:zg} s  {100 * share:z3.0f} %  "
+            f"{report.discs - self.fixed} discs  {rate / 1e6:z.1f} M disc-steps/s{threads}  {_duration(left)} left",
         )
 
     def _time_to_show(self, *, at_once: bool = False) -> float:
@@ -140,7 +140,7 @@ class StudyLine(ProgressLine):
         failed = f", {report.failed} failed" if report.failed else ""
         self._show(
             report.share,
-            f"{report.done} of {report.total} runs done{failed}  {rate / 1e6:.1f} M disc-steps/s  "
+            f"{report.done} of {report.total} runs done{failed}  {rate / 1e6:z.1f} M disc-steps/s  "
             f"{_duration(left)} left",
         )
 
@@ -172,8 +172,8 @@ def print_summary(summary: Mapping[str, Any], folder: Path, *, verbose: bool = F
         print(
             f"discs: {discs['inserted']} inserted = {discs['present']} present + {discs['removed']} removed, "
             f"{discs['lost']} lost\n"
-            f"time: build {seconds['build']:.2f} s, run {seconds['run']:.2f} s ({rate / 1e6:.1f} M disc-steps/s), "
-            f"analysis {seconds['analysis']:.2f} s"
+            f"time: build {seconds['build']:z.2f} s, run {seconds['run']:z.2f} s ({rate / 1e6:z.1f} M disc-steps/s), "
+            f"analysis {seconds['analysis']:z.2f} s"
         )
     for warning in summary.get("warnings", []):
         print(f"note: {warning}")
@@ -184,7 +184,7 @@ def print_summary(summary: Mapping[str, Any], folder: Path, *, verbose: bool = F
 def _spent(summary: Mapping[str, Any]) -> str:
     discs, seconds = summary["discs"], summary["wall_seconds"]
     return (
-        f"time: {seconds['run']:.1f} s run, {seconds['analysis']:.1f} s analysis; discs: {discs['inserted']} in, "
+        f"time: {seconds['run']:z.1f} s run, {seconds['analysis']:z.1f} s analysis; discs: {discs['inserted']} in, "
         f"{discs['removed']} out, {discs['present']} at the end"
     )
 
@@ -224,5 +224,5 @@ def _duration(seconds: float) -> str:
     if isnan(seconds):
         return "?"
     if seconds < 90:
-        return f"{seconds:.0f} s"
-    return f"{seconds / 60:.0f} min" if seconds < 5400 else f"{seconds / 3600:.1f} h"
+        return f"{seconds:z.0f} s"
+    return f"{seconds / 60:z.0f} min" if seconds < 5400 else f"{seconds / 3600:z.1f} h"

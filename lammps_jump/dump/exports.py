@@ -48,10 +48,16 @@ def write_table(table: Mapping[str, Sequence], path: str | Path, units: Mapping[
     units = units or {}
     heads = [f"{name} [{units[name]}]" if units.get(name) not in (None, "", "1") else name for name in table]
     try:
-        columns = pd.DataFrame(dict(table))
+        columns = pd.DataFrame({name: without_minus_zero(values) for name, values in table.items()})
     except ValueError as error:
         raise DumpError(f"{path}: columns of a table must be equally long: {error}.") from error
     return _write(path, csv_text(columns.set_axis(heads, axis=1), float_format="%.10g"))
+
+
+def without_minus_zero(values: Sequence) -> Sequence:
+    """The values with 0 in place of -0."""
+    numbers = np.asarray(values)
+    return numbers + 0.0 if numbers.dtype.kind == "f" else values
 
 
 def csv_text(table: pd.DataFrame, float_format: str | None = None) -> str:

@@ -37,9 +37,9 @@ def with_header(case: ReadCase, setting: Setting) -> Setting:
     scene, c = case.scene(), case.scene().coefficients
     lines = (
         f"written by lammps-jump {__version__} from case {case.hash}",
-        f"d = {scene.diameter:g} m, m = {c.mass:g} kg/m, k = {c.stiffness:g} N/m, e = {c.restitution:g}, "
-        f"mu = {c.friction:g}",
-        f"dt = {c.time_step:.6g} s = {c.time_step_fraction:g} of 2/omega; stable up to {c.stable_fraction:.3f} "
+        f"d = {scene.diameter:zg} m, m = {c.mass:zg} kg/m, k = {c.stiffness:zg} N/m, e = {c.restitution:zg}, "
+        f"mu = {c.friction:zg}",
+        f"dt = {c.time_step:z.6g} s = {c.time_step_fraction:zg} of 2/omega; stable up to {c.stable_fraction:z.3f} "
         "in the densest packing",
     )
     return replace(setting, header=lines)

@@ -154,7 +154,7 @@ def result_of_files(scene: Scene, folder: Path, setting: Setting, *, write: bool
     message = (
         "the run reached its end, its analysis did not"
         if whole
-        else f"the run was cut off after t = {scene.time(step):.4g} s of {scene.time(scene.steps):.4g} s"
+        else f"the run was cut off after t = {scene.time(step):z.4g} s of {scene.time(scene.steps):z.4g} s"
     ) + " and left no summary; discs are counted from what it wrote"
     return RunResult(
         engine=setting.engine,

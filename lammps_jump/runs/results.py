@@ -228,7 +228,7 @@ def analyse_dump(
     (low, high), width = flow.x_range, given.bin_width
     if width is not None and not (high - low) / MOST_BINS <= width <= high - low:
         raise CaseError(
-            f"--bin-width {width}: allowed is {(high - low) / MOST_BINS:.2g} to {high - low:.4g} m, the length of "
+            f"--bin-width {width}: allowed is {(high - low) / MOST_BINS:z.2g} to {high - low:z.4g} m, the length of "
             f"the channel in {path}"
         )
     stem = path.name.split(".")[0].replace("*", "").strip("_-")

@@ -55,7 +55,7 @@ def start(
     if ask() == "nothing":
         stored = read_summary(folder)
         log.info(
-            f"{folder} already holds this run ({stored['steps']} steps, {stored['wall_seconds']['run']:.1f} s "
+            f"{folder} already holds this run ({stored['steps']} steps, {stored['wall_seconds']['run']:z.1f} s "
             "of computing): nothing to do. --force runs it again."
         )
         return
@@ -82,7 +82,7 @@ def _run(
         setting = replace(setting, kernel=done.kernel)
         before = read_summary(folder).get("wall_seconds") or {}
         said = (
-            f"goes on at t = {checkpoint.time:.4g} s of {scene.time(scene.steps):.4g} s "
+            f"goes on at t = {checkpoint.time:z.4g} s of {scene.time(scene.steps):z.4g} s "
             f"(step {checkpoint.step} of {scene.steps})"
         )
         left = sum(item.count for item in scene.pours) + len(scene.positions) - done.present - done.removed
@@ -91,8 +91,8 @@ def _run(
     else:
         c, ranks = scene.coefficients, f", {setting.ranks} ranks" if setting.ranks > 1 else ""
         said = (
-            f"{setting.engine} ({setting.kernel}{ranks}), {scene.steps} steps of {c.time_step:.4g} s, "
-            f"e = {c.restitution:g}, μ = {c.friction:g}, k = {c.stiffness:.4g} N/m"
+            f"{setting.engine} ({setting.kernel}{ranks}), {scene.steps} steps of {c.time_step:z.4g} s, "
+            f"e = {c.restitution:zg}, μ = {c.friction:zg}, k = {c.stiffness:z.4g} N/m"
         )
         if resume:
             told.append(f"{folder} holds no checkpoint: the run starts from the beginning")

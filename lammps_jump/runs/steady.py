@@ -163,12 +163,12 @@ class SteadyDetector:
         self._passed = self._passed + 1 if good else 0
         if self._passed >= 2:
             found = ", ".join(
-                f"{name} {drift.drift:+.2g} ± {drift.margin:.1g} (allowed {allowed[name]:.2g})"
+                f"{name} {drift.drift:+z.2g} ± {drift.margin:z.1g} (allowed {allowed[name]:z.2g})"
                 for name, drift in self.drifts.items()
             )
             self.reason = (
-                f"statistically steady{'' if jump else ', without a jump,'} at t = {time:.4g} s: drift over the last "
-                f"{self.window:g} s of {found}; two one-sided t tests, {100 * CONFIDENCE:g} %, twice in a row"
+                f"statistically steady{'' if jump else ', without a jump,'} at t = {time:z.4g} s: drift over the last "
+                f"{self.window:zg} s of {found}; two one-sided t tests, {100 * CONFIDENCE:zg} %, twice in a row"
             )
 
 
@@ -283,8 +283,8 @@ class SteadyWatch:
         if not rest.feed(time, *state_of(frame, self.flow)):
             return ""
         return (
-            f"ended at t = {time:.4g} s: the discs rest since t = {rest.since:.4g} s, their median speed is below "
-            f"{rest.slow:.2g} m/s and their top constant"
+            f"ended at t = {time:z.4g} s: the discs rest since t = {rest.since:z.4g} s, their median speed is below "
+            f"{rest.slow:z.2g} m/s and their top constant"
         )
 
     def _look(self, frame: Frame, time: float, detector: SteadyDetector) -> str:
@@ -298,8 +298,8 @@ class SteadyWatch:
             speed = float(np.median(np.hypot(frame.vx, frame.vy)))
             still = ", and the discs stand still" if speed < STILL * sqrt(self.flow.g * depth) else ""
             return (
-                f"ended at t = {time:.4g} s: the inlet is drowned, no disc has entered since t = "
-                f"{self._entered:.4g} s{still}"
+                f"ended at t = {time:z.4g} s: the inlet is drowned, no disc has entered since t = "
+                f"{self._entered:z.4g} s{still}"
             )
         detector.feed(time, depth, discharge, toe)
         return detector.reason

@@ -34,7 +34,7 @@ def case_html(name: str, scene: Scene) -> str:
     """Name, coefficients and a drawing of the walls of a case."""
     values = scene.coefficients
     units = {key: number.unit for key, number in numbers_of(values).items()}
-    rows = "".join(f"<tr><td>{key}</td><td>{getattr(values, key):.4g} {units[key]}</td></tr>" for key in COEFFICIENTS)
+    rows = "".join(f"<tr><td>{key}</td><td>{getattr(values, key):z.4g} {units[key]}</td></tr>" for key in COEFFICIENTS)
     return f"<p><b>{html.escape(name)}</b>: {html.escape(scene.description)}</p><table>{rows}</table>{_drawing(scene)}"
 
 
@@ -59,14 +59,14 @@ def _drawing(scene: Scene) -> str:
         for fill in ("none" if wall.hollow else "#bbb",)
     ]
     return (
-        f"<svg width='640' viewBox='{x[0]:g} {-y[1]:g} {x[1] - x[0]:g} {y[1] - y[0]:g}' stroke='#333' "
-        f"stroke-width='{(x[1] - x[0]) / 500:g}'><g transform='scale(1 -1)'>{''.join(shapes)}</g></svg>"
+        f"<svg width='640' viewBox='{x[0]:zg} {-y[1]:zg} {x[1] - x[0]:zg} {y[1] - y[0]:zg}' stroke='#333' "
+        f"stroke-width='{(x[1] - x[0]) / 500:zg}'><g transform='scale(1 -1)'>{''.join(shapes)}</g></svg>"
     )
 
 
 def _loop(corners: np.ndarray) -> str:
     """A closed polygon of an SVG path."""
-    return f"M{' '.join(f'{x:g},{y:g}' for x, y in corners)}Z"
+    return f"M{' '.join(f'{x:zg},{y:zg}' for x, y in corners)}Z"
 
 
 def write_preview(case: ReadCase, folder: str | Path = ".") -> tuple[Path, Path]:
@@ -119,7 +119,7 @@ def _wall_row(one: MovingWall, scene: Scene) -> tuple[str, ...]:
         )
         moves = f"{motion.kind.kind}: {', '.join(told)}"
     if isfinite(motion.gone):
-        moves = f"opens at t = {scene.time(int(motion.gone)):.4g} s" + (f"; {moves}" if motion.kind else "")
+        moves = f"opens at t = {scene.time(int(motion.gone)):z.4g} s" + (f"; {moves}" if motion.kind else "")
     return wall.name, wall.kind, *map(_ends, wall.extent), moves
 
 
@@ -128,7 +128,7 @@ def _ends(side: Interval) -> str:
     low, high = side
     if not (isfinite(low) or isfinite(high)):
         return ""
-    text = f"{low:.4g}" if low == high else f"{low:.4g} … {high:.4g}"
+    text = f"{low:z.4g}" if low == high else f"{low:z.4g} … {high:z.4g}"
     return text.replace("-", "\N{MINUS SIGN}")
 
 
@@ -138,4 +138,4 @@ def _plain(value: object) -> str:
         return f"{len(value)} rows"
     if isinstance(value, tuple):
         return f"({', '.join(map(_plain, value))})"
-    return f"{value:g}" if isinstance(value, int | float) else str(value)
+    return f"{value:zg}" if isinstance(value, int | float) else str(value)

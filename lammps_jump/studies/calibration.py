@@ -100,18 +100,18 @@ def run_calibration(out: Path | None = None, *, quick: bool = False, fresh: bool
 
 
 SAID = (
-    "e = {restitution:g}, μ = {friction:g}, overlap {largest_overlap:g}, sill {sill:g} m: distance {distance:.1%} "
-    "(depth {depth:.1%}, length {length:.1%}, front {front:.1%}; {jumps} with a jump)"
+    "e = {restitution:zg}, μ = {friction:zg}, overlap {largest_overlap:zg}, sill {sill:zg} m: distance {distance:z.1%} "
+    "(depth {depth:z.1%}, length {length:z.1%}, front {front:z.1%}; {jumps} with a jump)"
 )
 COLUMNS = {
-    "e:": "{restitution:g}",
-    "μ:": "{friction:g}",
-    "largest overlap:": "{largest_overlap:g}",
-    "sill (m):": "{sill:g}",
-    "distance:": "{distance:.1%}",
-    "sequent depth:": "{depth:.1%}",
-    "length:": "{length:.1%}",
-    "Martin & Moyce:": "{front:.1%}",
+    "e:": "{restitution:zg}",
+    "μ:": "{friction:zg}",
+    "largest overlap:": "{largest_overlap:zg}",
+    "sill (m):": "{sill:zg}",
+    "distance:": "{distance:z.1%}",
+    "sequent depth:": "{depth:z.1%}",
+    "length:": "{length:z.1%}",
+    "Martin & Moyce:": "{front:z.1%}",
     "jumps": "{jumps}",
 }
 

@@ -107,7 +107,7 @@ def _of_profiles(results: Results, axis: str, name: str) -> tuple[np.ndarray, np
         raise CaseError(f"{name} against {axis}: profiles.nc has, against x: {', '.join(known)}")
     x, y = np.array(found["x"], float), np.array(found[column], float)
     if max(np.abs(np.nan_to_num(x)).max(), np.abs(np.nan_to_num(y)).max()) > LARGEST:
-        raise DumpError(f"{path}: {column}: a number beyond {LARGEST:g}; analyse the run again")
+        raise DumpError(f"{path}: {column}: a number beyond {LARGEST:zg}; analyse the run again")
     return x, y
 
 
@@ -160,7 +160,7 @@ def finite(path: Path, line: int, name: str, cell: str) -> float:
         )
     if abs(value) > LARGEST:
         raise CaseError(
-            f"{path}, line {line}, column {name}: {value:g} is beyond {LARGEST:g}; write it in SI, or begin the line "
+            f"{path}, line {line}, column {name}: {value:zg} is beyond {LARGEST:zg}; write it in SI, or begin the line "
             "with # to leave it out"
         )
     return value
@@ -207,7 +207,7 @@ def distance(curves: Curves, at: np.ndarray, measured: np.ndarray) -> dict[str, 
     inside = (at >= low) & (at <= high)
     if inside.sum() < FEWEST:
         raise CaseError(
-            f"the run has its curve from {low:g} to {high:g}, the points lie from {at.min():g} to {at.max():g}: "
+            f"the run has its curve from {low:zg} to {high:zg}, the points lie from {at.min():zg} to {at.max():zg}: "
             f"{inside.sum()} points in common, {FEWEST} are needed; are the units the same (SI)?"
         )
     off = np.array([np.interp(at[inside], x, y) - measured[inside] for x, y in curves])
@@ -296,10 +296,10 @@ def page(found: list[Distance], folder: Path, data: Path) -> str:
         "|---|---|---:|---:|---:|---:|",
     ]
     for one in found:
-        sure = f" ± {one.mean_interval:.2g}" if one.starts > 1 else ""
+        sure = f" ± {one.mean_interval:z.2g}" if one.starts > 1 else ""
         lines.append(
             f"| {cell(one.column)} | {cell(one.measured)} | {one.points} of {one.points_measured} | "
-            f"{one.mean:.4g}{sure} | {one.rms:.3g} | {100 * one.rms_over_range:.1f} % |"
+            f"{one.mean:z.4g}{sure} | {one.rms:z.3g} | {100 * one.rms_over_range:z.1f} % |"
         )
     starts = found[0].starts
     told = (

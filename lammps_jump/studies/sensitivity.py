@@ -143,7 +143,7 @@ def run_sensitivity(
         for name in names:
             rows[name] = run_study(STUDIES[name], folder, pool, quick=quick, fresh=fresh, say=say)
             draw_study(STUDIES[name], rows[name], folder / f"sensitivity_{name}.png")
-    heading = "### {0.label} (base {0.base:.3g})\n\n"
+    heading = "### {0.label} (base {0.base:z.3g})\n\n"
     table = "\n".join(heading.format(STUDIES[name]) + markdown(COLUMNS, found) + "\n" for name, found in rows.items())
     return store.finish(table, studies={**store.data.get("studies", {}), **rows})
 
@@ -154,7 +154,7 @@ def run_study(study: Study, folder: Path, pool: Pool, *, quick: bool, fresh: boo
 
     def said(made: Made) -> None:
         value, member = values[made.start.point], made.start.seed - base.fields.run.seed
-        say(f"  {study.label} = {value:g}, start {member + 1}: {made.message or made.outcome}")
+        say(f"  {study.label} = {value:zg}, start {member + 1}: {made.message or made.outcome}")
 
     starts: list[Start] = []
     for point, value in enumerate(values):  # runs of minutes are made twice; large numbers of discs scatter less
@@ -191,16 +191,16 @@ PANELS = (
 )
 """Panels of the figure: number, title, and the theory beside it with its label."""
 COLUMNS = {
-    "value:": "{value:g}",
+    "value:": "{value:zg}",
     "found": lambda row: ", ".join(f"{count} {word}" for word, count in row["verdicts"].items()),
     "Fr, front's frame:": with_error("froude"),
     "y2/y1:": with_error("ratio"),
     "Bélanger:": with_error("expected"),
-    "deviation:": "{belanger_deviation:+.1%}",
+    "deviation:": "{belanger_deviation:+z.1%}",
     "L/y2:": with_error("length_over_y2"),
-    "USBR:": "{usbr:.2f}",
+    "USBR:": "{usbr:z.2f}",
     "front (m/s):": with_error("speed"),
-    "CPU (s):": "{seconds:.1f}",
+    "CPU (s):": "{seconds:z.1f}",
 }
 
 
@@ -220,7 +220,7 @@ def draw_study(study: Study, rows: list[Row], path: Path) -> None:
             panel.set(title=title, xlabel=study.label)
             if study.logarithmic:
                 panel.set_xscale("log")
-                panel.set_xticks(table.value, [f"{value:g}" for value in table.value])
+                panel.set_xticks(table.value, [f"{value:zg}" for value in table.value])
                 panel.minorticks_off()
             low = panel.get_ylim()[0]
             if len(none):

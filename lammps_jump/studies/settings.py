@@ -87,11 +87,11 @@ class Setting:
     @property
     def label(self) -> str:
         """Short and unique among the settings of a case."""
-        words = [self.family, f"f={self.fraction:g}"]
-        words += [f"n={self.penetration:g}"] if self.penetration is not None else []
+        words = [self.family, f"f={self.fraction:zg}"]
+        words += [f"n={self.penetration:zg}"] if self.penetration is not None else []
         words += [] if self.correction else ["uncorrected"]
-        words += [f"skin={self.skin:g}d"] if self.skin is not None else []
-        words += [f"d={self.diameter:g}"] if self.diameter is not None else []
+        words += [f"skin={self.skin:zg}d"] if self.skin is not None else []
+        words += [f"d={self.diameter:zg}"] if self.diameter is not None else []
         words += [f"{self.ranks} ranks"] if self.ranks > 1 else []
         return " ".join(words)
 

@@ -24,7 +24,7 @@ class _Cells(Formatter):
 
 
 def filled(template: str, row: Mapping[str, Any], absent: str = "-") -> str:
-    """Return a template, ``{engine}, {share:.1%}``, with the values of a record; `absent` stands for None."""
+    """Return a template, ``{engine}, {share:z.1%}``, with the values of a record; `absent` stands for None."""
     return _Cells(absent).vformat(template, (), row)
 
 
@@ -36,7 +36,7 @@ def cells(
     Parameters
     ----------
     columns : mapping of str to str or callable
-        By the title of a column what makes a cell of a row: a template (``{engine}, {share:.1%}``) or a function. An
+        By the title of a column what makes a cell of a row: a template (``{engine}, {share:z.1%}``) or a function. An
         empty template takes what the row holds under the title. Titles that end with a colon are aligned right.
     rows : iterable of mapping
     absent : str
@@ -74,7 +74,7 @@ def show(text: str) -> None:
 
 def percent(share: float | None) -> str:
     """Return a share in per cent with two decimals below 10 % and none above, ``-`` for None."""
-    return "-" if share is None else f"{100 * share:.{2 if abs(share) < 0.1 else 0}f} %"
+    return "-" if share is None else f"{100 * share:z.{2 if abs(share) < 0.1 else 0}f} %"
 
 
 def with_error(name: str, digits: int = 2) -> Callable[[Mapping[str, Any]], str]:
@@ -82,10 +82,10 @@ def with_error(name: str, digits: int = 2) -> Callable[[Mapping[str, Any]], str]
 
     def cell(row: Mapping[str, Any]) -> str:
         value, error = row[name], row[f"{name}_error"]
-        shown = "-" if value is None else f"{value:.{digits}f}"
+        shown = "-" if value is None else f"{value:z.{digits}f}"
         if value is None or error is None:
             return shown
-        sure = f"{error:.{digits}f}"
-        return f"{shown} ± {sure}" if float(sure) or not error else f"{shown} ± {error:.1g}"
+        sure = f"{error:z.{digits}f}"
+        return f"{shown} ± {sure}" if float(sure) or not error else f"{shown} ± {error:z.1g}"
 
     return cell

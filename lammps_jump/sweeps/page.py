@@ -159,8 +159,8 @@ def save_map(table: xr.Dataset, study: Study, axes: list[Axis], path: Path) -> P
         for panel, item in panels:
             cells = item.scale * table[item.path].sel(statistic="mean").transpose(y.name, x.name).values
             image = panel.imshow(cells, origin="lower", aspect="auto")
-            panel.set_xticks(range(len(x.values)), [f"{value:g}" for value in x.values])
-            panel.set_yticks(range(len(y.values)), [f"{value:g}" for value in y.values])
+            panel.set_xticks(range(len(x.values)), [f"{value:zg}" for value in x.values])
+            panel.set_yticks(range(len(y.values)), [f"{value:zg}" for value in y.values])
             name_axis(panel, x.name)
             panel.set_ylabel(heading(y.name))
             panel.grid(visible=False)
@@ -215,7 +215,7 @@ def doubts(found: Held) -> list[str]:
         if ", " in words
     ]
     said += [
-        f"{item.heading}: members scatter more than single runs say of themselves (chi2/dof {chi2:.1f}): use the "
+        f"{item.heading}: members scatter more than single runs say of themselves (chi2/dof {chi2:z.1f}): use the "
         "interval over members."
         for item in study.collect
         if (chi2 := frame[f"{item.path}_chi2"].median()) > DISAGREE
@@ -224,12 +224,12 @@ def doubts(found: Held) -> list[str]:
     for item in study.collect:
         cells = records(found.table, item.path)
         said += [
-            f"{name}: {item.path}: the interval over {cell['n']:.0f} members is wider than the mean: its sign is not "
+            f"{name}: {item.path}: the interval over {cell['n']:z.0f} members is wider than the mean: its sign is not "
             "known. More members narrow it (--members)."
             for name, cell in zip(names, cells, strict=True)
             if cell["high"] - cell["mean"] > abs(cell["mean"])
         ]
-    wanted = ", ".join(f"{path} within {100 * share:g} %" for path, share in study.fields.until.items())
+    wanted = ", ".join(f"{path} within {100 * share:zg} %" for path, share in study.fields.until.items())
     said += [
         f"{name}: {wanted} would take {needed} members; {have} have run."
         for name, needed, have in zip(names, found.needed(), frame["members"], strict=True)
@@ -248,7 +248,7 @@ def interval(found: Held) -> str:
     """What ± means."""
     count = len(found.runs)
     over = f"{count} starts" if not found.study.axes else "the starts of a point"
-    return f"± is the {100 * found.study.fields.confidence:g} % interval of the mean over {over} (Student's t)"
+    return f"± is the {100 * found.study.fields.confidence:zg} % interval of the mean over {over} (Student's t)"
 
 
 def verdict_of(found: Held) -> str:

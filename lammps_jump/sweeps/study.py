@@ -58,7 +58,7 @@ class Range(Strict):
     def values(self) -> list[float]:
         """The values, rounded to twelve digits."""
         space = np.geomspace if self.scale == "log" else np.linspace
-        return [float(f"{value:.12g}") for value in space(self.from_, self.to, self.count)]
+        return [float(f"{value:z.12g}") for value in space(self.from_, self.to, self.count)]
 
 
 class Axis(NamedTuple):

@@ -113,9 +113,9 @@ def collision_page(data: Results, folder: Path) -> str:
     draw_collisions(data["rows"], folder / "bench_collision.png")
 
     def error(row: Results, name: str) -> str:
-        return f"{100 * row[f'{name}_error']:+.2f} ± {100 * row[f'{name}_scatter']:.2f} %"
+        return f"{100 * row[f'{name}_error']:+z.2f} ± {100 * row[f'{name}_scatter']:z.2f} %"
 
-    columns = {"e:": "{restitution:g}", "way": "", "f:": "{fraction:g}"}
+    columns = {"e:": "{restitution:zg}", "way": "", "f:": "{fraction:zg}"}
     return markdown(columns | {f"{name}:": partial(error, name=name) for name in QUANTITIES}, data["rows"]) + "\n"
 
 
@@ -131,7 +131,7 @@ def draw_collisions(rows: Sequence[Results], path: Path) -> None:
                 error, bars = 100 * group.restitution_error, 100 * group.restitution_scatter
                 panel.errorbar(group.fraction, error, yerr=bars, marker=mark, color=colour, label=way, lw=1, capsize=2)
             panel.axhline(0, color="#555555", linewidth=0.8)
-            panel.set(xscale="log", xlabel="f, step over 2/omega", title=f"e = {e:g}")
+            panel.set(xscale="log", xlabel="f, step over 2/omega", title=f"e = {e:zg}")
             panel.legend(fontsize=7)
         axes.flat[0].set_ylabel("error of restitution (%),\nbars: scatter over entry phases")
         save(figure, path)

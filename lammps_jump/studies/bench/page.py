@@ -33,12 +33,12 @@ def page(data: dict) -> str:
     """
     columns: dict[str, Column] = {
         "setting": lambda row: row["label"] + (f" ({len(row['failed'])} failed)" if row["failed"] else ""),
-        "time (s):": "{seconds:.2f}",
-        "M disc-steps/s:": lambda row: f"{rate / 1e6:.1f}" if (rate := row["disc_steps_per_second"]) else "-",
+        "time (s):": "{seconds:z.2f}",
+        "M disc-steps/s:": lambda row: f"{rate / 1e6:z.1f}" if (rate := row["disc_steps_per_second"]) else "-",
     }
     columns |= {f"{name} (floor):": partial(_error, name=name) for name in data["quantities"]}
     about = (
-        f"{data['duration']:g} s of flow, {data['members']} starts a setting, reference: {data['reference']}; "
+        f"{data['duration']:zg} s of flow, {data['members']} starts a setting, reference: {data['reference']}; "
         f"{data['machine']['processor']}, one core. Time: {data['time']}."
     )
     return "\n\n".join([f"### {data['case']}", about, short_table(data), markdown(columns, data["rows"])]) + "\n"
@@ -66,9 +66,9 @@ def _error(row: dict, name: str) -> str:
 def _cell(row: dict | None, name: str, base: dict | None) -> str:
     if row is None or row["seconds"] is None:
         return "none shown"
-    text = f"{row['label']}: {row['seconds']:.2f} s" if base is not None else f"{row['seconds']:.2f} s"
+    text = f"{row['label']}: {row['seconds']:z.2f} s" if base is not None else f"{row['seconds']:z.2f} s"
     if base is not None and base["seconds"] and base is not row:
-        text += f", {base['seconds'] / row['seconds']:.1f}x"
+        text += f", {base['seconds'] / row['seconds']:z.1f}x"
     return f"{text} ({_error(row, name)})"
 
 
@@ -98,7 +98,7 @@ def draw_quantity(data: dict, name: str, folder: Path) -> Path:
                           xycoords=("axes fraction", "data"), fontsize=7, va="top", color="#666666")  # fmt: skip
         for axis in (axes.xaxis, axes.yaxis):
             axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-            axis.set_major_formatter("{x:g}")
+            axis.set_major_formatter("{x:zg}")
             axis.set_minor_formatter("")
         _name_choices(axes, summary["cheapest"], table)
         axes.set_title(f"{data['case']}: {name}")
@@ -110,7 +110,7 @@ def draw_quantity(data: dict, name: str, folder: Path) -> Path:
 def _name_choices(axes, cheapest: dict[str, str | None], table: pd.DataFrame) -> None:
     """Ring and name the cheapest settings; where one serves both targets it is named once."""
     for index, label in enumerate(dict.fromkeys(label for label in cheapest.values() if label in table.index)):
-        targets = " and ".join(f"{100 * float(target):g} %" for target, one in cheapest.items() if one == label)
+        targets = " and ".join(f"{100 * float(target):zg} %" for target, one in cheapest.items() if one == label)
         point = tuple(table.loc[label, ["seconds", "error"]])
         axes.plot(*point, "o", markersize=12, markerfacecolor="none", color=RED, linewidth=1.2)
         axes.annotate(

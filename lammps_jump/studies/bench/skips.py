@@ -61,7 +61,7 @@ def numbers(scene: Scene) -> dict[str, str]:
     """Return the numbers of a scene that the edits of `SKIPS` need."""
     c, d = scene.coefficients, scene.diameter
     return {
-        "rate": f"{3.0 * c.omega:.6g}",
+        "rate": f"{3.0 * c.omega:z.6g}",
         "hooke": f"hooke {c.stiffness!r} NULL {max(c.gamma_normal_wall, 1e-12)!r} 0 0 0",
         "far": repr(scene.domain[1][0] - 100.0),
         "often": str(max(1, scene.output_steps // 10)),
@@ -150,7 +150,7 @@ def _row(scene: Scene, skip: Skip, rounds: int) -> Results:
     if difference is not None:
         taken = in_turn(both_scripts(scene, skip), rounds, lambda text, _: stock_time(scene, script=text))
         ratio = middle(with_it / without for without, with_it in zip(*taken.values(), strict=True))
-        verdict = f"{100 * (ratio - 1):+.1f} % time with it, trajectory differs by {difference:.1e}"
+        verdict = f"{100 * (ratio - 1):+z.1f} % time with it, trajectory differs by {difference:z.1e}"
     return {"name": skip.name, "verdict": verdict, "ratio": ratio, "difference": difference, "exact": skip.exact}
 
 
@@ -164,7 +164,7 @@ def skip_page(data: Results, folder: Path) -> str:
     )
     columns = {
         "put back in": "{name}",
-        "time with it:": lambda row: "-" if row["ratio"] is None else f"{100 * (row['ratio'] - 1):+.1f} %",
+        "time with it:": lambda row: "-" if row["ratio"] is None else f"{100 * (row['ratio'] - 1):+z.1f} %",
         "largest change of the trajectory:": lambda row: row.get("same") or _change(row),
     }
     return markdown(columns, [*data["rows"], *dumps]) + "\n"
@@ -173,5 +173,5 @@ def skip_page(data: Results, folder: Path) -> str:
 def _change(row: Results) -> str:
     difference = inf if row["difference"] is None else row["difference"]
     where = "" if row["exact"] else f", after {EARLY_STEPS} steps"
-    same = f"{difference:.1e}{where}" if difference else "none, bit by bit"
+    same = f"{difference:z.1e}{where}" if difference else "none, bit by bit"
     return row["verdict"] if row["ratio"] is None else same

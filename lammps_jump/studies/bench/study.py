@@ -186,7 +186,7 @@ def measure_settings(
     changes = [setting.changes(fields.discs.diameter) for setting in chosen]
     starts: list[Start] = []
     in_turn(range(len(chosen)), rounds, lambda n, turn: starts.append(Start(n, changes[n], fields.run.seed + turn)))
-    seconds = "{cpu_seconds:.2f} s"
+    seconds = "{cpu_seconds:z.2f} s"
 
     def said(made: Made) -> None:
         label, member = chosen[made.start.point].label, made.start.seed - fields.run.seed + 1
@@ -262,6 +262,6 @@ def summarise_quantity(rows: Sequence[Results], name: str) -> Results:
     own = table[table.flow.astype(bool)].set_index("label")[["error", "floor"]].fillna(0.0)
     return {
         "pareto": table.label[table.error < table.error.cummin().shift(fill_value=inf)].tolist(),
-        "cheapest": {f"{target:g}": next(iter(own.index[(own <= target).all(axis=1)]), None) for target in TARGETS},
+        "cheapest": {f"{target:zg}": next(iter(own.index[(own <= target).all(axis=1)]), None) for target in TARGETS},
         "floor": plain(table.floor.median()),
     }

@@ -78,7 +78,7 @@ def timed_in_turn(
 
 def search_name(size: float | None) -> str:
     """Return the name of the contact search with cells of `size` diameters, None for the neighbour list."""
-    return "neighbour list" if size is None else f"cells of {size:g} d"
+    return "neighbour list" if size is None else f"cells of {size:zg} d"
 
 
 def cell_time(scene: Scene, size: float | None) -> tuple[float, float]:
@@ -99,7 +99,7 @@ def time_cells(case: Case, store: Store, *, quick: bool, say: Say) -> Results:
     for size in (None, 2.0):  # compile both searches before the clock starts
         cell_time(replace(scene, steps=2, output_steps=2), size)
     calls = {search_name(size): partial(cell_time, scene, size) for size in sizes}
-    times = timed_in_turn(calls, rounds, store, (scene.steps, case.hash), say, "{0[0]:.2f} s")
+    times = timed_in_turn(calls, rounds, store, (scene.steps, case.hash), say, "{0[0]:z.2f} s")
     rows = [
         {"size": size, "seconds": middle(s for s, _ in runs), "rate": middle(n / s for s, n in runs if s > 0)}
         for size, runs in zip(sizes, times.values(), strict=True)
@@ -117,9 +117,9 @@ def cell_page(data: Results, folder: Path) -> str:
     save(drawn(Chart(title, x, [panel], name=data["case"])), folder / "cells.png")
     columns = {
         "contact search": lambda row: search_name(row["size"]),
-        "CPU time (s):": "{seconds:.2f}",
-        "over the best cells:": lambda row: f"{row['seconds'] / cells.seconds.min():.2f}",
-        "M disc-steps/s:": lambda row: f"{row['rate'] / 1e6:.1f}",
+        "CPU time (s):": "{seconds:z.2f}",
+        "over the best cells:": lambda row: f"{row['seconds'] / cells.seconds.min():z.2f}",
+        "M disc-steps/s:": lambda row: f"{row['rate'] / 1e6:z.1f}",
     }
     return markdown(columns, data["rows"]) + "\n"
 
@@ -135,7 +135,7 @@ def make_variants(
         found["compiled, smooth touch"] = ("compiled", {"contact.touch": "smooth"})
     found |= {"native": ("native", {})} if "native" in kernels else {}
     lists = [kernel for kernel in ("stock", "compiled") if skins and kernel in kernels]
-    return found | {f"{k}, skin {s:g} d": (k, {"engine.skin": s * diameter}) for k in lists for s in SKINS}
+    return found | {f"{k}, skin {s:zg} d": (k, {"engine.skin": s * diameter}) for k in lists for s in SKINS}
 
 
 def started_from(developed: Scene, scene: Scene, steps: int, output_steps: int | None = None) -> Scene:
@@ -166,7 +166,7 @@ def time_kernels(case: Case, store: Store, *, quick: bool, say: Say) -> Results:
     calls = {n: partial(run_rate, started_from(developed, scenes[n], steps), variants[n][0]) for n in variants}
     if "native" in variants:  # compile its loops before the clock starts
         run_rate(started_from(developed, scenes["native"], 2), variants["native"][0])
-    found = timed_in_turn(calls, rounds, store, (case.hash, steps), say, "{0[1]:.2f} s")
+    found = timed_in_turn(calls, rounds, store, (case.hash, steps), say, "{0[1]:z.2f} s")
     rates = {name: [rate for rate, _ in runs] for name, runs in found.items()}
     rows = [make_row(name, own, rates["stock"]) for name, own in rates.items()]
     agreement = store.piece(f"agreement {case.hash} {steps} {all_versions()}", lambda: _agreement(developed, scenes))
@@ -204,14 +204,14 @@ def _agreement(developed: Scene, scenes: Mapping[str, Scene]) -> dict[str, float
 
 def speed_page(data: Results, folder: Path) -> str:
     """Return the Markdown table and a line for each agreement."""
-    ratio = "{ratio:.2f} ({least:.2f} to {most:.2f})"
+    ratio = "{ratio:z.2f} ({least:z.2f} to {most:z.2f})"
     columns = {
         "": "{name}",
-        "M disc-steps/s:": lambda row: "failed" if row["rate"] is None else f"{row['rate'] / 1e6:.1f}",
+        "M disc-steps/s:": lambda row: "failed" if row["rate"] is None else f"{row['rate'] / 1e6:z.1f}",
         "speed against stock (range):": lambda row: "-" if row["rate"] is None else ratio.format_map(row),
     }
     notes = [
-        f"Largest difference of positions after {CONTACT_STEPS} steps, {name}: {inf if d is None else d:.1e} d."
+        f"Largest difference of positions after {CONTACT_STEPS} steps, {name}: {inf if d is None else d:z.1e} d."
         for name, d in data["agreement"].items()
     ]
     return "\n".join([markdown(columns, data["rows"]), "", *notes]).rstrip() + "\n"
@@ -243,7 +243,7 @@ def time_commands(case: Case, store: Store, *, quick: bool, say: Say) -> Results
     """Time the whole command several times; a row holds the median seconds of a phase, and its share of the engine."""
     # the first one compiles what is compiled on first use, and is not counted
     rounds, calls = 2 if quick else ROUNDS + 1, {"whole command": lambda: command_time(case)}
-    told = "{0[whole]:.2f} s, engine {0[engine]:.2f} s"
+    told = "{0[whole]:z.2f} s, engine {0[engine]:z.2f} s"
     _, *runs = timed_in_turn(calls, rounds, store, case.hash, say, told)["whole command"]
     rows = [{"phase": phase, "seconds": middle(run.get(phase, 0.0) for run in runs)} for phase in (*PHASES, "whole")]
     engine, ratio = middle(run["engine"] for run in runs), middle(run["whole"] / run["engine"] for run in runs)
@@ -254,8 +254,8 @@ def overhead_page(data: Results, folder: Path) -> str:
     """Return the Markdown table."""
     columns = {
         data["case"]: lambda row: PHASES.get(row["phase"], "**whole command**"),
-        "wall time (s):": "{seconds:.2f}",
-        "over the engine:": lambda row: f"{row['seconds'] / data['engine']:.2f}",
+        "wall time (s):": "{seconds:z.2f}",
+        "over the engine:": lambda row: f"{row['seconds'] / data['engine']:z.2f}",
     }
     table = markdown(columns, data["rows"])
-    return f"{table}\n\nMedians of {data['rounds']}; whole over engine within a run: {data['ratio']:.2f}.\n"
+    return f"{table}\n\nMedians of {data['rounds']}; whole over engine within a run: {data['ratio']:z.2f}.\n"

@@ -71,13 +71,13 @@ def divergence(scene: Scene, checks: Sequence[DeterministicCheck], part: Diverge
     steps = {} if begin is None else {"first contact": begin, f"{CONTACT_STEPS} steps later": begin + CONTACT_STEPS}
     y, marks = "log10 of the largest distance\nof a disc's two places [d]", {t: scene.time(s) for t, s in steps.items()}
     limits = -17.0, 1.0 + max(0.0, *(np.nanmax(line.y, initial=0.0) for line in lines))
-    agreed = {f"must agree to {AGREEMENT:g} d": np.log10(AGREEMENT)}
+    agreed = {f"must agree to {AGREEMENT:zg} d": np.log10(AGREEMENT)}
     panel = Panel(y, lines, levels=agreed, marks=marks, ylim=limits)
     return Chart(DIVERGENCE, TIME, [panel])
 
 
 def _rate(growth: Growth) -> str:
-    return f" (e-fold in {1.0 / growth.rate:.3g} s)" if growth.rate > 0 else ""
+    return f" (e-fold in {1.0 / growth.rate:z.3g} s)" if growth.rate > 0 else ""
 
 
 def _label(name: str, curve: Curve) -> str:
@@ -165,7 +165,7 @@ def write_report(report: dict, description: str, figures: dict[str, Path], path:
     path : Path
     """
     about = (
-        f"{description}. Simulated {report['duration']:g} s at f = {report['time_step_fraction']:g}; "
+        f"{description}. Simulated {report['duration']:zg} s at f = {report['time_step_fraction']:zg}; "
         f"{len(report['seeds'])} members in each ensemble."
     )
     verdict = Text(verdict_text(report), "verdict" if report["passed"] else "bad")
@@ -207,7 +207,7 @@ def _checks(report: dict, pictures: list[Picture]) -> Section:
         "kernel": "",
         "discs": "{discs}",
         "first contact": lambda check: f"step {check['first_contact']}",
-        "largest distance [d]": "{worst:.1e}",
+        "largest distance [d]": "{worst:z.1e}",
         "verdict": verdict,
     }
     intro = Text(
@@ -220,9 +220,9 @@ def _checks(report: dict, pictures: list[Picture]) -> Section:
 
 def _growth(part: dict) -> Text:
     rates = [part[name]["rate"] for name in ("growth", "twin_growth")]
-    texts = [f"{r:.3g} /s (e-fold in {1 / r:.3g} s)" if r else "no exponential stretch to fit" for r in rates]
+    texts = [f"{r:z.3g} /s (e-fold in {1 / r:z.3g} s)" if r else "no exponential stretch to fit" for r in rates]
     levels = ", ".join(
-        f"{level} d: " + ("never" if step is None else f"step {step} (t = {step * part['time_step']:.3g} s)")
+        f"{level} d: " + ("never" if step is None else f"step {step} (t = {step * part['time_step']:z.3g} s)")
         for level, step in part["first_step_beyond"].items()
     )
     return Text(
@@ -234,17 +234,17 @@ def _growth(part: dict) -> Text:
 
 def _statistics(report: dict, pictures: list[Picture]) -> Section:
     intro = Text(
-        f"Starts differ by up to {report['jitter']:g} d (row speeds by that share); both engines get the same "
+        f"Starts differ by up to {report['jitter']:zg} d (row speeds by that share); both engines get the same "
         "ones. Difference: second minus first, with its 95 % interval (Welch); for a curve at its worst point. "
-        f"“Differ” means: significant at {100 * report['family_error']:g} % for all quantities together (Holm; "
+        f"“Differ” means: significant at {100 * report['family_error']:zg} % for all quantities together (Holm; "
         "Bonferroni over the points of a curve). “Not decided” means: no difference was found, but the interval is "
-        f"wider than ± {100 * DECIDES:g} %; the text says how many members of each ensemble would decide."
+        f"wider than ± {100 * DECIDES:zg} %; the text says how many members of each ensemble would decide."
     )
     words = {True: "met", False: "NOT met", None: "for information"}
     columns: dict[str, Column] = {
         "limit set beforehand": "{name}",
-        "found": lambda item: "—" if item["value"] is None else f"{100 * item['value']:.2g} %",
-        "limit": lambda item: f"{100 * item['limit']:g} %",
+        "found": lambda item: "—" if item["value"] is None else f"{100 * item['value']:z.2g} %",
+        "limit": lambda item: f"{100 * item['limit']:zg} %",
         "": lambda item: words[item["met"]],
     }
     limits = [Table(*cells(columns, report["criteria"]))] if report["criteria"] else []
@@ -256,10 +256,10 @@ def _verdicts(part: dict, one: str, two: str) -> list[Text | Table]:
     """Return the verdicts on the jump, and the table of all quantities, of one comparison."""
     columns: dict[str, Column] = {
         "quantity": lambda row: f"{row['name']}{' at ' + row['place'] if row['place'] else ''} [{row['unit']}]",
-        f"{one}, mean ± s.d.": "{mean_1:.4g} ± {deviation_1:.4g}",
-        f"{two}, mean ± s.d.": "{mean_2:.4g} ± {deviation_2:.4g}",
+        f"{one}, mean ± s.d.": "{mean_1:z.4g} ± {deviation_1:z.4g}",
+        f"{two}, mean ± s.d.": "{mean_2:z.4g} ± {deviation_2:z.4g}",
         "verdict": lambda row: Mark(row["text"], "differ") if row["verdict"] == "differ" else row["text"],
-        "p (Holm)": "{p_adjusted:.2g}",
+        "p (Holm)": "{p_adjusted:z.2g}",
     }
     table = Table(*cells(columns, part["quantities"], "—"))
     if not any(part["jump_verdicts"]):
@@ -279,5 +279,5 @@ def _laws(laws: dict, pictures: list[Picture]) -> list[Section]:
 
 def _how(report: dict) -> Section:
     found = ", ".join(f"{name} {value}" for name, value in report["versions"].items())
-    text = f"Seeds {', '.join(map(str, report['seeds']))}; versions: {found}; {report['seconds']:.0f} s of computing."
+    text = f"Seeds {', '.join(map(str, report['seeds']))}; versions: {found}; {report['seconds']:z.0f} s of computing."
     return Section("How to repeat it", [Text(text), *(Text(f"Note: {note}") for note in report["notes"])])

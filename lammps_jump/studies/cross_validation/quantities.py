@@ -128,7 +128,7 @@ def _front(front: pd.DataFrame) -> dict[str, Curve]:
     for label, name in (("front", "bulk"), ("99 % front", "quantile")):
         found[f"{label} history"] = _history(run["time"], run[name], "m")
         for moment in (0.25 * end, 0.5 * end, end):
-            found[f"{label} at t = {moment:.3g} s"] = Curve("m", [float(np.interp(moment, run["time"], run[name]))])
+            found[f"{label} at t = {moment:z.3g} s"] = Curve("m", [float(np.interp(moment, run["time"], run[name]))])
     return found
 
 
@@ -196,10 +196,10 @@ def _text(row: Results) -> str:
     if row["verdict"] == "not comparable":
         return "not comparable"
     size = relative_size(row) if gap or half else None
-    share = f" ({100 * gap / size:+.2g} ± {100 * half / size:.2g} %)" if size else ""
+    share = f" ({100 * gap / size:+z.2g} ± {100 * half / size:z.2g} %)" if size else ""
     where = f" at {row['place']}" if row["place"] else ""
     needed = f"; {row['members_needed']} members would decide" if row["members_needed"] else ""
-    return f"{row['verdict']}: {gap:+.3g} ± {half:.2g}{share}{where}{needed}"
+    return f"{row['verdict']}: {gap:+z.3g} ± {half:z.2g}{share}{where}{needed}"
 
 
 def verdict(row: Results, family_error: float) -> tuple[str, int | None]:
@@ -253,6 +253,6 @@ def _worst_point(curve: Curve, band: Difference, sides: list[np.ndarray]) -> Res
     k = int(np.nanargmin(band.p))
     scale = float(np.nanmax(np.abs(band.mean_1), initial=0.0))
     found = welch(*(side[:, k] for side in sides), scale)
-    place = f"{curve.axis} = {curve.at[k]:.3g} {'m' if curve.axis == 'x' else 's'}, worst of {points}"
+    place = f"{curve.axis} = {curve.at[k]:z.3g} {'m' if curve.axis == 'x' else 's'}, worst of {points}"
     facts = {"kind": "curve", "place": place, "points": points, "scale": scale}
     return {**facts, "p_adjusted": min(1.0, band.p[k] * points), **found._asdict(), "half_width": band.half_width[k]}

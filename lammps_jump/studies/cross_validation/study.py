@@ -92,7 +92,7 @@ class Study:
         for start, _, summary, message in made:
             if not summary:
                 raise RunError(f"{name}, member {start.seed}: {message}")
-            how = f"{summary['wall_seconds']['run']:.1f} s" if start in new else "was there"
+            how = f"{summary['wall_seconds']['run']:z.1f} s" if start in new else "was there"
             self.say(f"{name}, member {start.seed}: {how}, {summary['discs']['present']} discs in play at the end")
         self.members[name] = [measure(one.folder, one.summary, case.scene()) for one in made]
         return name
@@ -272,7 +272,7 @@ def _disc_by_disc(study: Study, work: float) -> Divergence:
             check = check.explain(partial(trajectories.twin_separation, scene, check.last_step))
         study.checks.append(check)
         word = "agrees" if check.agrees else ("differs as expected" if check.passed else "DIFFERS")
-        apart = f"{check.worst:.1e} d over {CONTACT_STEPS} steps with contacts"
+        apart = f"{check.worst:z.1e} d over {CONTACT_STEPS} steps with contacts"
         study.say(f"disc by disc: {check.name} ({kernel}): {apart}, {word}")
     divergence = trajectories.measure_divergence(study.scene, kernels[0], work)
     growth, twin = (_per(divergence.found[name]) for name in ("growth", "twin_growth"))
@@ -281,7 +281,7 @@ def _disc_by_disc(study: Study, work: float) -> Divergence:
 
 
 def _per(growth: Growth) -> str:
-    return f"{1.0 / growth.rate:.3g}" if growth.rate > 0 else "?"
+    return f"{1.0 / growth.rate:z.3g}" if growth.rate > 0 else "?"
 
 
 def _laws(study: Study, case: Case) -> None:

@@ -32,7 +32,7 @@ SATURATED = 1e-2
 KNOWN_LIMIT = 1e-3
 """A difference that chaos explains is still a failure beyond this many diameters."""
 CHAOS_SHARE = 0.1
-CHAOS = "the native engine, started a few last digits off, parts from itself by {:.1e} d in these steps"
+CHAOS = "the native engine, started a few last digits off, parts from itself by {:z.1e} d in these steps"
 """Why a case may part within the steps compared: where its twin has parted by at least this share of it."""
 
 FRAMES = 400
@@ -244,7 +244,7 @@ def developed_scene(scene: Scene, work: float) -> Scene:
     goal = max(int(0.6 * scene.steps), scene.settle_steps + 1)
     while simulation.step < goal and (simulation.disc_steps < work or simulation.step <= scene.settle_steps):
         simulation.run(min(500, goal - simulation.step))
-    text = f"{scene.description} (from t = {scene.time(simulation.step):.3g} s on)"
+    text = f"{scene.description} (from t = {scene.time(simulation.step):z.3g} s on)"
     return with_discs_of(simulation, replace(scene, name=f"{scene.name}, developed", description=text))
 
 
@@ -321,7 +321,7 @@ def measure_divergence(scene: Scene, kernel: str, work: float) -> Divergence:
         "steps": int(part.steps[-1]) if len(part.steps) else 0,
         "growth": fit_growth(part.steps, part.largest, dt),
         "twin_growth": fit_growth(twin.steps, twin.largest, dt),
-        "first_step_beyond": {f"{level:g}": crossing_step(part, level) for level in LEVELS},
+        "first_step_beyond": {f"{level:zg}": crossing_step(part, level) for level in LEVELS},
         "other_discs_from_step": part.other_discs,
         "largest_separation": float(part.largest.max(initial=0.0)),
     })  # fmt: skip

@@ -99,7 +99,7 @@ class Cell:
             held = self.advance(10.0 * part, 1, pressure=pressure)[0, :2].mean()
             if abs(held - pressure) < STEADY * pressure:
                 return
-        raise RunError(f"the box of {self.swarm.x.size} discs does not come to {pressure:.3g} Pa")
+        raise RunError(f"the box of {self.swarm.x.size} discs does not come to {pressure:z.3g} Pa")
 
     def advance(
         self, time: float, rows: int, *, rate: float = 0.0, pressure: float | None = None, haste: float = 1.0
@@ -145,7 +145,7 @@ class Cell:
         )
         if not fits or not np.isfinite(record).all():
             raise RunError(
-                f"the box of {self.swarm.x.size} discs at {pressure or 0.0:.3g} Pa has blown up: lower "
+                f"the box of {self.swarm.x.size} discs at {pressure or 0.0:z.3g} Pa has blown up: lower "
                 "run.time_step_fraction"
             )
         return record

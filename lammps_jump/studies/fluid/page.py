@@ -31,7 +31,7 @@ def pm(pair: Sequence[float | None], digits: int = 3) -> str:
     mean, half = pair
     if mean is None or not isfinite(mean):
         return "-"
-    return f"{mean:.{digits}g}" + (f" ± {half:.1g}" if half is not None and isfinite(half) else "")
+    return f"{mean:z.{digits}g}" + (f" ± {half:z.1g}" if half is not None and isfinite(half) else "")
 
 
 def law_of(summary: Numbers) -> Friction:
@@ -47,7 +47,7 @@ def text_of(found: Numbers, discs: Discs, flow: Flow) -> str:
 
     def nu(depth: float, rate: float) -> str:
         pressure = discs.density * flow.gravity * depth
-        return f"{viscosity(law, pressure, rate, discs.diameter, discs.density):.2g}"
+        return f"{viscosity(law, pressure, rate, discs.diameter, discs.density):z.2g}"
 
     least, most = nu(deep[0], RATES[-1]), nu(deep[1], RATES[0])
     rows = [
@@ -55,7 +55,7 @@ def text_of(found: Numbers, discs: Discs, flow: Flow) -> str:
         ("friction at rest (yield) μs", "0", pm(summary["static"]), "friction and sizes of the discs"),
         ("speed of sound, m/s", "1480", pm(sound["speed"]), "stiffness: k/m"),
         ("the same over n v0 = d √(k/m)", "", pm(sound["ratio"]), "packing, pressure"),
-        ("bulk density over ρ, at rest", "1", f"{4 * sound['packing'][0] / np.pi:.3f}", "packing 4φ/π, ρd² a disc"),
+        ("bulk density over ρ, at rest", "1", f"{4 * sound['packing'][0] / np.pi:z.3f}", "packing 4φ/π, ρd² a disc"),
         ("damping of a swing over the critical", "below 0.01", pm(swing["damping"]), "μ h over the swing"),
         ("frequency of a swing over theory", "1", pm(swing["frequency"]), "damping"),
         ("where the swing rests, share of its start", "0", pm(swing["rest"]), "yield"),
@@ -68,29 +68,29 @@ def text_of(found: Numbers, discs: Discs, flow: Flow) -> str:
         "packing φ:": lambda row: pm(row["packing"]),
     }
     sheared = markdown(columns, summary["shear"])
-    depths = [{"depth (m)": f"{h:.3g}", **{f"{rate:g} /s": nu(h, rate) for rate in RATES}} for h in deep]
+    depths = [{"depth (m)": f"{h:z.3g}", **{f"{rate:zg} /s": nu(h, rate) for rate in RATES}} for h in deep]
     viscosities = markdown({f"{title}:": "" for title in depths[0]}, depths)
     numbers = [
-        f"- Reynolds number q/ν: **{at['reynolds']:.2g}** (water: {flow.discharge / WATER['viscosity']:.1e})",
-        f"- Mach number U/c: **{at['mach']:.2g}**",
-        f"- inertial number I: {at['inertial']:.2g}; there μ = {at['friction']:.2g}, ν = {at['viscosity']:.2g} m²/s",
-        f"- Froude number: {at['froude']:.3g}; depth over diameter: {at['discs_deep']:.3g}",
-        f"- a wave lower than {at['least_swing']:.2g} m at the wall dies in one swing (2.5 μ h)",
+        f"- Reynolds number q/ν: **{at['reynolds']:z.2g}** (water: {flow.discharge / WATER['viscosity']:z.1e})",
+        f"- Mach number U/c: **{at['mach']:z.2g}**",
+        f"- inertial number I: {at['inertial']:z.2g}; there μ = {at['friction']:z.2g}, ν = {at['viscosity']:z.2g} m²/s",
+        f"- Froude number: {at['froude']:z.3g}; depth over diameter: {at['discs_deep']:z.3g}",
+        f"- a wave lower than {at['least_swing']:z.2g} m at the wall dies in one swing (2.5 μ h)",
     ]
     warned = [f"- {text}" for text in found["warnings"]] or ["- none"]
     parts = [
         f"# What fluid the discs of {found['case']} are",
-        f"The flow: U = {flow.speed:.3g} m/s, h = {flow.depth:.3g} m. The numbers hold at half the depth and the rate "
-        f"U/h = {flow.rate:.3g} /s.",
+        f"The flow: U = {flow.speed:z.3g} m/s, h = {flow.depth:z.3g} m. "
+        f"The numbers hold at half the depth and the rate U/h = {flow.rate:z.3g} /s.",
         "\n".join(numbers),
         *_zones(found["zones"]),
         "## Doubts",
         "\n".join(warned),
         "## Water and these discs",
         table,
-        f"## Shear at {flow.pressure(discs.density) / 1e3:.3g} kPa",
+        f"## Shear at {flow.pressure(discs.density) / 1e3:z.3g} kPa",
         sheared,
-        f"μ = {pm(summary['static'])} + {pm(summary['slope'])} I^{law.exponent:.2f}; ν = μ(I) p/(ρ rate), m²/s:",
+        f"μ = {pm(summary['static'])} + {pm(summary['slope'])} I^{law.exponent:z.2f}; ν = μ(I) p/(ρ rate), m²/s:",
         viscosities,
         f"± is the 95 % interval of the mean over {summary['starts']} starts. The figure is fluid.png.",
     ]
@@ -103,12 +103,12 @@ def _zones(zones: Mapping[str, Numbers]) -> list[str]:
         return []
     columns = {
         "part:": "{part}",
-        "depth (m):": "{depth:.3g}",
-        "speed (m/s):": "{speed:.3g}",
-        "Re:": "{reynolds:.2g}",
-        "I:": "{inertial:.2g}",
-        "ν (m²/s):": "{viscosity:.2g}",
-        "Ma:": "{mach:.2g}",
+        "depth (m):": "{depth:z.3g}",
+        "speed (m/s):": "{speed:z.3g}",
+        "Re:": "{reynolds:z.2g}",
+        "I:": "{inertial:z.2g}",
+        "ν (m²/s):": "{viscosity:z.2g}",
+        "Ma:": "{mach:z.2g}",
     }
     return ["## Parts of the jump", markdown(columns, [{"part": name, **one} for name, one in zones.items()])]
 
@@ -127,14 +127,14 @@ def draw(found: Numbers, discs: Discs, flow: Flow, path: Path) -> None:
             pairs = np.array([row[name] for row in summary["shear"]], float)
             axes.errorbar(inertial, pairs[:, 0], np.nan_to_num(pairs[:, 1]), fmt="o", ms=4, color=BLUE, capsize=2)
             axes.set(xscale="log", xlabel="inertial number I")
-        words = f"{law.static:.3f} + {law.slope:.3f} I^{law.exponent:.2f}"
+        words = f"{law.static:z.3f} + {law.slope:z.3f} I^{law.exponent:z.2f}"
         mu.plot(fine, law.static + law.slope * fine**law.exponent, color=RED, ls=(0, (5, 2)), label=words)
         mu.set(title="Friction: shear stress over pressure", ylim=(0, None))
         mu.legend()
         phi.set(title="Packing: share of the area")
         depths = np.linspace(0.02, 1.0, 60) * flow.depth
         for rate, colour, dash in zip(RATES, (BLUE, GOLD, GREY), ("-", "--", "-."), strict=True):
-            nu.plot(depths, [at_depth(h, rate) for h in depths], color=colour, ls=dash, label=f"{rate:g} /s")
+            nu.plot(depths, [at_depth(h, rate) for h in depths], color=colour, ls=dash, label=f"{rate:zg} /s")
         nu.set(title="Kinematic viscosity (m²/s)", xlabel="depth below the surface (m)", yscale="log")
         nu.legend(title="rate of shear")
         for one in summary["swings"]:

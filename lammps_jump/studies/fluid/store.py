@@ -26,7 +26,7 @@ Numbers = dict[str, Any]
 
 def measured_key(discs: Discs, flow: Flow) -> str:
     """Key of what is measured: the discs, and pressure and depth in three digits."""
-    scales = [f"{value:.3g}" for value in (flow.pressure(discs.density), slosh_depth(discs, flow), flow.gravity)]
+    scales = [f"{value:z.3g}" for value in (flow.pressure(discs.density), slosh_depth(discs, flow), flow.gravity)]
     return short_hash({"method": METHOD, "discs": plain(discs), "scales": scales})
 
 
@@ -84,5 +84,5 @@ def told(at: Numbers) -> str:
         ("inertial number I", at["inertial"], ""),
     ]
     width = max(len(label) for label, _, _ in rows)
-    lines = [f"  {label:<{width}}  {value:>12.3g} {unit}".rstrip() for label, value, unit in rows]
+    lines = [f"  {label:<{width}}  {value:>z12.3g} {unit}".rstrip() for label, value, unit in rows]
     return "\n".join(["fluid (of its discs, measured by `lammps-jump fluid`)", *lines])

@@ -91,18 +91,18 @@ def warnings_of(discs: Discs, flow: Flow, at: Numbers) -> list[str]:
     if at["mach"] > COMPRESSIBLE:
         softer = at["mach"] / COMPRESSIBLE
         found.append(
-            f"the Mach number is {at['mach']:.2g}, above {COMPRESSIBLE}: the flow is compressible; make the discs "
-            f"{softer:.2g} times as stiff against their speed (a smaller contact.largest_overlap)"
+            f"the Mach number is {at['mach']:z.2g}, above {COMPRESSIBLE}: the flow is compressible; make the discs "
+            f"{softer:z.2g} times as stiff against their speed (a smaller contact.largest_overlap)"
         )
     if discs.sizes is None:
         found.append("the discs are equal and pack into crystals: friction is up to twice as large; set discs.sizes")
     if mu > 0:
         found.append(
-            f"contact.friction is {mu:g}: the discs hold a slope at rest, which water does not; set it to 0 for water"
+            f"contact.friction is {mu:zg}: the discs hold a slope at rest, which water does not; set it to 0 for water"
         )
     if flow.thinnest == flow.depth and 0.5 * flow.depth < at["least_swing"]:
         found.append(
-            f"a wave lower than {at['least_swing']:.2g} m dies in one swing, and half the depth is less; take smaller "
+            f"a wave lower than {at['least_swing']:z.2g} m dies in one swing, and half the depth is less; take smaller "
             "discs for waves"
         )
     return found
@@ -152,7 +152,7 @@ def fluid(
     calls = [partial(shear_start, discs, pressure, seed, numbers) for seed in seeds]
     calls += [partial(slosh_start, discs, h, flow.gravity, seed) for seed in seeds]
     calls += [partial(sound_start, discs, pressure, seed) for seed in seeds]
-    say(f"{case.name}: {len(calls)} small flows of its discs at {pressure / 1e3:.3g} kPa, {h:.3g} m deep")
+    say(f"{case.name}: {len(calls)} small flows of its discs at {pressure / 1e3:z.3g} kPa, {h:z.3g} m deep")
     with Pool(usable_cores()) as pool:
         pieces = store.call(calls, pool, said=lambda piece: say(f"  {_told(piece)}"))
     n = len(seeds)
@@ -181,7 +181,9 @@ def fluid(
 def _told(piece: Any) -> str:
     """What a piece has found, in a line."""
     if isinstance(piece, list):
-        return "shear: " + ", ".join(f"mu {one['friction']:.3f} at I {one['inertial']:.2g}" for one in piece)
+        return "shear: " + ", ".join(f"mu {one['friction']:z.3f} at I {one['inertial']:z.2g}" for one in piece)
     if "swing" in piece:
-        return f"slosh: first opposite swing {_number(piece['opposite']):.2f} of the start, at rest {piece['rest']:.2f}"
-    return f"sound: {piece['speed']:.1f} m/s, packing {piece['packing']:.3f}"
+        return (
+            f"slosh: first opposite swing {_number(piece['opposite']):z.2f} of the start, at rest {piece['rest']:z.2f}"
+        )
+    return f"sound: {piece['speed']:z.1f} m/s, packing {piece['packing']:z.3f}"

@@ -245,5 +245,5 @@ def resting_bed(engine: str, steps: int) -> Results:
     share = kinetic / (scene.mass * 9.81 * scene.diameter * count)
     drift = (float(late[-1].y.mean()) - float(late[0].y.mean())) / scene.diameter
     right = bool(share < 1e-9 and abs(drift) < 1e-6 and result.lost == 0 and len(late[-1].x) == count)
-    text = f"kinetic energy at most {share:.1e} of m g d in the second half, mean height drifts {drift:+.1e} d"
+    text = f"kinetic energy at most {share:z.1e} of m g d in the second half, mean height drifts {drift:+z.1e} d"
     return bed | {"right": right, "message": text, "kinetic_share": share, "drift": drift}

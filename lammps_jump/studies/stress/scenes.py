@@ -100,11 +100,11 @@ def hard_scenes(long: bool = False) -> dict[str, tuple[dict, tuple[str, ...]]]:
         scenes["inlet drowned"][0]["run"]["duration"] = 120
     for friction, restitution, spin in product((0.0, 0.1, 0.5, 1.0, 2.0), (0.01, 0.1, 0.5, 1.0), (False, True)):
         if friction or not spin:
-            name = f"μ {friction:g}, e {restitution:g}" + (", spin" if spin else "")
+            name = f"μ {friction:zg}, e {restitution:zg}" + (", spin" if spin else "")
             contact = {"friction": friction, "restitution": restitution, "rotation": spin}
             scenes[name] = (base_case(contact=contact), ("stable",))
     for friction, restitution, rolling in product((0.1, 0.5, 2.0), (0.01, 0.5, 1.0), (None, {"friction": 0.1})):
-        name = f"springs, μ {friction:g}, e {restitution:g}" + (", rolling" if rolling else "")
+        name = f"springs, μ {friction:zg}, e {restitution:zg}" + (", rolling" if rolling else "")
         contact = {"friction": friction, "restitution": restitution, "rotation": True, "rolling": rolling}
         scenes[name] = (base_case(contact={**contact, "friction_law": "history"}), ("stable",))
     return scenes
@@ -213,7 +213,7 @@ def judge_scene(scene: Scene, engine: str) -> Outcome:
             return Outcome(stopped(message), message, **done)
         gain = energy_gain(Path(folder), scene)
     if gain > HEATED:
-        return Outcome("heated", f"the energy rose by {100 * gain:.1f} %", **done, gain=gain)
+        return Outcome("heated", f"the energy rose by {100 * gain:z.1f} %", **done, gain=gain)
     return Outcome("stable", message, **done, gain=gain)
 
 

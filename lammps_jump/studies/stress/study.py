@@ -35,14 +35,14 @@ TITLES = {
 
 LIMITS = {
     "arrangement": lambda row: row["arrangement"] + (", spin" if row["rotation"] else ""),
-    "e:": "{restitution:g}",
-    "μ:": "{friction:g}",
+    "e:": "{restitution:zg}",
+    "μ:": "{friction:zg}",
     "engine": "",
-    **{f"{name}:": f"{{{name}:.4f}}" for name in ("predicted", "stable", "unstable")},
-    "deviation:": "{deviation:+.1%}",
+    **{f"{name}:": f"{{{name}:z.4f}}" for name in ("predicted", "stable", "unstable")},
+    "deviation:": "{deviation:+z.1%}",
 }
-GROWTH = {"engine": "", "f:": "{fraction:g}", "mean change:": "{mean:+.3%}",
-          "scatter over entry phases:": "{scatter:.2%}"}  # fmt: skip
+GROWTH = {"engine": "", "f:": "{fraction:zg}", "mean change:": "{mean:+z.3%}",
+          "scatter over entry phases:": "{scatter:z.2%}"}  # fmt: skip
 
 
 def report(data: dict) -> str:
@@ -51,7 +51,7 @@ def report(data: dict) -> str:
     parts = ["## What ended badly", "\n".join(f"- {text}" for text in data["bad"]) or "Nothing."]
     parts += ["## Limits of the step, as a share of 2/omega of a pair", markdown(LIMITS, data["limits"])]
     if data["periodic"]:
-        crystal = "- e = {restitution:g}, f = {fraction:g}: kinetic energy x {growth:.3g}"
+        crystal = "- e = {restitution:zg}, f = {fraction:zg}: kinetic energy x {growth:z.3g}"
         parts += ["Periodic hexagonal crystal, 2 % compressed, 20,000 steps of stock LAMMPS:"]
         parts += ["\n".join(map(crystal.format_map, data["periodic"]))]
     parts += ["## Energy of one elastic collision below the limit", markdown(GROWTH, data["growth"])]
@@ -92,8 +92,8 @@ def draw_map(limits: list[dict], path: Path) -> Path:
 
 STRESS_FILE = "stress.json"
 LIMIT_SAID = (
-    "{arrangement}, e = {restitution:g}, μ = {friction:g}, spin {rotation}, {engine}: f = {measured:.4f}, closed form "
-    "{predicted:.4f} ({deviation:+.1%})"
+    "{arrangement}, e = {restitution:zg}, μ = {friction:zg}, spin {rotation}, {engine}: f = {measured:z.4f}, "
+    "closed form {predicted:z.4f} ({deviation:+z.1%})"
 )
 TIMEOUT = 120.0
 """s that one scene may take before it counts as hanging; minutes of drowned inlet get ten times that."""
@@ -138,7 +138,9 @@ class Stress:
         """Bracket the closed form on a periodic crystal of stock LAMMPS: 0.280 is stable, 0.285 is not (e = 0.2)."""
         points = [(0.2, 0.28), (0.2, 0.285)]
         points = points if self.quick else [(0.2, 0.275), *points, (1.0, 0.575), (1.0, 0.58)]
-        told = "periodic crystal, e = {restitution:g}, f = {fraction:g}: kinetic energy x {growth:.3g} in 20,000 steps"
+        told = (
+            "periodic crystal, e = {restitution:zg}, f = {fraction:zg}: kinetic energy x {growth:z.3g} in 20,000 steps"
+        )
         calls = [partial(crystal_growth, *point) for point in points if "stock" in self.kernels]
         return self._call(calls, told.format_map)
 

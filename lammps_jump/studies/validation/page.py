@@ -49,8 +49,8 @@ def ours_text(row: Data) -> str:
     places = max(0, -ceil(log10((high - low) / PARTS)))
     rounded = round(row["ours"], places)
     if places > PLAIN and not rounded:
-        return f"below {typeset(f'{10.0**-places:.0e}')}"
-    return typeset(f"{rounded:.{places}f}" if abs(rounded) >= 1e-3 or not rounded else shown(rounded, digits=2))
+        return f"below {typeset(f'{10.0**-places:z.0e}')}"
+    return typeset(f"{rounded:z.{places}f}" if abs(rounded) >= 1e-3 or not rounded else shown(rounded, digits=2))
 
 
 def distance_text(row: Data) -> str:
@@ -60,7 +60,7 @@ def distance_text(row: Data) -> str:
     share = 100 * row["distance"]
     if abs(share) < 1e-3:
         return "below 0.001 %"
-    return typeset(f"{share:+.{1 if abs(share) >= 0.1 else 2 if abs(share) >= 0.01 else 3}f} %")
+    return typeset(f"{share:+z.{1 if abs(share) >= 0.1 else 2 if abs(share) >= 0.01 else 3}f} %")
 
 
 def limits_text(row: Data) -> str:
