@@ -75,7 +75,7 @@ ENDS: dict[str, dict[str, Any]] = {
     "walls without friction": {"walls.box.friction": 0},
     "walls without friction, rolling": {"walls.box.friction": 0, "contact.rolling": {"friction": 0.1}},
     "walls without rolling friction": {"walls.box.rolling": 0, "contact.rolling": {"friction": 0.1}},
-    "friction at walls alone": {"walls.box.friction": 0.5, **NO_FRICTION},
+    "friction at walls alone": {"walls.box.friction": 0.03, **NO_FRICTION},
     "walls of restitution 1": {"walls.box.restitution": 1},
     "no spin": {"contact.rotation": False},
     "smooth touch": {"contact.touch": "smooth"},

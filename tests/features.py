@@ -58,6 +58,7 @@ FEATURES: dict[str, dict[str, Any]] = {
     "discs of several sizes": {"discs": SIZES, "contact": SPRINGS},
     "a rough bed": {"walls": [BED, BOX], "slope": 10},
     "a rough bed, `history`": {"walls": [BED, BOX], "slope": 10, "contact": SPRINGS},
+    "a rough bed beside a belt, `history`": {"walls": [BED, BELT, SIDE], "contact": ROLLING},
     "a slope without ends": {"domain": CHANNEL, "slope": 20, "walls": [{**SIDE, "name": "box", "axis": "y"}]},
     "a rough bed without ends, `history`": {
         "domain": CHANNEL, "slope": 20, "walls": [{**BED, "to": [1.19, 0]}], "contact": SPRINGS, "probes": {},

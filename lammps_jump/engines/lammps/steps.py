@@ -29,6 +29,8 @@ from .save import Saver
 
 HALF_STEP = "checkpoint-{step}.npz"
 END, SAVE = "end", "save"
+BED = 1 << 1
+"""Bit of the first group that a script with fixed discs defines; bit 0 is that of all discs."""
 
 
 class Steps:
@@ -202,8 +204,9 @@ class Steps:
     def _discs_aside(self) -> Iterator[None]:
         """No disc is in the group of a wall's fix: a run of no step looks at the walls, and at no contact with them.
 
-        A contact with a wall at the place and speed of another step would cut its spring, or end it. The bits of all
-        groups are inverted, and back again: discs take theirs along where LAMMPS sorts them meanwhile.
+        A contact with a wall at the place and speed of another step would cut its spring, or end it. The bits of groups
+        are inverted, and back again: discs take theirs along where LAMMPS sorts them meanwhile. The bit of the fixed
+        discs stays, by which LAMMPS tells the effective mass of a contact.
         """
         self._invert_groups()
         yield
@@ -211,7 +214,7 @@ class Steps:
 
     def _invert_groups(self) -> None:
         n = self.engine.extract_setting("nlocal")
-        self.engine.numpy.extract_atom("mask")[:n] ^= -1
+        self.engine.numpy.extract_atom("mask")[:n] ^= ~BED if self.scene.fixed else -1
 
     def _set_velocities(self, velocities, kind: str) -> None:
         """Give each disc of this rank its velocity and spin of a checkpoint."""
