@@ -18,7 +18,7 @@ import lammps_jump as lj
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.guess import known_coefficients
 from lammps_jump.cli.app import main
-from lammps_jump.dump.check import FrameCheck, force_troubles
+from lammps_jump.dump.check import FrameCheck, damages, force_troubles
 from lammps_jump.dump.find import read_dump
 from lammps_jump.dump.frame import Frame, make_frame
 from lammps_jump.engines.choice import choose
@@ -28,7 +28,6 @@ from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import DumpError
 from lammps_jump.files import plain
 from lammps_jump.runs import results, start
-from lammps_jump.runs.conclude import CUT
 from lammps_jump.scene.motion import MovingWall
 from lammps_jump.scene.scene import Scene
 from lammps_jump.script.stock import lacking, lacking_everywhere
@@ -198,7 +197,7 @@ def troubles(folder: Path, run: lj.Run) -> list[str]:
         dump = read_dump(folder)
         for frame in dump:
             check.add(frame, frame.time)
-        found = [*check.result(scene.steps, run.result.present), *(text for text in dump.warnings if CUT in text)]
+        found = [*check.result(scene.steps, run.result.present), *damages(dump.warnings)]
     except DumpError as error:
         found = [str(error)]
     return found + force_troubles(folder / "forces.csv", scene, scene.steps)

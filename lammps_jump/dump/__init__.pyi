@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 from .check import FrameCheck as FrameCheck
+from .check import damages as damages
 from .check import force_troubles as force_troubles
 from .exports import export as export
 from .exports import netcdf_of as netcdf_of

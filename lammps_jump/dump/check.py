@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -12,9 +13,15 @@ from lammps_jump.scene.scene import Scene
 
 from .find import read_forces
 from .frame import Frame
+from .source import CUT_OFF, PASSED_OVER
 
 NEAR = 0.01
 """Part of a time step by which a time may differ from that of its step: it is printed with 15 digits."""
+
+
+def damages(warnings: Iterable[str]) -> list[str]:
+    """Those warnings of the reader of dumps that speak of what no run writes: torn or repeated frames, comments."""
+    return [text for text in warnings if CUT_OFF in text or PASSED_OVER in text]
 
 
 class FrameCheck:

@@ -3,11 +3,6 @@
 
 from __future__ import annotations
 
-import gzip
-import io
-import itertools
-import struct
-import zlib
 from collections.abc import Callable, Iterator
 
 import numpy as np
@@ -15,105 +10,41 @@ import numpy as np
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.schedule import MOST_FRAMES
 
-from .frame import BUFFER, LARGEST_FRAME, TEXT_COLUMNS, UNPACKED, DumpFile, Frame, FrameHeader, read_only
+from .frame import LARGEST_FRAME, TEXT_COLUMNS, DumpFile, Frame, FrameHeader, read_only
 from .rows import NEED_MORE, NEW_ITEM, POWER_HIGH, POWER_LOW, ROWS_DONE, parse_rows, skip_rows
+from .source import CUT_OFF, PASSED_OVER, Bytes, Lines, NoFrame, Torn, Truncated
 
 MOST_BLANK = 10_000
 MOST_EMPTY = 100_000
 LARGEST_INT = (1 << 63) - 1
-CHUNK = 1 << 17
-"""Bytes that are read at once: gzip makes room for as many each time."""
-DAMAGE = (EOFError, zlib.error, gzip.BadGzipFile)
-"""What reading a gzip file raises that is damaged or cut short."""
 Walked = Iterator[tuple[FrameHeader, Frame | None]]
-
-
-class NoFrame(DumpError):
-    """A file without one whole frame."""
-
-
-class _Truncated(Exception):
-    """The file ends inside a frame; the message says where."""
-
-
-class _Source:
-    """The bytes of a dump, up to a damage."""
-
-    def __init__(self, dump: DumpFile, stream):
-        self.dump, self.path = dump, dump.path
-        self.stream = stream if hasattr(stream, "readinto1") else io.BufferedReader(stream)
-        self.taken = 0
-        self.damaged = ""
-
-    def read(self, target: memoryview) -> int:
-        """Read at most as many bytes as `target` takes; 0 at the end of the file, and where it is damaged."""
-        try:
-            got = self.stream.readinto1(target[:CHUNK])
-        except DAMAGE as error:
-            self.damaged = f" (the gzip stream is damaged or cut short: {error})"
-            return 0
-        self.taken += got
-        if self.dump.compressed and self.taken > self.dump.most_bytes:
-            raise OSError(f"it unpacks to more than {UNPACKED} times its size, as no dump of discs does")
-        return got
-
-
-class _Buffer(_Source):
-    """A window on a stream that slides forward; a line fits into half of it."""
-
-    def __init__(self, dump: DumpFile, stream):
-        super().__init__(dump, stream)
-        self.bytes = bytearray(BUFFER)
-        self.data = np.frombuffer(self.bytes, np.uint8)
-        self.begin = self.end = 0
-        self.line_number = 0
-
-    def more(self) -> bool:
-        """Read on, keeping what is not yet used; False at the end of the file."""
-        left = self.end - self.begin
-        if left > len(self.bytes) // 2:
-            raise DumpError(f"{self.path}, {self.place()}: no end of a line within {left} bytes, so this is no dump.")
-        self.bytes[:left] = self.bytes[self.begin : self.end]
-        self.begin, self.end = 0, left
-        got = self.read(memoryview(self.bytes)[left:])
-        self.end += got
-        return got > 0
-
-    def place(self) -> str:
-        """Where the next line stands in the file."""
-        return f"line {self.line_number + 1}"
-
-    def line(self) -> str | None:
-        """The next line without its end; None at the end of the file; _Truncated where it lacks its newline."""
-        searched = self.begin
-        while (stop := self.bytes.find(b"\n", searched, self.end)) < 0:
-            searched = self.end - self.begin
-            if not self.more():
-                if self.begin == self.end:
-                    return None
-                raise _Truncated("inside a line")
-        text = self.bytes[self.begin : stop].decode("latin-1").rstrip("\r")
-        self.begin = stop + 1
-        self.line_number += 1
-        return text
 
 
 def walk(dump: DumpFile, stream, parse: Callable[[int], bool]) -> Walked:
     """Headers, and the frames for whose index `parse` is true; a last frame that is cut off is left out and noted."""
-    kind, read = (_Buffer, _text_frame) if dump.format == "text" else (_Bytes, _binary_frame)
-    source, empty = kind(dump, stream), 0
-    for index in itertools.count():
+    kind, read = (Lines, _text_frame) if dump.format == "text" else (Bytes, _binary_frame)
+    source, empty, index, torn = kind(dump, stream), 0, 0, False
+    while True:
         start = source.place()
         try:
             found = read(dump, source, parse(index))
-        except _Truncated as where:
+        except Torn as where:
+            if index == 0 or torn:
+                raise where.error from None
+            dump.warn(
+                f"{dump.path}: step {where.step}: the frame from {start} {CUT_OFF} {where.place}, and another begins "
+                f"there; it was {PASSED_OVER}."
+            )
+            torn = True
+            continue
+        except Truncated as where:
             if index == 0:
                 raise NoFrame(
                     f"{dump.path}: the file ends at {source.place()}, inside its first frame ({where})"
                     f"{source.damaged}: no complete frame in it."
                 ) from None
             dump.warn(
-                f"{dump.path}: the last frame (number {index + 1}, from {start}) is cut off {where}{source.damaged}; "
+                f"{dump.path}: the last frame (number {index + 1}, from {start}) {CUT_OFF} {where}{source.damaged}; "
                 "it was skipped."
             )
             return
@@ -125,14 +56,15 @@ def walk(dump: DumpFile, stream, parse: Callable[[int], bool]) -> Walked:
         if empty > MOST_EMPTY:
             raise DumpError(f"{dump.path}: more than {MOST_EMPTY:,} frames without a disc; name a dump of discs.")
         yield found
+        index, torn = index + 1, False
 
 
-def _text_frame(dump: DumpFile, buffer: _Buffer, wanted: bool) -> tuple[FrameHeader, Frame | None] | None:
+def _text_frame(dump: DumpFile, buffer: Lines, wanted: bool) -> tuple[FrameHeader, Frame | None] | None:
     head = _text_header(dump, buffer)
     if head is not None:
         return head[0], _text_rows(dump, buffer, *head, wanted)
     if buffer.damaged:
-        raise _Truncated("at the end of a frame")
+        raise Truncated("at the end of a frame")
     return None
 
 
@@ -140,7 +72,7 @@ def _wrong(dump: DumpFile, line: int, found: str, expected: str) -> DumpError:
     return DumpError(f"{dump.path}, line {line}: expected {expected}, found {found[:60]!r}.")
 
 
-def _text_header(dump: DumpFile, buffer: _Buffer):
+def _text_header(dump: DumpFile, buffer: Lines):
     """(header, box, names, tilt) of the next frame, or None at the end of the file."""
     step = time = n = box = None
     tilt = 0.0
@@ -150,7 +82,7 @@ def _text_header(dump: DumpFile, buffer: _Buffer):
         line = buffer.line()
         if line is None:
             if begun:
-                raise _Truncated("inside its header")
+                raise Truncated("inside its header")
             return None
         if not line.strip():
             blank += 1
@@ -167,7 +99,7 @@ def _text_header(dump: DumpFile, buffer: _Buffer):
         elif item == "TIME":
             time = _number(dump, buffer, float, "a time")
         elif item == "TIMESTEP":
-            step = _number(dump, buffer, int, "a step number")
+            step = buffer.step = _number(dump, buffer, int, "a step number")
         elif item == "NUMBER" and rest == "OF ATOMS":
             n = _number(dump, buffer, int, "a number of discs")
             if not 0 <= n <= LARGEST_FRAME:
@@ -186,14 +118,14 @@ def _text_header(dump: DumpFile, buffer: _Buffer):
             raise _wrong(dump, buffer.line_number, line, "ITEM: TIMESTEP, TIME, UNITS, NUMBER OF ATOMS, BOX or ATOMS")
 
 
-def _value(buffer: _Buffer) -> str:
+def _value(buffer: Lines) -> str:
     line = buffer.line()
     if line is None:
-        raise _Truncated("inside its header")
+        raise Truncated("inside its header")
     return line
 
 
-def _number(dump: DumpFile, buffer: _Buffer, kind, what: str):
+def _number(dump: DumpFile, buffer: Lines, kind, what: str):
     text = _value(buffer)
     try:
         number = kind(text)
@@ -204,7 +136,7 @@ def _number(dump: DumpFile, buffer: _Buffer, kind, what: str):
         raise _wrong(dump, buffer.line_number, text, what) from None
 
 
-def _box(dump: DumpFile, buffer: _Buffer) -> tuple[np.ndarray, float]:
+def _box(dump: DumpFile, buffer: Lines) -> tuple[np.ndarray, float]:
     bounds, tilt = np.empty((3, 2)), 0.0
     for axis in range(3):
         text = _value(buffer)
@@ -233,33 +165,49 @@ def _check_names(dump: DumpFile, names: tuple[str, ...], tilt: float, where: str
         dump.warn(f"{dump.path}: column {', '.join(words)} holds words and was left out.")
 
 
-def _text_rows(dump: DumpFile, buffer: _Buffer, header: FrameHeader, box, names, wanted: bool) -> Frame | None:
-    first_line = buffer.line_number + 1
+def _text_rows(dump: DumpFile, buffer: Lines, header: FrameHeader, box, names, wanted: bool) -> Frame | None:
+    first_line = buffer.line_number + 1 - buffer.comments
     if 2 * len(names) * header.n > dump.most_bytes:
-        raise _Truncated(f": the file is too short for {header.n} discs")
+        raise Truncated(f": the file is too short for {header.n} discs")
     out = np.empty((len(names), header.n if wanted else 0))
     is_text = np.array([name in TEXT_COLUMNS for name in names])
     row = 0
     while True:
+        begin = buffer.begin
         if wanted:
             row, buffer.begin, status = parse_rows(
                 buffer.data, buffer.begin, buffer.end, out, row, header.n, is_text, POWER_HIGH, POWER_LOW
             )
         else:
             row, buffer.begin, status = skip_rows(buffer.data, buffer.begin, buffer.end, row, header.n)
-        buffer.line_number = first_line - 1 + row
+            if (item := buffer.bytes.find(b"ITEM:", begin, buffer.begin)) >= 0:
+                buffer.begin, status = item, NEW_ITEM
+        buffer.line_number = first_line - 1 + row + buffer.comments
         if status == ROWS_DONE:
             break
         if status == NEED_MORE:
             if not buffer.more():
-                raise _Truncated(f"after {row} of {header.n} rows")
+                raise Truncated(f"after {row} of {header.n} rows")
         elif status == NEW_ITEM:
-            raise _wrong(dump, first_line + row, "ITEM:", f"disc {row + 1} of {header.n}")
+            raise _torn(dump, buffer, header, row)
         else:
             line = buffer.line()  # may read on; a row cut off here is a truncated file, not a malformed one
-            out[:, row] = _slow_row(dump, line, names, first_line + row)
+            if line is None:
+                raise Truncated(f"after {row} of {header.n} rows")
+            if "ITEM:" in line:
+                buffer.begin = buffer.bytes.rfind(b"ITEM:", 0, buffer.begin)
+                buffer.line_number -= 1
+                raise _torn(dump, buffer, header, row)
+            if wanted:
+                out[:, row] = _slow_row(dump, line, names, buffer.line_number)
             row += 1
     return _frame(header, box, names, out) if wanted else None
+
+
+def _torn(dump: DumpFile, buffer: Lines, header: FrameHeader, row: int) -> Torn:
+    """Another frame begins at the place of the buffer."""
+    wrong = _wrong(dump, buffer.line_number + 1, "ITEM:", f"disc {row + 1} of {header.n}")
+    return Torn(wrong, header, row)
 
 
 def _slow_row(dump: DumpFile, line: str, names: tuple[str, ...], number: int) -> list[float]:
@@ -276,38 +224,12 @@ def _slow_row(dump: DumpFile, line: str, names: tuple[str, ...], number: int) ->
     return values
 
 
-class _Bytes(_Source):
-    """A binary dump, one number or block after the other."""
-
-    def place(self) -> str:
-        """Where the next byte stands in the file."""
-        return f"byte {self.taken}"
-
-    def take(self, size: int) -> bytearray:
-        """The next `size` bytes; _Truncated where the file ends before."""
-        if size < 0:
-            raise DumpError(f"{self.dump.path}, {self.place()}: a length of {size} bytes: the file is damaged.")
-        if size > self.dump.most_bytes:
-            raise _Truncated(f": the file is too short for {size} bytes at {self.place()}")
-        data, done = bytearray(size), 0
-        while done < size:
-            got = self.read(memoryview(data)[done:])
-            if not got:
-                raise _Truncated(f"at {self.place()}")
-            done += got
-        return data
-
-    def number(self, code: str):
-        """The next number, of this code of `struct`."""
-        return struct.unpack("<" + code, self.take(struct.calcsize("<" + code)))[0]
-
-
-def _binary_frame(dump: DumpFile, source: _Bytes, wanted: bool) -> tuple[FrameHeader, Frame | None] | None:
+def _binary_frame(dump: DumpFile, source: Bytes, wanted: bool) -> tuple[FrameHeader, Frame | None] | None:
     """The next frame, with signature and revision 2; None at the end of the file."""
     take, number, start = source.take, source.number, source.taken
     try:
         first = number("q")
-    except _Truncated:
+    except Truncated:
         if source.taken == start:
             return None
         raise
@@ -337,7 +259,7 @@ def _binary_frame(dump: DumpFile, source: _Bytes, wanted: bool) -> tuple[FrameHe
     _check_names(dump, names, tilt, f"byte {start}")
     header = FrameHeader(step, time, n)
     if 8 * width * n > dump.most_bytes:
-        raise _Truncated(f": the file is too short for {n} discs")
+        raise Truncated(f": the file is too short for {n} discs")
     return header, _binary_rows(dump, source, header, box, names, wanted, start)
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import gzip
 import re
 import struct
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from functools import cached_property
 from pathlib import Path
@@ -19,8 +19,9 @@ from typing import BinaryIO, overload
 from lammps_jump.errors import DumpError
 from lammps_jump.files import open_to_read, read_start
 
-from .formats import DAMAGE, NoFrame, walk
+from .formats import walk
 from .frame import DumpFile, Frame, FrameHeader
+from .source import DAMAGE, PASSED_OVER, NoFrame
 
 
 class Dump(DumpFile):
@@ -45,7 +46,7 @@ class Dump(DumpFile):
         """The frames of these indices (0, 1, …), in the file's order; the others are passed over unparsed."""
         wanted = None if wanted is None else frozenset(wanted)
         last = None if wanted is None else max(wanted, default=-1)
-        for index, (_, frame) in enumerate(self._pass(lambda i: wanted is None or i in wanted)):
+        for index, (_, frame) in enumerate(self._forward(lambda i: wanted is None or i in wanted)):
             if frame is not None:
                 yield frame
             if last is not None and index >= last:
@@ -77,22 +78,58 @@ class Dump(DumpFile):
 
     @cached_property
     def _headers(self) -> list[FrameHeader]:
-        return [header for header, _ in self._pass(lambda i: False)]
+        return [header for header, _ in self._forward(lambda i: False)]
 
     def count(self) -> int:
         """Number of complete frames."""
         return len(self.headers())
 
+    def _forward(self, parse: Callable[[int], bool]) -> Iterator[tuple[FrameHeader, Frame | None]]:
+        """Headers and frames whose steps and times advance; what a warning says of the others.
+
+        A frame that is there twice and the first frames of an appended restart are passed over. Steps that fall back to
+        the first or before it are another run's, which ends the pass.
+        """
+        taken: list[FrameHeader] = []
+        passed, told = 0, ""
+        for number, (header, frame) in enumerate(self._pass(lambda _: parse(len(taken))), start=1):
+            if not taken or _advances(taken[-1], header):
+                taken.append(header)
+                yield header, frame
+                continue
+            passed += 1
+            told = told or f"{self.path}: frame {number} is at {_place(header)}, after {_place(taken[-1])}: "
+            if another := header.step <= taken[0].step and header.step < taken[-1].step:
+                before = "frame before it is" if len(taken) == 1 else "frames before it are"
+                what = f"another run begins there and was {PASSED_OVER}; only the {len(taken)} {before} used."
+            else:
+                those = f"{passed} frames that do not advance were" if passed > 1 else "it does not advance and was"
+                what = f"{those} {PASSED_OVER}."
+            self.warnings = [text for text in self.warnings if not text.startswith(told)] + [told + what]
+            if another:
+                return
+
     def _open(self) -> BinaryIO:
         return _open(self.path, self.compressed)
 
-    def _pass(self, parse) -> Iterator[tuple[FrameHeader, Frame | None]]:
+    def _pass(self, parse: Callable[[int], bool]) -> Iterator[tuple[FrameHeader, Frame | None]]:
+        """Headers of all whole frames in the order of the file, and the frames for whose index `parse` is true."""
         self.warnings = []
         try:
             with self._open() as stream:
                 yield from walk(self, stream, parse)
         except OSError as error:
             raise DumpError(f"{self.path}: cannot be read ({error.strerror or error}).") from error
+
+
+def _advances(last: FrameHeader, header: FrameHeader) -> bool:
+    """Whether a frame is later than the last one, by its step and, where both have one, by its time."""
+    clocked = last.time is not None and header.time is not None
+    return header.step > last.step and not (clocked and header.time <= last.time)
+
+
+def _place(header: FrameHeader) -> str:
+    return f"step {header.step}" + ("" if header.time is None else f" ({header.time:.6g} s)")
 
 
 class DumpSeries(Dump):
@@ -103,18 +140,18 @@ class DumpSeries(Dump):
         super().__init__(path, first.format, first.compressed)
         self.files = files
 
-    def _pass(self, parse) -> Iterator[tuple[FrameHeader, Frame | None]]:
-        self.warnings, done, last = [], 0, None
+    def _pass(self, parse: Callable[[int], bool]) -> Iterator[tuple[FrameHeader, Frame | None]]:
+        self.warnings, done, first, last = [], 0, None, None
         for file in self.files:
             try:
-                part = _identified(file)
+                part, before = _identified(file), done
                 for header, frame in part._pass(lambda index, before=done: parse(before + index)):
-                    if last is not None and header.step <= last:
+                    if done == before and first is not None and header.step <= first:
                         raise DumpError(
                             f"{file}: step {header.step} follows step {last} of the file before; allowed are files of "
                             "one run, whose numbers go with their steps: name its files with a pattern in quotes."
                         )
-                    last, done = header.step, done + 1
+                    first, last, done = header.step if first is None else first, header.step, done + 1
                     self.columns, self.units = self.columns or part.columns, self.units or part.units
                     yield header, frame
             except NoFrame as cut_off:  # a run that was killed leaves such a file

@@ -133,11 +133,15 @@ def _parse_rows_py(data, position, end, out, row, rows, is_text, high, low):
 
 
 def _skip_rows_py(data, position, end, row, rows):
-    """As `_parse_rows_py`, but only counting lines."""
+    """As `_parse_rows_py`, but only counting lines; NOT_PLAIN before a comment."""
     while row < rows:
         i = position
+        while i < end and (data[i] == 32 or data[i] == 9):
+            i += 1
         if i < end and data[i] == 73:
             return row, position, NEW_ITEM
+        if i < end and data[i] == 35:  # '#'
+            return row, position, NOT_PLAIN
         while i < end and data[i] != 10:
             i += 1
         if i >= end:

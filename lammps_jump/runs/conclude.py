@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 import lammps_jump.runs as runs
 from lammps_jump.case.case import ReadCase
-from lammps_jump.dump import FrameCheck, force_troubles, read_dump
+from lammps_jump.dump import FrameCheck, damages, force_troubles, read_dump
 from lammps_jump.engines import Progress, ProgressCallback, RunResult, Setting
 from lammps_jump.engines.checkpoint import remove_checkpoint
 from lammps_jump.engines.interrupts import terminate_as_interrupt
@@ -32,8 +32,6 @@ from .state import outputs_of
 from .summary import compose, write_summary
 
 log = logging.getLogger(__name__)
-CUT = "is cut off"
-"""What the reader of dumps says of a torn frame."""
 STOPPED = "the analysis was stopped; the files of the run are kept, and `lammps-jump analyze {}` analyses them"
 NOT_ANALYSED = "the run is not analysed yet: `lammps-jump analyze` on its folder does that"
 
@@ -146,7 +144,7 @@ class Conclusion:
             dump = read_dump(self.folder)
             for frame in dump:
                 check.add(frame, self.case.scene().time(frame.step) if frame.time is None else frame.time)
-            found = [*check.result(self.steps, self.result.present), *(text for text in dump.warnings if CUT in text)]
+            found = [*check.result(self.steps, self.result.present), *damages(dump.warnings)]
         except DumpError as error:
             found = [str(error)]
         found += force_troubles(self.folder / "forces.csv", self.case.scene(), self.steps)
@@ -232,7 +230,7 @@ class Conclusion:
         result, steps = self.result, self.steps
         found = [] if result.steps == steps else [f"{result.steps} of {steps} steps"]
         found += [f"dump: {text}" for text in check.result(steps, result.present)]
-        found += [text for text in warnings if CUT in text]
+        found += damages(warnings)
         found += force_troubles(self.folder / "forces.csv", self.case.scene(), steps)
         if result.lost:
             found.append(f"{result.inserted} discs inserted, {result.present} present, {result.removed} removed")

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from lammps_jump.dump.check import damages
 from lammps_jump.dump.find import find_dump, read_dump
 from lammps_jump.dump.frame import make_frame, require_finite
 from lammps_jump.dump.read import open_dump
@@ -81,7 +82,9 @@ def test_what_was_written_is_read_back_bit_by_bit(tmp_path_factory, frames, fmt,
     with DumpWriter(path, ("id", "x", "y"), fmt, precision="%.17g") as writer:
         for step, points in enumerate(frames):
             x, y = np.array(points, float).reshape(-1, 2).T
-            writer.write_frame(make_frame(step, time, [[0, 1], [0, 1]], {"id": np.arange(len(x)) + 1, "x": x, "y": y}))
+            columns = {"id": np.arange(len(x)) + 1, "x": x, "y": y}
+            now = None if time is None else time + step
+            writer.write_frame(make_frame(step, now, [[0, 1], [0, 1]], columns))
     dump = open_dump(path)
     for _ in range(2):  # iterable again
         read = list(dump)
@@ -90,7 +93,8 @@ def test_what_was_written_is_read_back_bit_by_bit(tmp_path_factory, frames, fmt,
             expected = np.array(points, float).reshape(-1, 2)
             np.testing.assert_array_equal(frame.x, expected[:, 0])
             np.testing.assert_array_equal(frame.y, expected[:, 1])
-            assert frame.time is None if time is None else frame.time == pytest.approx(time, rel=1e-15, abs=0)
+            known = None if time is None else pytest.approx(time + frame.step, rel=1e-15, abs=0)
+            assert frame.time == known
     assert dump.warnings == [] and dump.count() == len(frames)
 
 
@@ -319,3 +323,90 @@ def test_the_first_column_at_fault_is_named():
     frame = make_frame(7, 0.0, [(0, 1), (0, 1)], {name: [np.nan] for name in names})
     with pytest.raises(DumpError, match="step 7, row 1 of the frame: vy is nan, not a number"):
         require_finite(frame, "dump")
+
+
+def with_steps(path, steps, fmt="text"):
+    """A dump whose only disc is at x = its step, with times where `steps` are pairs."""
+    with DumpWriter(path, ("id", "x", "y"), fmt) as writer:
+        for step, time in ((one if isinstance(one, tuple) else (one, None)) for one in steps):
+            writer.write_frame(make_frame(step, time, [[0, 1], [0, 1]], {"id": [1], "x": [step], "y": [0]}))
+    return path
+
+
+NOT_FORWARD = {
+    "frame twice": ([0, 10, 20, 20, 30], [0, 10, 20, 30], "frame 4 is at step 20, after step 20: it does not advance"),
+    "restart appended": (
+        [0, 10, 20, 30, 20, 30, 40],
+        [0, 10, 20, 30, 40],
+        "frame 5 is at step 20, after step 30: 2 frames that do not advance were passed over",
+    ),
+    "minimised, then run": ([0, 37, 0, 10, 50], [0, 37], "frame 3 is at step 0, after step 37: another run begins"),
+    "two runs": ([5, 10, 0, 5, 50], [5, 10], "only the 2 frames before it are used"),
+    "other run after one frame": ([9, 0, 10], [9], "only the 1 frame before it is used"),
+    "time falls back": (
+        [(0, 0.0), (10, 0.1), (20, 0.05), (30, 0.2)],
+        [0, 10, 30],
+        r"frame 3 is at step 20 (0.05 s), after step 10 (0.1 s)",
+    ),
+    "forward": ([-20, -10, 0, 10], [-20, -10, 0, 10], ""),
+}
+
+
+@pytest.mark.parametrize("fmt", ["text", "gz", "binary"])
+@pytest.mark.parametrize("kind", NOT_FORWARD)
+def test_frames_that_do_not_advance_are_passed_over_and_told(tmp_path, kind, fmt):
+    steps, used, said = NOT_FORWARD[kind]
+    dump = open_dump(with_steps(tmp_path / "dump", steps, fmt))
+    for found in (dump.headers(), list(dump), list(dump[:]), [dump[k] for k in range(len(used))]):
+        assert [frame.step for frame in found] == used
+    assert [frame.x[0] for frame in dump] == used and len(dump) == len(used)
+    (told,) = dump.warnings or [""]
+    assert said in told and damages(dump.warnings) == dump.warnings
+
+
+def test_a_pattern_of_parts_that_overlap_goes_forward(tmp_path):
+    """Each part of a run that was restarted repeats the step of the restart; of two runs none is guessed."""
+    for part, steps in enumerate([[0, 10, 20], [20, 30], [20, 30, 40]]):
+        with_steps(tmp_path / f"dump.{part}", steps)
+    dump = read_dump(tmp_path)
+    assert [frame.step for frame in dump] == [0, 10, 20, 30, 40] and "3 frames that do not advance" in dump.warnings[0]
+    with_steps(tmp_path / "dump.3", [0, 50])
+    with pytest.raises(DumpError, match=r"dump\.3: step 0 follows step 40"):
+        list(read_dump(tmp_path))
+
+
+@pytest.mark.parametrize("row", ["# note", "  # 1 2 3 4 5", "#"])
+@pytest.mark.parametrize("place", [0, 9, 10, 11, 18, 20, 22])
+def test_a_comment_is_passed_over_and_told(tmp_path, row, place):
+    lines = (GOOD + GOOD.replace("TIMESTEP\n0", "TIMESTEP\n7")).splitlines()
+    lines.insert(place, row)
+    if place == 0:  # what a file begins with says what it is
+        with pytest.raises(DumpError, match="line 1"):
+            open_dump(write(tmp_path, "\n".join(lines) + "\n"))
+        return
+    dump = open_dump(write(tmp_path, "\n".join(lines) + "\n"))
+    for frames in ([dump[0], dump[1]], list(dump)):
+        assert [list(frame.x) for frame in frames] == [[1, 5], [1, 5]]
+    (told,) = dump.warnings
+    step = 0 if place <= 11 else 7
+    assert f"line {place + 1}: a comment at step {step} was passed over" in told and damages([told])
+    assert dump.count() == 2
+    lines[22 if place < 22 else 21] = "2 5 six 7 8"
+    with pytest.raises(DumpError, match=r"line 2[23]: expected a number for y"):
+        list(open_dump(write(tmp_path, "\n".join(lines) + "\n")))
+
+
+@pytest.mark.parametrize("cut", [1, 4, 8, 9, 10, 17])
+def test_a_run_that_was_killed_and_appended_to_is_read_on(tmp_path, cut):
+    """The torn frame is told and left out, wherever in its rows it ends; the next ones are whole."""
+    parts = [GOOD.replace("TIMESTEP\n0", f"TIMESTEP\n{step}") for step in (0, 5, 5, 10)]
+    dump = open_dump(write(tmp_path, parts[0] + parts[1][:-cut] + parts[2] + parts[3]))
+    steps = [header.step for header in dump.headers()]
+    if cut == 1:  # only the newline is missing: LAMMPS' next word is behind the last number
+        assert steps == [0, 5, 10]
+    assert steps == [frame.step for frame in dump] == [0, 5, 10]
+    (told,) = dump.warnings
+    assert "step 5: the frame from line" in told and "another begins there; it was passed over" in told
+    assert damages([told]) == [told]
+    with pytest.raises(DumpError, match="expected disc"):  # frames that are all too short are no killed run
+        list(open_dump(write(tmp_path, parts[0] + 3 * parts[1][:-cut])))

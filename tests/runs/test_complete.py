@@ -108,7 +108,10 @@ DAMAGES = {
         frames_changed(lambda frames: [*frames[:3], frames[4], frames[3], *frames[5:]]),
         "frame 4: step",
     ),
-    "a frame doubled": (frames_changed(lambda frames: [*frames[:3], *frames[2:]]), "17 of 16 frames"),
+    "a frame doubled": (
+        frames_changed(lambda frames: [*frames[:3], *frames[2:]]),
+        "it does not advance and was passed over",
+    ),
     "time backwards": (frames_changed(backwards), "frame 1: time"),
     "a disc far away": (frames_changed(of_last("y", lambda columns: 1e9)), "y = 1e+09 m, outside the domain"),
     "a negative id": (frames_changed(of_last("id", lambda columns: -1)), "no positive whole number"),
