@@ -130,7 +130,7 @@ def build_scene(case: CaseFields, source: CaseSource) -> Scene:
     own_names = checks.check_names(case, source, [wall for wall, _ in (*moving[len(theirs) :], *gates)])
     places.check_in_domain(case, source, begun.positions, inlets, domain)
     fields = {item.wall.name: item.field for item in theirs}
-    places.check_places(source, begun, inlets, (*moving, *gates), fields, case.seam)
+    places.check_places(case, source, begun, inlets, (*moving, *gates), fields, case.seam)
     if case.seam:
         channel.check_walls(source, begun, moving, fields, domain)
         notes += channel.lid_doubts(moving, domain, begun.largest)

@@ -95,18 +95,34 @@ def _divisors(n: int) -> np.ndarray:
     return np.union1d(low, n // low)
 
 
-def told(asked: dict[str, tuple[float, float]], unit: str = "s") -> tuple[str, ...]:
+def told(
+    asked: dict[str, tuple[float, float]], unit: str = "s", why: str = "time goes in whole steps"
+) -> tuple[str, ...]:
     """Sentences on values that differ from what was asked by more than `TOLD`.
 
     Parameters
     ----------
     asked : mapping of the field's name to (asked, made)
+    unit : str
+    why : str
+        What has changed them.
     """
     return tuple(
-        f"{name}: {made:.4g} {unit} in place of {value:.4g} {unit}, because time goes in whole steps"
+        f"{name}: {made:.4g} {unit} in place of {value:.4g} {unit}, because {why}"
         for name, (value, made) in asked.items()
         if abs(made - value) > TOLD * abs(value)
     )
+
+
+def told_of_window(asked: float, made: float, output_interval: float) -> tuple[str, ...]:
+    """Sentences on a window of the probes that differs from the one asked for (s), and why it does."""
+    why = "windows are whole steps, and whole numbers of them make the time between frames"
+    if asked > (1 + TOLD) * output_interval:
+        why = (
+            f"a window is at most the time between frames: for {asked:.4g} s set run.output_interval to {asked:.4g} s "
+            "or a multiple of it"
+        )
+    return told({"probes.interval": (asked, made)}, why=why)
 
 
 def plan_stations(x: Interval, speed: float, window: Interval, scene: Beginning, places: Iterable[float]) -> Stations:

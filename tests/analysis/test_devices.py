@@ -231,7 +231,15 @@ def test_the_scene_of_a_hopper_has_its_gap():
     assert (first.width, first.middle) == (pytest.approx(1.0), pytest.approx((0.0, 0.5)))
 
 
-@pytest.mark.parametrize("places, said", [("[3, 300]", "outside the domain"), ("[3, 3]", "there already")])
+@pytest.mark.parametrize(
+    "places, said",
+    [
+        ("[3, 300]", "300 m is outside the domain"),
+        ("[3, 3]", "there already"),
+        ("[3, END]", "is at the end of the domain"),
+    ],
+)
 def test_gauges_that_are_refused(places, said):
     with pytest.raises(CaseError, match=rf"probes.gauges\[1\]: .*{said}"):
-        load_case(INPUTS / "wave_paddle.yaml", [f"probes.gauges={places}"]).scene()
+        end = load_case(INPUTS / "wave_paddle.yaml").scene().domain[0][1]
+        load_case(INPUTS / "wave_paddle.yaml", [f"probes.gauges={places.replace('END', str(end))}"]).scene()

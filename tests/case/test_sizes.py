@@ -252,3 +252,21 @@ def test_check_says_what_sizes_mean():
 def test_rows_too_close_to_enter_are_named():
     (note,) = case(*JET, "inflow.spacing=1.02").scene().warnings
     assert "inflow.spacing 1.02" in note and "1.1" in note
+
+
+@pytest.mark.parametrize("sizes", ["{kind: uniform, spread: 0.2}", "null"])
+def test_discs_that_jitter_makes_overlap_name_it(sizes):
+    """The message said "move them apart" of discs that no field of the case places one by one."""
+    text = (
+        "name: shaken\ndiscs: {diameter: 0.2}\ncontact: {restitution: 0.5, impact_speed: 5}\n"
+        "walls: [{name: floor, kind: plane, axis: y, at: 0, side: above}]\n"
+        "initial:\n  - {kind: list, positions: [[9, 3]]}\n"
+        "  - {kind: column, x: [0, 2], y: [0, 2], gate: false, jitter: JITTER}\nrun: {duration: 1}\n"
+    )
+
+    def shaken(jitter):
+        return parse_case(text.replace("JITTER", str(jitter)), "shaken.yaml", [f"discs.sizes={sizes}"])
+
+    with pytest.raises(CaseError, match=r"lower initial\[1\].jitter, which shifts each disc by up to 0.04 m \(0.2 dia"):
+        shaken(0.2).scene()
+    assert len(shaken(0.0001).scene().positions) > 80  # the remedy helps

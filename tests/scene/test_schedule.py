@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from made_up import INPUTS
 
 from lammps_jump.case import load_case
-from lammps_jump.scene.schedule import MOST_FINER, TOLD, fitted_step, plan_steps, told
+from lammps_jump.scene.schedule import MOST_FINER, TOLD, fitted_step, plan_steps, told, told_of_window
 
 
 @given(
@@ -32,6 +32,22 @@ def test_a_dam_break_lasts_as_long_as_asked(interval):
     assert scene.time(scene.steps) == pytest.approx(5.0, rel=TOLD)
     window = scene.probe_steps * scene.time_step
     assert any("probes.interval" in text for text in scene.adapted) == (abs(window / interval - 1) > TOLD)
+
+
+def test_a_window_that_is_changed_tells_why():
+    assert told_of_window(0.01, 0.01, 0.01) == ()
+    (longer,) = told_of_window(0.5, 0.1, 0.1)
+    assert longer.startswith("probes.interval: 0.1 s in place of 0.5 s, because a window is at most the time between")
+    assert "set run.output_interval to 0.5 s" in longer
+    (other,) = told_of_window(0.0005, 0.00099, 0.001)
+    assert "whole numbers of them make the time between frames" in other
+
+    def adapted(interval, frames):
+        changes = {"probes.interval": interval, "run.output_interval": frames}
+        return [text for text in load_case(INPUTS / "dam_break.yaml", changes).scene().adapted if "probes" in text]
+
+    assert "set run.output_interval to 0.5 s" in adapted(0.5, 0.05)[0]
+    assert adapted(0.5, 0.5) == []  # the remedy helps
 
 
 def test_what_whole_steps_change_is_told():

@@ -19,6 +19,7 @@ from lammps_jump.scene.shapes import open_ends
 
 
 def check_places(
+    case: CaseFields,
     source: CaseSource,
     scene: Beginning,
     inlets: tuple[InletRow, ...],
@@ -46,14 +47,14 @@ def check_places(
         raise source.error(
             f"{field}: discs {i + 1} at ({positions[i, 0]:g}, {positions[i, 1]:g}) and {j + 1} at "
             f"({positions[j, 0]:g}, {positions[j, 1]:g}) overlap by {overlap:.3g} m at the start; allowed is d/n = "
-            f"{allowed:.3g} m; move them apart"
+            f"{allowed:.3g} m; {_less_jitter(case) if field == 'initial' else ''}move them apart"
         )
     if scene.fixed is not None:
         positions, diameters = positions[: scene.fixed.first - 1], diameters[: scene.fixed.first - 1]
     for one in walls:
         field = fields.get(one.wall.name, "initial")
         if wall := one.at(0):
-            _check_discs_free_of(wall, field, source, positions, diameters, allowed)
+            _check_discs_free_of(wall, field, case, source, positions, diameters, allowed)
         if isinf(one.motion.gone):
             _check_inlets_free_of(one.wall, source, inlets, scene.largest)
 
@@ -63,9 +64,10 @@ def gauges(case: CaseFields, source: CaseSource, room: Interval) -> tuple[float,
     (low, high), asked = room, case.probes.gauges
     for index, place in enumerate(asked):
         if not low < place < high:
+            where = "at the end of" if place in (low, high) else "outside"
             raise source.error(
-                f"probes.gauges.{index}: {place:g} m is outside the domain; allowed is between {low:g} and {high:g} m: "
-                "move the gauge or widen the domain"
+                f"probes.gauges.{index}: {place:g} m is {where} the domain; allowed is above {low:g} m and below "
+                f"{high:g} m: move the gauge or widen the domain"
             )
         if place in asked[:index]:
             raise source.error(f"probes.gauges.{index}: {place:g} m is there already: name each place once")
@@ -92,7 +94,21 @@ def check_in_domain(case: CaseFields, source: CaseSource, positions, inlets, dom
                 )
 
 
-def _check_discs_free_of(wall: Wall, field: str, source: CaseSource, positions, diameters, allowed: float) -> None:
+def _less_jitter(case: CaseFields) -> str:
+    """The remedy where discs are shifted at random; empty where none are."""
+    asked = [(f"initial[{k}].jitter", item.jitter) for k, item in enumerate(case.initial) if item.jitter]
+    if not asked:
+        return ""
+    field, jitter = asked[0]
+    return (
+        f"lower {field}, which shifts each disc by up to {jitter * case.discs.diameter:.3g} m ({jitter:g} diameters) "
+        "along x and y, or "
+    )
+
+
+def _check_discs_free_of(
+    wall: Wall, field: str, case: CaseFields, source: CaseSource, positions, diameters, allowed: float
+) -> None:
     if not len(positions):
         return
     gap = wall.distance(positions[:, 0], positions[:, 1])
@@ -103,8 +119,8 @@ def _check_discs_free_of(wall: Wall, field: str, source: CaseSource, positions, 
     if depth[worst] > allowed * (1 + 1e-9):
         raise source.error(
             f"{field}: disc {worst + 1} at ({positions[worst, 0]:g}, {positions[worst, 1]:g}) starts "
-            f"{depth[worst]:.3g} m deep in wall '{wall.name}'; allowed is d/n = {allowed:.3g} m; move the wall or the "
-            "discs"
+            f"{depth[worst]:.3g} m deep in wall '{wall.name}'; allowed is d/n = {allowed:.3g} m; {_less_jitter(case)}"
+            "move the wall or the discs"
         )
 
 
