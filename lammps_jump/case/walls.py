@@ -209,7 +209,8 @@ def moving(item: CaseWall, source: CaseSource, begun: Beginning, laws: Laws) -> 
         raise source.error(
             f"{item.field}.motion: wall '{wall.name}' has no end, so that it cannot turn; take a block or a line"
         )
-    ease = EASE * pi / contact.angular_frequency(law_of(wall.name, begun, laws).stiffness, begun.coefficients.mass)
+    rate = contact.angular_frequency(law_of(wall.name, begun, laws).stiffness, begun.coefficients.mass)
+    ease = EASE * pi / rate if kind.eased else 0.0
     about = kind.about or wall.pivot_point
     return MovingWall(wall, Motion(inf, kind, about, ease, begun.settle_steps, begun.time_step))
 

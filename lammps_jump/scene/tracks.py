@@ -67,6 +67,8 @@ class Kind:
         extra="forbid", validate_by_name=True, validate_by_alias=True, serialize_by_alias=True
     )
     turns: ClassVar[bool] = False
+    eased: ClassVar[bool] = True
+    """Whether changes of velocity take time unless the case says otherwise; a motion that was measured is not eased."""
     about: Annotated[Point | None, Field(description="point that it turns about; default the pivot")] = field(
         default=None, kw_only=True
     )
@@ -76,7 +78,7 @@ class Kind:
     )
     ease: Annotated[
         Annotated[Second, Field(ge=0, le=1e6)] | None,
-        Field(description="time that a change of velocity takes; default 10 pi/omega of a contact"),
+        Field(description="time that a change of velocity takes; default 10 pi/omega of a contact, of a table 0"),
     ] = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
@@ -165,8 +167,12 @@ class Oscillate(Kind):
 
 @dataclass(frozen=True)
 class Table(Kind):
-    """Straight lines from the start place through rows of time, displacement and turn: [t, x, y, angle]."""
+    """Straight lines from the start place through rows of time, displacement and turn: [t, x, y, angle].
 
+    The wall is where a row says at its time. With `ease` it comes half of that time late.
+    """
+
+    eased = False
     kind: Literal["table"] = field(default="table", kw_only=True, repr=False)
     points: Annotated[
         tuple[Row, ...], Field(max_length=MOST_ROWS, description="or file: motion.csv, with columns t, x, y, angle")

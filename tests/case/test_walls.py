@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Walls of a case: tables, joined lines, motions, contacts of their own, gates that rise, groups; and doubts."""
 
-from math import pi, sqrt
+from math import pi, radians, sqrt
 
 import numpy as np
 import pytest
@@ -223,6 +223,18 @@ def test_motions_reach_the_scene():
     law = scene.own_laws["a"]
     assert law.stiffness == 4e7 and 0 < law.gamma_normal != scene.coefficients.gamma_normal_wall
     assert list(scene.own_laws) == ["a"]
+
+
+def test_a_table_is_followed_as_it_is_given():
+    """A measured motion of 0.25 m/s came 0.0125 m late: half of the default time of ease, 0.1 s there."""
+    rows = [[0.0, 0, 0, 0], [0.4, 0.1, 0, 0], [0.8, 0.2, 0.3, 0], [1.2, 0.2, 0.3, 40]]
+    motion = case(wall(f"{{kind: table, points: {rows}}}")).scene().walls[1].motion
+    for t, *place in rows:
+        assert motion.pose(motion.start + t / motion.time_step) == pytest.approx((*place[:2], radians(place[2])))
+    assert motion.pose(motion.start + 0.2 / motion.time_step).x == pytest.approx(0.05)
+    eased = case(wall(f"{{kind: table, ease: 0.1, points: {rows}}}")).scene().walls[1].motion
+    lag = motion.pose(motion.start + 0.3 / motion.time_step).x - eased.pose(eased.start + 0.3 / eased.time_step).x
+    assert lag == pytest.approx(0.25 * 0.1 / 2)
 
 
 def test_about_is_what_the_motion_says_else_the_pivot():
