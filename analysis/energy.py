@@ -78,7 +78,7 @@ class EnergyLedger:
             spin = frame.column("omegaz")
             moment = flow.by_mass(flow.by_mass(spin, frame), frame)  # m R^2 goes with the square of the mass
             rotational = 0.25 * mass * flow.scene.radius**2 * float(np.dot(spin, moment))
-        potential = -mass * float(gx * x.sum() + gy * y.sum())
+        potential = 0.0 - mass * float(gx * x.sum() + gy * y.sum())  # no disc has 0, not -0
         if self._own:
             self._own.add(frame, time)
         source = self.contacts or self._own
@@ -130,10 +130,13 @@ def analyse_energy(history: EnergyHistory, flow: Flow) -> Energy:
     """Energy at the ends of a record, its deviations and its drift."""
     if not len(history.time):
         return Energy(reason="the dump holds no frame")
+    if not np.any(history.discs):
+        return Energy(reason="no frame holds a disc", history=history)
     total, c, work = history.total, flow.scene.coefficients, history.work_of_walls
     lossless = c.restitution == 1.0 and not any(law.gamma_normal for law in flow.scene.own_laws.values())
     start = float(total[0])
-    relative = (total - start) / abs(start) if start else np.full(len(total), nan)
+    several = len(total) > 1
+    relative = (total - start) / abs(start) if start and several else np.full(len(total), nan)
     return Energy(
         initial=start,
         final=float(total[-1]),
@@ -145,6 +148,7 @@ def analyse_energy(history: EnergyHistory, flow: Flow) -> Energy:
         work_of_walls=nan if work is None else float(work[-1]),
         closed=history.same_discs,
         conservative=lossless and not flow.scene.rubs and not flow.scene.moves and history.same_discs,
+        reason=None if several else "one frame tells no change of the energy",
         history=history,
     )
 

@@ -11,7 +11,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import inf, isfinite, nan, sqrt
+from math import inf, isfinite, isnan, nan, sqrt
+from typing import NamedTuple
 
 import numpy as np
 
@@ -105,7 +106,7 @@ class Front:
     column_base: float = number("m", "base of the column at the start", default=nan)
     column_depth: float = number("m", "height of the column at the start", default=nan)
     highest_surface_speed: float = number("m/s", "highest mean speed of the surface", default=nan)
-    free_length: float = number("m", "distance from the back wall to the first obstacle", default=nan)
+    free_length: float = number("m", "distance from the back wall to an obstacle or the end of the bed", default=nan)
     speed: float = number("m/s", "mean speed of the front", default=nan, label="speed")
     arrival_time: float = number("s", "arrival at the first obstacle", default=nan)
     gate_open: float = number("s", "time at which the rising gate is out of the way", default=nan)
@@ -139,7 +140,12 @@ def quantile_front(x: np.ndarray, diameter: float, share: float = 0.99) -> float
 
 
 def stack_top(y: np.ndarray, diameter: float, bed: float, largest: float = 0.0) -> float:
-    """Top edge of the discs that stand on the bed without a gap of `GAP` diameters, m above it; 0 for none."""
+    """Top edge of the discs that stand on the bed without a gap of `GAP` diameters, m above it.
+
+    0 for none, NaN where no bed is known.
+    """
+    if isnan(bed):
+        return nan
     if not len(y) or y.min() - bed > 0.5 * diameter + GAP * max(diameter, largest):
         return 0.0
     return bulk_front(y, diameter, largest) - bed
@@ -167,9 +173,7 @@ class FrontTracker:
         x, y, left = frame.x + larger, frame.y + larger, frame.x - larger
         if self.back is None:  # no wall: the column's own left edge at the start
             self.back = float(left.min()) - 0.5 * d
-        bed = float(self.flow.bed_height(np.array([self.back + 0.5 * d]))[0])
-        if not np.isfinite(bed):
-            bed = float((frame.y - larger).min()) - 0.5 * d
+        bed = float(self.flow.bed_height(self.back + 0.5 * d))
         near = left - self.back < 0.5 * d + largest
         front = bulk_front(x, d, largest)
         top, tip = nan, nan
@@ -181,9 +185,9 @@ class FrontTracker:
             top = float(np.mean(frame.vx[bulk[highest]]))
             tip = float(np.mean(frame.vx[bulk[x[bulk] + 0.5 * d >= front - 5 * d]]))
         height = stack_top(y[near], d, bed, largest)
-        # the column as it stands when the gate opens
+        # the column as it stands when the gate opens; none where no disc is at the back wall
         if self._column is None or time <= 0:
-            self._column, self._of_column = (front - self.back, height), frame.ids
+            self._column, self._of_column = (front - self.back if height != 0 else nan, height or nan), frame.ids
         self._fed = self._fed or not np.isin(frame.ids, self._of_column).all()
         self._rows.append((time, front - self.back, quantile_front(x, d) - self.back, height, top, tip))
 
@@ -222,20 +226,40 @@ def dimensionless(history: FrontHistory, gravity: float) -> dict[str, np.ndarray
     }
 
 
-def free_length(flow: Flow, history: FrontHistory, base: float) -> float:
-    """Distance from the back wall to the first thing in the way of a front at `base`, m; infinite for none."""
+class Way(NamedTuple):
+    """What lies before a front.
+
+    Attributes
+    ----------
+    length : float
+        Distance from the back wall to the first thing in the way, or to where the bed ends or turns, m; infinite for
+        none, NaN where no bed is known under the front.
+    blocked : bool
+        Something stands there, or the bed rises.
+    """
+
+    length: float
+    blocked: bool
+
+
+def way(flow: Flow, history: FrontHistory, base: float) -> Way:
+    """What lies before a front at `base`, m from the back wall."""
     base = history.back + base
-    bed = float(flow.bed_height(np.array([base]))[0])
-    blocks = [wall.extent[0][0] for wall in flow.scene.permanent if wall.finite]
-    faces = [start for start in blocks if start > base + flow.scene.diameter]
-    faces += [wall.room("x")[1] for wall in flow.scene.permanent]
-    # the bed may end, or turn, before anything stands in the way
     probe = np.linspace(base, flow.scene.domain[0][1], 2000)
     height = flow.bed_height(probe)
-    straight = bed + (height[1] - height[0]) / (probe[1] - probe[0]) * (probe - base)
+    if not np.isfinite(height[:2]).all():
+        return Way(nan, False)
+    slope = (height[1] - height[0]) / (probe[1] - probe[0])
+    straight = height[0] + slope * (probe - base)
+    blocks = [(wall.extent[0][0], wall.extent[1][1]) for wall in flow.scene.permanent if wall.finite]
+    near = base + flow.scene.diameter
+    faces = [start for start, top in blocks if start > near and top > height[0] + slope * (start - base) + 1e-9]
+    face = min([*faces, *(wall.room("x")[1] for wall in flow.scene.permanent)], default=inf)
+    # the bed may end, or turn, before anything stands in the way
     changed = np.flatnonzero(~(np.abs(height - straight) < 1e-9))
-    faces += [float(probe[changed[0]])] if changed.size else []
-    return min(faces, default=inf) - history.back
+    if changed.size and probe[changed[0]] < face:
+        return Way(float(probe[changed[0]]) - history.back, bool(height[changed[0]] > straight[changed[0]]))
+    return Way(float(face) - history.back, isfinite(face))
 
 
 def rising_gate(flow: Flow, x: float) -> float:
@@ -257,10 +281,11 @@ def analyse_front(history: FrontHistory, flow: Flow) -> Front:
     last, gravity = np.flatnonzero(good)[-1], flow.gravity
     compared = gravity > 0 and depth > 0 and flow.timed
     base = base if isfinite(base) else float(history.bulk[good][0])
-    free = free_length(flow, history, base)
+    free, blocked = way(flow, history, base)
     live = good & (history.time >= 0)
-    # once the front meets an obstacle, neither theory holds any more
-    end = min(history.time[live & (history.bulk >= free - 0.5 * flow.scene.diameter)].tolist(), default=inf)
+    # once the front meets an obstacle, neither theory holds any more; without a bed none ever does
+    met = history.time[live & ~(history.bulk < free - 0.5 * flow.scene.diameter)]
+    end = min(met.tolist(), default=inf)
     running = live & (history.time < end) & (history.bulk > base + 0.1 * (free - base if isfinite(free) else base))
     speed = np.polyfit(history.time[running], history.bulk[running], 1)[0] if running.sum() >= 3 else nan
     return Front(
@@ -271,19 +296,32 @@ def analyse_front(history: FrontHistory, flow: Flow) -> Front:
         column_base=history.column[0],
         column_depth=depth,
         highest_surface_speed=float(np.nanmax(history.top_speed)) if np.isfinite(history.top_speed).any() else nan,
-        free_length=float(free),
+        free_length=free,
         speed=float(speed) if flow.timed else nan,
-        arrival_time=end if flow.timed and isfinite(end) else nan,
+        arrival_time=end if flow.timed and isfinite(end) and blocked else nan,
         gate_open=rising_gate(flow, base + history.back),
         ritter=_ritter(history, base, depth, gravity, end) if compared else None,
         martin_moyce=_martin_moyce(history, gravity, end) if compared and flow.water else None,
+        reason=None if blocked else _no_arrival(free, end),
         history=history,
     )
 
 
-def _ritter(history: FrontHistory, base: float, depth: float, gravity: float, end: float) -> Ritter:
+def _no_arrival(free: float, end: float) -> str | None:
+    """Why there is no time of arrival, where the way of the front has ended without an obstacle."""
+    if isnan(free):
+        return "no bed is known under the front of the column: neither its mean speed nor an arrival is measured"
+    if isfinite(end):
+        return f"the bed ends or falls {free:z.3g} m from the back wall, so the front has met no obstacle"
+    return None
+
+
+def _ritter(history: FrontHistory, base: float, depth: float, gravity: float, end: float) -> Ritter | None:
+    """Ritter's front beside that of the discs; None where no frame can be compared."""
     limit = waves.ritter_wall_time(base, depth, gravity)
     inside = (history.time > 0) & (history.time <= min(limit, end)) & np.isfinite(history.bulk)
+    if not inside.any():
+        return None
     expected = base + np.array([waves.ritter_front(t, depth, gravity) for t in history.time[inside]])
     off = rms(history.bulk[inside] / expected - 1.0)
     return Ritter(limit, int(inside.sum()), 2.0 * sqrt(gravity * depth), off)
@@ -341,7 +379,7 @@ def section(found: Mapping) -> Section:
         return Section("Front", [Text(shown(found.get("reason")), "warn")])
     rows = []
     if found.get("column_base") is not None:
-        size = f"{found['column_base']:z.3g} × {found['column_depth']:z.3g}"
+        size = " × ".join(shown(found[key], digits=3) for key in ("column_base", "column_depth"))
         rows.append(("Column at the start, base × height [m]", size))
     rows += described(Front, found, "position", "position_99", "column_height", "speed", "arrival_time")
     moyce = found.get("martin_moyce")
@@ -353,7 +391,7 @@ def section(found: Mapping) -> Section:
         keys = ("mean_bulk", "rms_bulk", "rms_99", "rms_height") if moyce["comparable"] else ()
         rows += [(label, percent(value)) for label, value in described(MartinMoyce, moyce, *keys)]
         rows += described(MartinMoyce, moyce, "slope", "slope_of_table")
-    return Section("Front", [Table(rows)])
+    return Section("Front", [Table(rows), *([Text(found["reason"], "warn")] if found.get("reason") else [])])
 
 
 def front_chart(history: FrontHistory, flow: Flow) -> Chart | None:
@@ -384,7 +422,7 @@ def martin_moyce_chart(history: FrontHistory, flow: Flow) -> Chart | None:
     values, live = dimensionless(history, gravity), history.time >= 0
     if live.sum() < 2:
         return None
-    free, same = free_length(flow, history, base) / base, abs(depth / base - ASPECT) < 0.1
+    ahead, same = way(flow, history, base), abs(depth / base - ASPECT) < 0.1
     fronts = [
         Line("bulk front", values["T"][live], values["Z"][live]),
         Line("99 % of the discs", values["T"][live], values["Z99"][live], "second"),
@@ -392,6 +430,7 @@ def martin_moyce_chart(history: FrontHistory, flow: Flow) -> Chart | None:
     columns = [Line("column", values["tau"][live], values["h"][live])]
     for lines, table in ((fronts, measured.MARTIN_MOYCE_FRONT), (columns, measured.MARTIN_MOYCE_HEIGHT)):
         lines += [Line("Martin & Moyce 1952, n² = 2", np.array(table.x), np.array(table.y), "measured")] if same else []
+    free = ahead.length / base if ahead.blocked else inf
     top = max(5.0, 1.08 * min(free, 6))
     obstacle = {"first obstacle": free} if free < top else {}
     ends = (0.0, float(min(values["T"].max(), 5))), (0.0, float(min(values["tau"].max(), 5.5)))

@@ -168,24 +168,29 @@ def analyse(gathered: Gathered) -> Rest:
     there = np.isfinite(history.speed)
     if not there.any():
         return Rest(reason="no frame holds a disc", history=history)
+    if not there[-1]:
+        return Rest(reason="no disc is left in the last frame", history=history)
     d = flow.scene.diameter
     time, speed, top = (values[there] for values in (history.time, history.speed, history.top))
-    before = float(np.interp(time[-1] - SPAN * sqrt(d / flow.g), time, top))
+    begin = time[-1] - SPAN * sqrt(d / flow.g)
+    before = float(np.interp(begin, time, top, left=nan))
     slow = float(speed[-1] / sqrt(flow.g * d))
     return Rest(
         history.begin,
         slow,
         float(top[-1]),
         float(before - top[-1]) / d,
-        None if isfinite(history.begin) else _restless(slow),
+        None if isfinite(history.begin) else _restless(slow, short=begin < time[0]),
         history,
     )
 
 
-def _restless(speed: float) -> str:
+def _restless(speed: float, *, short: bool) -> str:
     if speed >= SLOW:
         return f"the discs still move: their median speed is {speed:z.2g} √(g d), at rest it is below {SLOW:zg}"
-    return f"the discs are slow, yet their top or number changed within the last {SPAN:zg} √(d/g)"
+    if short:
+        return f"the discs are slow, and the record is shorter than the {SPAN:zg} √(d/g) in which rest shows"
+    return f"the discs are slow, yet they moved, or their top or number changed, within the last {SPAN:zg} √(d/g)"
 
 
 def tables(rest: Rest) -> Tables:

@@ -70,6 +70,8 @@ peak          largest mean over 0.05 s, of the component with the larger impulse
 error         standard error within this run: scatter of the maxima of blocks of 0.5 s; only with an inlet
 component     Fx or Fy, whichever has the larger integral of its size; none where nothing touched the structure
 resultant     √(Fx² + Fy²) of the means over 0.05 s, largest; direction: its angle to the x axis, anticlockwise
+sign          a contact pulls for a moment at the end of an impact, because its dashpot acts until the discs part: short
+              windows may show a small force of the other sign
 impulse       ∫ F dt after t = 0
 moment        about the foot of upright faces at the bed, anticlockwise positive
 identity      change of all discs' momentum against the impulse of walls, weight and discs that came and went

@@ -14,12 +14,12 @@ from lammps_jump.analysis.front import (
     back_wall,
     bulk_front,
     figures,
-    free_length,
     off_curve,
     quantile_front,
     rms,
     section,
     stack_top,
+    way,
 )
 from lammps_jump.analysis.passes import Gathered
 from lammps_jump.analysis.tables.rows import rows_of, tiles
@@ -168,7 +168,7 @@ def test_front_stops_to_count_at_an_obstacle():
     time = np.linspace(0, 4, 81)
     front = np.minimum(4 + 10 * time, 20.0)
     history = made_history(time, front, 12 + 0 * time, (4.0, 12.0))
-    assert free_length(flow, history, history.column[0]) == pytest.approx(20.0)
+    assert way(flow, history, history.column[0]) == (pytest.approx(20.0), True)
     summary = numbers(analyse_front(history, flow))
     assert summary["arrival_time"] == pytest.approx(1.6, abs=0.06)  # frames every 0.05 s
     assert summary["speed"] == pytest.approx(10.0, rel=1e-9)
@@ -179,11 +179,44 @@ def test_back_wall_and_free_length():
     assert back_wall(context((Box("tank", (1, 9), (0, 5)),))) == 1.0
     assert back_wall(context((Plane("floor", "y", 0, "above"),))) is None
     history = made_history(np.zeros(1), np.full(1, 2.0), np.ones(1), (2.0, 1.0))
-    assert free_length(context(), history, history.column[0]) == np.inf
+    assert way(context(), history, history.column[0]) == (np.inf, False)
     falls = (Plane("back", "x", 0, "above"), Block("floor", (-5, 30), (-5, 0)))
-    assert free_length(context(falls), history, history.column[0]) == pytest.approx(
-        30.0, abs=0.1
-    )  # the floor ends; looked at every 5 cm
+    # the floor ends; looked at every 5 cm
+    assert way(context(falls), history, history.column[0]) == (pytest.approx(30.0, abs=0.1), False)
+
+
+def on_a_bed(*walls, front=lambda time: 2 + 10 * time):
+    """What is said of a column of 2 × 1 m at a back wall whose front runs with a law."""
+    flow, time = context((Plane("back", "x", 0, "above"), *walls)), np.linspace(0, 4, 81)
+    return analyse_front(made_history(time, front(time), 1 + 0 * time, (2.0, 1.0)), flow)
+
+
+@pytest.mark.parametrize("end", [1.0, 2.0, 2.01, None])
+def test_a_front_without_a_bed_meets_nothing(end):
+    """The shelf ends before, under and a little beyond the face of the column, or there is none at all."""
+    found = numbers(on_a_bed(*([] if end is None else [Block("shelf", (0, end), (-0.2, 0))])))
+    assert found["position"] == pytest.approx(42) and found["column_base"] == 2
+    assert found["arrival_time"] is found["free_length"] is found["speed"] is None
+    assert "no bed is known under the front" in found["reason"]
+    assert "met" not in headline({"front": found}) and "meets" not in verdict({"front": found})
+    assert found["reason"] in [block.text for block in section(found).blocks if hasattr(block, "text")]
+
+
+def test_a_front_that_leaves_its_bed_has_met_no_obstacle():
+    shelf = Block("shelf", (0, 22), (-0.2, 0))
+    found = numbers(on_a_bed(shelf))
+    assert found["free_length"] == pytest.approx(22, abs=0.1) and found["speed"] == pytest.approx(10)
+    assert found["arrival_time"] is None and "the bed ends or falls 22 m from the back wall" in found["reason"]
+    assert numbers(on_a_bed(shelf, front=lambda time: 2 + time))["reason"] is None  # it stays on the shelf
+    # a step down is no obstacle, a step up and a wall are
+    lower = Block("lower", (22, 90), (-0.5, -0.4))
+    assert numbers(on_a_bed(shelf, lower))["arrival_time"] is None
+    for walls in (
+        (shelf, Block("step", (22, 90), (-0.2, 0.1))),
+        (Plane("floor", "y", 0, "above"), Plane("end", "x", 22, "below")),
+    ):
+        found = numbers(on_a_bed(*walls))
+        assert found["arrival_time"] == pytest.approx(2.0, abs=0.06) and found["reason"] is None
 
 
 def test_no_wall_takes_the_columns_own_edge():
@@ -204,7 +237,7 @@ def test_unequal_discs_end_at_their_own_edges():
         history = tracked([row], flow)
         assert history.back == pytest.approx(back)
         assert history.bulk[0] == pytest.approx(2.68 - back)
-    assert history.height[0] == pytest.approx(0.4 + 0.03)  # no floor: above the lowest edge, at -0.03 m
+    assert np.isnan(history.height[0]) and np.isnan(history.column[1])  # no floor: the height above it is not known
     assert history.quantile[0] == pytest.approx(0.68, abs=0.01)
 
 

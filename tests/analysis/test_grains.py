@@ -276,7 +276,9 @@ def test_rest_of_frames():
     moving = rest.analyse(gathered(flow, rest=collected(rest.RestWatch(flow), frames[:5])))
     assert np.isnan(moving.time) and "still move" in moving.reason
     early = rest.analyse(gathered(flow, rest=collected(rest.RestWatch(flow), frames[:25])))
-    assert "top or number changed" in early.reason
+    assert "the record is shorter than the 20" in early.reason and np.isnan(early.sinking)
+    later = rest.analyse(gathered(flow, rest=collected(rest.RestWatch(flow), frames[:35])))
+    assert "they moved, or their top or number changed" in later.reason and later.sinking == pytest.approx(0.0)
     empty = rest.analyse(gathered(flow, rest=collected(rest.RestWatch(flow), [disc_frame([], [], box=ROOM["domain"])])))
     assert "no frame" in empty.reason and rest.figures(empty, gathered(flow)) == {}
     assert not rest.section(numbers(empty)).blocks
