@@ -17,7 +17,7 @@ from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Line, Panel
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.profiles import window_of, within
-from lammps_jump.analysis.report.page import Section, Table, described
+from lammps_jump.analysis.report.page import Section, Table, Text, described
 from lammps_jump.physics import devices
 from lammps_jump.units import number
 
@@ -70,6 +70,8 @@ def analyse(gathered: Gathered) -> Waves | None:
         return None
     x, time, depth = profiles["x"].values, profiles["time"].values, profiles["surface_depth"].values
     records = np.array([[np.interp(place, x, row) for row in depth] for place in gauges])
+    low, high = x[0] - 0.5 * flow.bin_width, x[-1] + 0.5 * flow.bin_width
+    records[[not low <= place <= high for place in gauges]] = nan  # it stands where no profile is
     (first, last), (period, stroke, begin) = window_of(profiles), paddle(flow)
     inside = within(time, (first, last))
     known = {"gauges": tuple(gauges), "time": time, "records": records}
@@ -114,8 +116,10 @@ def section(waves: Mapping) -> Section:
     if not known:
         return Section("Gauges", [])
     columns = zip(waves["gauges"], *(waves[name] for name in known), strict=True)
-    rows = [(f"{x:zg}", *(f"{value:z.3f}" for value in values)) for x, *values in columns]
+    rows = [(f"{x:zg}", *(None if value is None else f"{value:z.3f}" for value in values)) for x, *values in columns]
     blocks = [Table(rows, ("Gauge, x [m]", *(names[name] for name in known)))]
+    if unknown := [x for x, *values in rows if None in values]:
+        blocks.append(Text(f"No bed is known, and no depth, at times or always at x = {', '.join(unknown)} m."))
     if waves.get("height") is None:
         return Section("Gauges", blocks)
     return Section("Waves", [*blocks, Table(described(Waves, waves, "period", "periods", "height_piston"))])
