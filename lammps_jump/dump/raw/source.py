@@ -10,9 +10,8 @@ import zlib
 
 import numpy as np
 
+from lammps_jump.dump.frame import BUFFER, UNPACKED, DumpFile, FrameHeader
 from lammps_jump.errors import DumpError
-
-from .frame import BUFFER, UNPACKED, DumpFile, FrameHeader
 
 CHUNK = 1 << 17
 """Bytes that are read at once: gzip makes room for as many each time."""
