@@ -95,7 +95,7 @@ def analyze(
                 )
         sets = [*(set_ or []), *([f"analysis.bin_width={bin_width}"] * bool(bin_width))]
         sets += [f"analysis.{name}=true" for name in analyses]
-        sets += [f"analysis.stations=[{','.join(map(str, stations))}]"] * bool(stations)
+        sets += [f"analysis.stations=[{','.join(map(str, stations))}]"] if stations else []
         with told(quiet):
             runs.start.reanalyse(target, sets)
         if not quiet:

@@ -10,6 +10,7 @@ from made_up import INPUTS, call
 
 import lammps_jump as lj
 from lammps_jump.analysis import quantities
+from lammps_jump.runs import start
 
 SHORT = {"run.duration": 0.3, "run.output_interval": 0.05, "engine.name": "native"}
 
@@ -76,3 +77,16 @@ def test_figures_are_drawn_as_vectors_when_asked(folders, opened, monkeypatch, c
     assert (folders[0] / "figures/snapshots.pdf").read_bytes()[:5] == b"%PDF-"
     status, _, error = call(monkeypatch, capsys, "figures", folders[0], "--format", "tiff")
     assert status == 2 and "tiff" in error
+
+
+def test_a_run_folder_is_analysed_again_with_and_without_options(monkeypatch, capsys, tmp_path):
+    (tmp_path / "case.yaml").write_text("")
+    asked = []
+    monkeypatch.setattr(start, "reanalyse", lambda folder, sets: asked.append((folder, sets)))
+    for options in ((), ("--stations", "3,9"), ("--heap", "--bin-width", "0.5")):
+        assert call(monkeypatch, capsys, "analyze", tmp_path, "--quiet", *options) == (0, "", "")
+    assert asked == [
+        (tmp_path, []),
+        (tmp_path, ["analysis.stations=[3.0,9.0]"]),
+        (tmp_path, ["analysis.bin_width=0.5", "analysis.heap=true"]),
+    ]
