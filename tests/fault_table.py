@@ -127,8 +127,14 @@ def count(properties: list[tuple[str, object]]) -> None:
 
 
 def write_table() -> None:
-    """Put the table into its place in the page."""
-    rows = [f"| {kind} | {tried[kind]:,} | {lost} | {seen} |\n" for kind, (lost, seen) in KINDS.items() if tried[kind]]
+    """Put the tables into their places in the page; kinds of which no test has run keep their rows."""
+    before = {
+        line.split("|")[1].strip(): f"{line}\n" for line in PAGE.read_text(encoding="utf-8").splitlines() if "|" in line
+    }
+    rows = [
+        f"| {kind} | {tried[kind]:,} | {lost} | {seen} |\n" if tried[kind] else before.get(kind, "")
+        for kind, (lost, seen) in KINDS.items()
+    ]
     table = "| fault | times tried | what is lost | what the user sees |\n|---|---|---|---|\n" + "".join(rows)
     _put(BEGIN, table, END)
     _put(BEGIN_PLACES, places_table(), END)

@@ -6,7 +6,8 @@ from __future__ import annotations
 import base64
 import io
 import os
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 
@@ -116,14 +117,30 @@ def export(
         require_replaceable(out, name)
     with writes(out):
         out.mkdir(parents=True, exist_ok=True)
-    written = write_profiles_csv(read_netcdf(place / "profiles.nc"), out) if "csv" in kinds else []
+    written = []
+    if "csv" in kinds:
+        with _understood(place / "profiles.nc"):
+            written = write_profiles_csv(read_netcdf(place / "profiles.nc"), out)
     if "pictures" in kinds:
         written += write_pictures(read_dump(place), out)
     if "vtk" in kinds:
-        written += _frames_for_paraview(read_dump(place), read_netcdf(place / "profiles.nc"), out, walls_at, room)
+        with _understood(place / "profiles.nc"):
+            written += _frames_for_paraview(read_dump(place), read_netcdf(place / "profiles.nc"), out, walls_at, room)
         if (place / "fields.nc").is_file():
-            written.append(write_vti(read_netcdf(place / "fields.nc"), out / "fields.vti"))
+            with _understood(place / "fields.nc"):
+                written.append(write_vti(read_netcdf(place / "fields.nc"), out / "fields.vti"))
     return written
+
+
+@contextmanager
+def _understood(path: Path) -> Iterator[None]:
+    """A file in NetCDF that lacks what this program writes there becomes a DumpError."""
+    try:
+        yield
+    except DumpError:
+        raise
+    except (LookupError, ValueError, TypeError, AttributeError) as error:
+        raise _no_netcdf(path, error) from error
 
 
 def write_netcdf(dataset: xr.Dataset, path: Path) -> Path:

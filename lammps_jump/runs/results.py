@@ -39,7 +39,7 @@ from lammps_jump.quoting import visible
 from lammps_jump.scene.schedule import MOST_BINS
 
 from .folder import require_case
-from .summary import SUMMARY_FILE, write_summary
+from .summary import SUMMARY_FILE, results_of, write_summary
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -324,6 +324,7 @@ def animate(target: Path, out: Path | None, fps: int) -> Path:
     home = target if analysed else path.parent
     case = ReadCase.load(require_case(home)) if (home / "case.yaml").exists() else None
     table = home / "forces.csv"
+    results_of(home).require_same(table.name)
     forces = read_forces(table) if case is not None and table.exists() else None
     destination = out or home / "animation.mp4"
     written = destination if drawing.film.has_ffmpeg() else destination.with_suffix(".gif")
@@ -338,6 +339,7 @@ def animate(target: Path, out: Path | None, fps: int) -> Path:
 
 def export(place: Path, kinds: Collection[str], out: Path | None = None) -> list[Path]:
     """Write what lies in a folder of a run, or of a dump's results, for other programs; see `dump.export`."""
+    results_of(place).require_same("profiles.nc", "fields.nc")
     if "vtk" not in kinds or not (place / "profiles.nc").is_file():
         return write_exports(place, kinds, out)
     if is_of_a_dump(place):

@@ -15,7 +15,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack, cast
 
-from lammps_jump import dump, runs
+from lammps_jump import runs
 from lammps_jump.case.case import ReadCase
 from lammps_jump.dump import Frame, read_dump
 from lammps_jump.engines import ProgressCallback, RunResult, Setting
@@ -24,7 +24,7 @@ from lammps_jump.folders import holder, locked, require_replaceable
 from lammps_jump.scene.scene import Scene
 
 from .folder import default_folder, require_case, result_of
-from .summary import Results, compose, read_summary
+from .summary import compose, read_summary, results_in
 from .view import case_html, number_table, write_preview
 
 if TYPE_CHECKING:
@@ -206,10 +206,9 @@ class Run:
     def profiles(self) -> xr.Dataset:
         """Profiles over time (s) and x (m): mass_depth (m), velocity (m/s), discharge (m^2/s) …, means and errors."""
         path = self.folder / "profiles.nc"
-        block = self._stored.get("analysed", {})
-        if self._changes or not path.exists() or block is None:
+        if self._changes or not path.exists() or self._stored.get("analysed", {}) is None:
             return self._found.gathered.profiles
-        return dump.netcdf_of(Results(self.folder, block.get("files")).read(path.name), path)
+        return results_in(self.folder, self._stored).dataset()
 
     @property
     def jump(self) -> Jump:

@@ -11,7 +11,7 @@ from functools import cache, reduce
 from operator import or_
 from pathlib import Path
 from types import UnionType
-from typing import Any, Literal, get_args, get_origin, get_type_hints
+from typing import TYPE_CHECKING, Any, Literal, get_args, get_origin, get_type_hints
 
 import numpy as np
 from pydantic import (
@@ -25,7 +25,7 @@ from pydantic import (
     create_model,
 )  # fmt: skip
 
-from lammps_jump import analysis
+from lammps_jump import analysis, dump
 from lammps_jump.case.case import ReadCase
 from lammps_jump.case.parts.old_words import new_word
 from lammps_jump.engines import RunResult, Setting
@@ -37,6 +37,11 @@ from lammps_jump.provenance import versions
 from lammps_jump.quoting import echoed, shortened
 
 from .engine import program_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from lammps_jump.dump import Table
 
 SUMMARY_FILE = "summary.json"
 NO_SUMMARY = (
@@ -242,7 +247,8 @@ class Results:
         names = self.sums or [
             name for pattern in (*RESULT_FILES, "force_*.csv") for name in standing(self.folder, pattern)
         ]
-        return sorted(name.removesuffix(".csv") for name in names if name.endswith(".csv") and "/" not in name)
+        own = {name for name in names if name.endswith(".csv") and "/" not in name} - {"forces.csv"}
+        return sorted(name.removesuffix(".csv") for name in own)
 
     def read(self, name: str) -> bytes:
         """A file as the analysis wrote it.
@@ -263,6 +269,32 @@ class Results:
         if self.sums is not None and found != self.sums[name]:
             raise DumpError(f"{path}: differs from its checksum in {SUMMARY_FILE}, so it was changed; {again}")
         return data
+
+    def table(self, name: str) -> Table:
+        """A table, by its name without the ending; DumpError as of `read` and `dump.table_of`."""
+        return dump.table_of(self.read(f"{name}.csv"), str(self.folder / f"{name}.csv"))
+
+    def dataset(self, name: str = "profiles.nc") -> xr.Dataset:
+        """Profiles or fields; DumpError as of `read` and `dump.netcdf_of`."""
+        return dump.netcdf_of(self.read(name), self.folder / name)
+
+    def require_same(self, *names: str) -> None:
+        """Raise DumpError where one of these files is there, and is not the one of the summary."""
+        for name in names:
+            if self.sums is not None and name in self.sums and (self.folder / name).exists():
+                self.read(name)
+
+
+def results_in(folder: Path, summary: Mapping[str, Any]) -> Results:
+    """The results and outputs of a run of any status, with the checksums that its summary has."""
+    block, outputs = summary.get("analysed"), summary.get("outputs")
+    return Results(folder, {**(outputs or {}), **block["files"]} if block else outputs)
+
+
+def results_of(folder: Path) -> Results:
+    """As `results_in`, of the summary in the folder; without one nothing is known of the files."""
+    known = (folder / SUMMARY_FILE).exists()
+    return results_in(folder, _sums_of(folder).model_dump()) if known else Results(folder, None)
 
 
 def status_of(folder: Path) -> str:
@@ -297,9 +329,7 @@ def open_results(folder: Path) -> Results:
         raise DumpError(f"{folder}: the run there is {found.status or 'of no known status'}, not complete{said}")
     if found.analysed is None and "analysed" in found.model_fields_set:
         raise DumpError(f"{folder}: was not analysed to the end; `lammps-jump analyze {folder}` does that")
-    if found.analysed is None:
-        return Results(folder, None)
-    return Results(folder, {name: one.model_dump() for name, one in found.analysed.files.items()})
+    return results_in(folder, found.model_dump())
 
 
 def write_summary(folder: Path, summary: Mapping[str, object]) -> Path:

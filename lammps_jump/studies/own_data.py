@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lammps_jump.analysis.draw.style import drawing, save
-from lammps_jump.dump.exports import netcdf_of
 from lammps_jump.dump.tables import LARGEST, table_of
 from lammps_jump.errors import CaseError, DumpError
 from lammps_jump.files import COMPARED_FILES, read_file, write_json, write_text
@@ -101,7 +100,7 @@ def curve_of(results: Results, axis: str, name: str) -> tuple[np.ndarray, np.nda
 
 def _of_profiles(results: Results, axis: str, name: str) -> tuple[np.ndarray, np.ndarray]:
     path, column = results.folder / PROFILES_FILE, name.split(".", 1)[1]
-    found = netcdf_of(results.read(PROFILES_FILE), path)
+    found = results.dataset()
     known = [str(key) for key in found if found[key].dims == ("x",) and found[key].dtype.kind in "fiu"]
     if column not in known or axis != "x" or "x" not in found.coords:
         raise CaseError(f"{name} against {axis}: profiles.nc has, against x: {', '.join(known)}")
@@ -116,7 +115,7 @@ def _of_table(results: Results, name: str, axis: str, column: str) -> tuple[np.n
     if name not in tables:
         there = ", ".join([*tables, PROFILES])
         raise CaseError(f"{name}.{column}: {results.folder} has no table {shortened(name)}; there are {there}")
-    found = table_of(results.read(f"{name}.csv"), str(results.folder / f"{name}.csv"))
+    found = results.table(name)
     for one in (axis, column):
         if one not in found.heads:
             raise CaseError(f"{name}.csv has no column {shortened(one)}; there are {', '.join(found.heads)}")

@@ -33,6 +33,7 @@ from lammps_jump.analysis.tables.rows import tiles, together
 from lammps_jump.analysis.verdicts import verdict
 from lammps_jump.files import PLAYER, write_text
 from lammps_jump.provenance import versions
+from lammps_jump.runs.summary import results_in
 from lammps_jump.units import shown, two_digits
 
 from .held import Held
@@ -182,10 +183,12 @@ def players(found: Held) -> list[Choice | Text]:
     for number in order:
         seed = int(found.values["seed"][number])
         try:
-            player = read_player(found.runs[number].folder / PLAYER)
+            run = found.runs[number]
+            results_in(run.folder, run.summary).require_same(PLAYER)
+            player = read_player(run.folder / PLAYER)
         except OSError:  # without discs in its frames
             continue
-        except ValueError:
+        except ValueError:  # a DumpError is one
             damaged.append(seed)
             continue
         room -= len(player.frames)

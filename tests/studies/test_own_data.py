@@ -13,6 +13,7 @@ from lammps_jump.cli.app import main
 from lammps_jump.dump.exports import write_netcdf
 from lammps_jump.errors import CaseError, DumpError, JumpError, SetupError
 from lammps_jump.files import checksum, write_json
+from lammps_jump.runs.results import export
 from lammps_jump.studies import compare_with_data
 
 
@@ -157,6 +158,17 @@ def test_a_table_that_was_changed_is_not_compared(tmp_path, data, name, columns)
     (run / name).unlink()
     with pytest.raises(DumpError, match="cannot be read"):
         compare_with_data(run, data, columns, tmp_path / "out")
+
+
+@pytest.mark.fault("flipped bits")
+def test_profiles_that_were_changed_are_not_exported(tmp_path):
+    run = marked(tmp_path / "run")
+    with pytest.raises(DumpError, match=r"profiles\.nc: cannot be read"):  # made up, it has no times
+        export(run, ["csv"], tmp_path / "out")
+    write_netcdf(xr.Dataset({"depth": ("x", np.ones(3))}, {"x": np.arange(3.0)}), run / "profiles.nc")
+    with pytest.raises(DumpError, match="differs from its checksum"):
+        export(run, ["csv"], tmp_path / "other")
+    assert not (tmp_path / "other").exists()
 
 
 @pytest.mark.fault("wrong tables")

@@ -21,12 +21,12 @@ import pandas as pd
 from pydantic import Field, TypeAdapter, ValidationError
 
 from lammps_jump import Case
-from lammps_jump.dump import read_forces, read_netcdf
-from lammps_jump.dump.tables import read_table
+from lammps_jump.dump import read_forces
 from lammps_jump.engines import usable_kernels
 from lammps_jump.errors import CaseError, RunError
 from lammps_jump.files import plain
 from lammps_jump.quoting import echoed
+from lammps_jump.runs.summary import results_in
 from lammps_jump.studies.runs import KERNELS, in_turn, middle
 from lammps_jump.studies.settings import AXES, QUICK, Axes, Setting, listed, make_settings, reference_setting
 from lammps_jump.sweeps import Made, Pool, Results, Say, Start, Store, run_starts
@@ -96,15 +96,16 @@ def measure(run: Made) -> Measures:
     """Return the numbers and curves of a run that its case asks for; none of a run that is not complete."""
     found: Measures = {}
     summary, folder = run.summary, run.folder
+    results = results_in(folder, summary)
     if energy := summary.get("energy"):
         found["energy deviation"] = energy["max_deviation"]
     if summary.get("front"):
-        table = read_table(folder / "front.csv")
+        table = results.table("front")
         times = np.linspace(0.1, 1.0, CURVE_POINTS) * summary["simulated_time"]
         found["front position"] = np.interp(times, table.numbers("time"), table.numbers("quantile")).tolist()
         found["column height"] = np.interp(times, table.numbers("time"), table.numbers("height")).tolist()
     if jump := summary.get("jump"):
-        depth = read_netcdf(folder / "profiles.nc")["mass_depth_mean"].values
+        depth = results.dataset()["mass_depth_mean"].values
         found["depth profile"] = np.nan_to_num(depth, posinf=0.0, neginf=0.0).tolist()
         found |= {"sequent depth": jump["y2"], "shock speed": jump["speed"]}
     for name, force in read_forces(folder / "forces.csv").items() if summary.get("force") else ():

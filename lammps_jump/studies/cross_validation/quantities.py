@@ -15,8 +15,9 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from lammps_jump.analysis import Jump
-from lammps_jump.dump import ForceHistory, read_forces, read_netcdf
-from lammps_jump.dump.tables import read_table
+from lammps_jump.dump import ForceHistory, read_forces
+from lammps_jump.dump.tables import Table
+from lammps_jump.runs.summary import results_in
 from lammps_jump.scene import Scene
 from lammps_jump.sweeps import Results
 from lammps_jump.units import numbers_of
@@ -67,7 +68,8 @@ class Quantities:
 
 def measure(folder: Path, summary: Mapping[str, Any], scene: Scene) -> Quantities:
     """Return all numbers and curves that are compared, from what the analysis of a run has left in its folder."""
-    profiles, energy = read_netcdf(folder / "profiles.nc"), _frame(folder / "energy.csv")
+    results = results_in(folder, summary)
+    profiles, energy = results.dataset(), _frame(results.table("energy"))
     energy = energy[energy["time"] >= 0]
     moved, open_ = energy["kinetic"] + energy["rotational"], bool(scene.inlets or scene.pours or scene.outlets)
     coefficients, discs, jump = scene.coefficients, summary["discs"], summary.get("jump") or {}
@@ -97,13 +99,13 @@ def measure(folder: Path, summary: Mapping[str, Any], scene: Scene) -> Quantitie
     found |= {f"{name} history": _history(energy["time"], v, unit) for name, unit, known, v in histories if known}
     found |= {name: Curve(unit, [float(value())]) for name, unit, known, value in numbers if known}
     if summary.get("front"):
-        found |= _front(_frame(folder / "front.csv"))
+        found |= _front(_frame(results.table("front")))
     for name, force in read_forces(folder / "forces.csv").items() if summary.get("force") else ():
         found |= _force(name, force)
     units = {key: number.unit or "1" for key, number in numbers_of(Jump).items()}
     found |= {label: Curve(units[key], [jump.get(key)]) for key, label in JUMP_NUMBERS.items() if jump}
     if jump and (folder / "jump_track.csv").is_file():
-        track = _frame(folder / "jump_track.csv")
+        track = _frame(results.table("jump_track"))
         if track["found"].sum() >= TIME_BLOCKS:
             found["jump toe history"] = _history(track["time"], track["toe"], "m")
     kept = {name: summary[name] for name in ("engine", "kernel", "steps", "disc_steps", "ledger")}
@@ -111,8 +113,7 @@ def measure(folder: Path, summary: Mapping[str, Any], scene: Scene) -> Quantitie
     return Quantities(found, jump.get("verdict", ""), run)
 
 
-def _frame(path: Path) -> pd.DataFrame:
-    table = read_table(path)
+def _frame(table: Table) -> pd.DataFrame:
     return pd.DataFrame({name: table.numbers(name) for name in table.heads})
 
 
