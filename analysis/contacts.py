@@ -218,17 +218,17 @@ def find_contacts(frame: Frame, flow: Flow, *, damping: bool = True) -> Contacts
     ----------
     frame : Frame
     flow : Flow
-        Its stiffness must be known.
+        It must know contacts.
     damping : bool
         Without it (or without velocities in the dump) the elastic force alone.
 
     Raises
     ------
     DumpError
-        The stiffness is not known.
+        The stiffness is not known, or there is no core.
     """
     if not flow.knows_contacts:
-        raise DumpError("contact forces need the stiffness of the discs: analyse the dump with its case (--case).")
+        raise DumpError(f"no contact forces: {flow.no_contacts}; analyse a bare dump with its case (--case).")
     first, second, nx, ny, overlap, dashpot, stiffness, *_, wall_u, wall_v, _ = touching(frame, flow)
     points, normal, is_wall = np.column_stack([frame.x, frame.y]), np.column_stack([nx, ny]), first == frame.n
     opening = np.zeros_like(overlap)

@@ -21,8 +21,8 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from numba import njit
 
+from lammps_jump.core.library import INTEGER, REAL, REALS, core, function
 from lammps_jump.dump.exports import write_netcdf
 from lammps_jump.dump.frame import Frame
 from lammps_jump.dump.read import Dump
@@ -42,6 +42,10 @@ GAUSS = np.polynomial.legendre.leggauss(4)
 
 BALANCING_ROUNDS = 12
 """Each round about halves the error of the balance: 12 leave some 1e-4."""
+
+_spread = function(
+    "jump_spread", INTEGER, REALS, REALS, INTEGER, REALS, INTEGER, INTEGER, REAL, REAL, REAL, REAL, REALS
+)
 
 LONG_NAMES = {
     "density": ("kg m-3", "bulk density"),
@@ -116,7 +120,7 @@ def compute_fields(
     u, v = (frame.vx, frame.vy) if moving else (np.zeros(frame.n), np.zeros(frame.n))
     weights = mass[:, None] * np.column_stack([np.ones(frame.n), u, v, u * u, u * v, v * v])
     sums = np.zeros((6, *open_.shape))
-    spread(np.column_stack([frame.x, frame.y]), weights, cell_weight, *geometry, sums)
+    spread(np.column_stack([frame.x, frame.y]), weights, cell_weight, geometry, sums)
     density = sums[0]
     some = density > 0
     safe = np.where(some, density, 1.0)
@@ -132,7 +136,7 @@ def compute_fields(
     if flow.knows_contacts:
         contact = np.zeros((3, *open_.shape))
         points, moments = _force_moments(frame, flow)
-        spread(points, moments, cell_weight, *geometry, contact)
+        spread(points, moments, cell_weight, geometry, contact)
         fields |= {f"contact_{name}": part for name, part in zip(("xx", "xy", "yy"), contact, strict=True)}
         fields["pressure"] = 0.5 * (contact[0] + contact[2] + fields["kinetic_xx"] + fields["kinetic_yy"])
     above = np.cumsum(density[::-1], axis=0)[::-1] - 0.5 * density
@@ -284,13 +288,20 @@ def balance(open_: np.ndarray, table: np.ndarray, rounds: int) -> np.ndarray:
     return a[k : k + rows, k : k + columns].copy()
 
 
-def _spread_py(points, weights, cell_weight, low_x, low_y, spacing, reach, sums):
+def spread(
+    points: np.ndarray, weights: np.ndarray, cell_weight: np.ndarray, geometry: tuple[float, ...], sums: np.ndarray
+) -> None:
     """Add each point's weights to ``sums[quantity, row, column]``, per area, over the open cells in reach.
 
     `cell_weight` is that of `balance`, zero in walls; each point's shares are normalised to one.
     A point without an open cell in reach gives everything to the cell it lies in; one off the grid with nothing in
-    reach gives nothing.
+    reach gives nothing. `geometry` holds the low ends of the grid, spacing and reach, m.
     """
+    points, weights = np.ascontiguousarray(points, float), np.ascontiguousarray(weights, float)
+    if core() is not None:
+        _spread(len(points), points, weights, weights.shape[1], cell_weight, *cell_weight.shape, *geometry, sums)
+        return
+    low_x, low_y, spacing, reach = geometry
     rows, columns = cell_weight.shape
     area = spacing * spacing
     for i in range(len(points)):
@@ -310,6 +321,3 @@ def _spread_py(points, weights, cell_weight, low_x, low_y, spacing, reach, sums)
                 sums[k, r0:r1, c0:c1] += w / total / area * weights[i, k]
             elif 0 <= c < columns and 0 <= r < rows:
                 sums[k, r, c] += weights[i, k] / area
-
-
-spread = njit(cache=True)(_spread_py)

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from lammps_jump.core.library import core, why_absent
 from lammps_jump.dump.beside.contacts import ContactFile
 from lammps_jump.dump.beside.poses import PoseFile
 from lammps_jump.dump.frame import Frame
@@ -120,8 +121,15 @@ class Flow:
 
     @property
     def knows_contacts(self) -> bool:
-        """Whether the stiffness is known: without it there is no elastic energy and no contact force."""
-        return isfinite(self.scene.coefficients.stiffness)
+        """Whether there are elastic energy and contact forces."""
+        return not self.no_contacts
+
+    @property
+    def no_contacts(self) -> str:
+        """Why there is no elastic energy and no contact force, in a few words; empty where there is."""
+        if not isfinite(self.scene.coefficients.stiffness):
+            return "the stiffness of the discs is not known"
+        return "" if core() is not None else f"there is no compiled core ({why_absent()})"
 
     @property
     def time_step(self) -> float:

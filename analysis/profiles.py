@@ -8,18 +8,17 @@ discharge and momentum over all bins and what lies outside add up to the discs' 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from math import asin, ceil, floor, pi, sqrt
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
-from numba import njit
 
+from lammps_jump.core.library import BYTES, INTEGER, INTEGERS, REAL, REALS, core, function
 from lammps_jump.dump.frame import Frame
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.schedule import MOST_BINS
 from lammps_jump.scene.walls import Interval
 
-from .cell_grid import sort_into_cells
 from .flow import Flow
 from .statistics import LEAST_SAMPLES, block_average
 
@@ -38,6 +37,12 @@ VARIABLES = {
 LINES_PER_DIAMETER = 8
 REACH = 2.0
 """Centres up to this many diameters apart are neighbours: a whole disc would fit between two that are not."""
+
+_bin_frame = function(
+    "jump_bin_frame", INTEGER, REALS, REALS, REALS, REALS, REALS, REALS, REAL, REAL, INTEGER, REALS, REALS
+)
+_connected = function("jump_connected", INTEGER, REALS, REALS, REALS, REALS, REAL, REAL, BYTES)
+_top_discs = function("jump_top_discs", INTEGER, REALS, REALS, REALS, BYTES, REAL, REAL, INTEGER, INTEGERS)
 
 
 def bin_edges(x_range: Interval, bin_width: float) -> np.ndarray:
@@ -113,13 +118,11 @@ class Binner:
     def add(self, frame: Frame, time: float) -> None:
         """Add a frame."""
         flow, low, width, bins = self.flow, self.edges[0], self.flow.bin_width, len(self.edges) - 1
-        x, y, vx, vy = np.ascontiguousarray(frame.x), np.ascontiguousarray(frame.y), frame.vx, frame.vy
-        sums = np.zeros((6, bins))
-        beyond = np.zeros(2)
         radius, mass = flow.radii(frame), flow.relative_masses(frame)
-        bin_frame(x, y, vx, vy, radius, mass, low, width, sums, beyond)
-        reach = REACH * 2.0 * flow.largest_radius(frame)
-        surface = surface_frame(x, y, vx, radius, reach, flow.bed_height(x), self.bed_lines, low, width, bins)
+        discs = Discs.of(frame.x, frame.y, frame.vx, frame.vy, radius, mass)
+        sums, beyond = bin_discs(discs, low, width, bins)
+        joined = connected(discs, flow.bed_height(discs.x), REACH * 2.0 * flow.largest_radius(frame))
+        surface = surface_of(discs, joined, self.bed_lines, low, width, bins)
         self._kept.append((time, frame.step, frame.n, mass.sum(), beyond, sums, *surface))
 
     def result(self) -> xr.Dataset:
@@ -271,129 +274,122 @@ def _mean_velocity(discharge: np.ndarray, depth: np.ndarray) -> tuple[np.ndarray
         return mean, block_average((discharge - mean * depth) / deep)[1]
 
 
-def _left_share_py(a):
-    """Share of a unit disc's area left of x = a (exact): 1/2 + (a sqrt(1 - a^2) + asin a) / pi."""
-    if a <= -1.0:
-        return 0.0
-    if a >= 1.0:
-        return 1.0
-    return 0.5 + (a * sqrt(1.0 - a * a) + asin(a)) / pi
+class Discs(NamedTuple):
+    """Discs of a frame as float64: place (m), velocity (m/s), radius (m), and mass in that of a nominal disc."""
+
+    x: np.ndarray
+    y: np.ndarray
+    u: np.ndarray
+    v: np.ndarray
+    radius: np.ndarray
+    mass: np.ndarray
+
+    @classmethod
+    def of(cls, *columns: np.ndarray) -> Discs:
+        """The same, contiguous."""
+        return cls(*(np.ascontiguousarray(column, float) for column in columns))
 
 
-def _bin_frame_py(x, y, vx, vy, radius, mass, low, width, sums, beyond):
-    """Add discs to ``sums[quantity, bin]`` and the mass of ``beyond`` (left, right), in shares of area.
+def bin_discs(discs: Discs, low: float, width: float, bins: int) -> tuple[np.ndarray, np.ndarray]:
+    """Sums of discs in bins from `low` on, by the shares of their areas.
 
-    Quantities: mass; sum of u, of u^2, of u |v|^2 / 2 and of y, each times the mass; number.
+    Returns
+    -------
+    sums : ndarray, shape (6, bins)
+        Mass; sum of u, of u^2, of u |v|^2 / 2 and of y, each times the mass; number.
+    beyond : ndarray, shape (2,)
+        Mass left and right of the bins.
     """
-    bins = sums.shape[1]
-    for i in range(len(x)):
-        r, m = radius[i], mass[i]
-        left = (x[i] - r - low) / width
-        if left >= bins:
-            beyond[1] += m
-            continue
-        if (x[i] + r - low) / width <= 0.0:
-            beyond[0] += m
-            continue
-        u = vx[i]
-        kinetic = 0.5 * (u * u + vy[i] * vy[i])
-        first = max(floor(left), -1)
-        done = 0.0
-        k = first
-        while done < 1.0:
-            # everything outside the range is one bin on either side
-            upto = 1.0 if k >= bins else _left_share((low + (k + 1) * width - x[i]) / r)
-            share = upto - done
-            part = share * m
-            done = upto
-            if k < 0:
-                beyond[0] += part
-            elif k >= bins:
-                beyond[1] += part
-            else:
-                sums[0, k] += part
-                sums[1, k] += part * u
-                sums[2, k] += part * u * u
-                sums[3, k] += part * u * kinetic
-                sums[4, k] += part * y[i]
-                sums[5, k] += share
-            k += 1
+    sums, beyond = np.zeros((6, bins)), np.zeros(2)
+    if core() is not None:
+        _bin_frame(len(discs.x), *discs, low, width, bins, sums, beyond)
+        return sums, beyond
+    x, y, u, v, radius, mass = discs
+    place, share = shares(x, radius, low, width, bins)
+    part, energy = share * mass, 0.5 * (u * u + v * v)
+    for row, weight in enumerate((part, part * u, part * u * u, part * u * energy, part * y, share)):
+        # all that is outside the range is one bin on either side
+        row_sums = np.bincount(place.ravel(), weight.ravel(), bins + 2)
+        sums[row] = row_sums[1:-1]
+        if row == 0:
+            beyond[:] = row_sums[[0, -1]]
+    return sums, beyond
 
 
-def _connected_py(x, y, radius, reach, bed):
-    """Whether each disc is connected to the bed (breadth-first search over a cell grid of side `reach`)."""
-    n = len(x)
-    joined = np.zeros(n, np.bool_)
-    if n == 0:
+def shares(x: np.ndarray, radius: np.ndarray, low: float, width: float, bins: int) -> tuple[np.ndarray, np.ndarray]:
+    """In which bins each disc lies, 0 and bins + 1 for those beside them, and with which share; shape (most, n) each.
+
+    The share of a unit disc's area left of x = a is 1/2 + (a sqrt(1 - a^2) + asin a) / pi.
+    """
+    first = np.clip(np.floor((x - radius - low) / width), -1, bins)
+    most = int(np.ceil(2.0 * radius.max(initial=0.0) / width)) + 1
+    place = first + np.arange(most)[:, None]
+    edge = np.where(place < 0, low, np.where(place >= bins, np.inf, low + (place + 1) * width))
+    a = np.clip((edge - x) / radius, -1.0, 1.0)
+    upto = 0.5 + (a * np.sqrt(1.0 - a * a) + np.arcsin(a)) / np.pi
+    return np.clip(place, -1, bins).astype(int) + 1, np.diff(upto, axis=0, prepend=0.0)
+
+
+def connected(discs: Discs, bed: np.ndarray, reach: float) -> np.ndarray:
+    """Whether each disc is connected to the bed, shape (n,): a chain of centres no further apart than `reach`.
+
+    The first of a chain has at most a diameter of air under it, never where `bed` under it is NaN.
+    """
+    x, y, _, _, radius, _ = discs
+    air, joined = reach / REACH, np.zeros(len(x), np.uint8)
+    if core() is not None:
+        _connected(len(x), x, y, radius, np.ascontiguousarray(bed, float), reach, air, joined)
         return joined
-    cell, start, members, nx, ny = sort_into_cells(x, y, reach)
-    queue = np.empty(n, np.int64)
-    tail = 0
-    air = reach / REACH
-    for i in range(n):
-        # at most a diameter of air below the disc; false where the bed is NaN
-        if -2.0 * radius[i] <= y[i] - bed[i] <= radius[i] + air:
-            joined[i] = True
-            queue[tail] = i
-            tail += 1
-    head = 0
-    limit = reach * reach * (1.0 + 1e-12)
-    while head < tail:
-        i = queue[head]
-        head += 1
-        cx, cy = cell[i] // ny, cell[i] % ny
-        for kx in range(max(cx - 1, 0), min(cx + 2, nx)):
-            for ky in range(max(cy - 1, 0), min(cy + 2, ny)):
-                c = kx * ny + ky
-                for m in range(start[c], start[c + 1]):
-                    j = members[m]
-                    if not joined[j]:
-                        dx, dy = x[j] - x[i], y[j] - y[i]
-                        if dx * dx + dy * dy <= limit:
-                            joined[j] = True
-                            queue[tail] = j
-                            tail += 1
-    return joined
+    if not len(x):
+        return joined
+    from scipy.sparse import coo_array  # 0.1 s
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
+    pairs = cKDTree(np.column_stack([x, y])).query_pairs(reach * (1.0 + 5e-13), output_type="ndarray")
+    links = coo_array((np.ones(len(pairs), np.int8), pairs.T), shape=(len(x), len(x)))
+    group = connected_components(links, directed=False)[1]
+    low = (y - bed >= -2.0 * radius) & (y - bed <= radius + air)
+    return np.isin(group, group[low]).astype(np.uint8)
 
 
-def _surface_frame_py(x, y, vx, radius, reach, bed, bed_lines, low, width, bins):
+def surface_of(
+    discs: Discs, joined: np.ndarray, bed_lines: np.ndarray, low: float, width: float, bins: int
+) -> tuple[np.ndarray, np.ndarray]:
     """Depth of the free surface (m) and mean u of the discs that form it (m/s, NaN where dry), a value a bin.
 
-    `bed` is the floor's height under each disc, `bed_lines` at each line, m; line k of the range stands at
-    ``low + (k + 1/2) spacing``. A line without a floor makes its bin NaN.
+    `bed_lines` is the bed's height at each line, m; line k of the range stands at ``low + (k + 1/2) spacing``. A line
+    without a bed makes its bin NaN.
     """
-    joined = _connected(x, y, radius, reach, bed)
-    lines = len(bed_lines)
-    per_bin = lines // bins
-    spacing = width / per_bin
-    top = np.full(lines, -1, np.int64)
-    top_y, top_radius = np.full(lines, -np.inf), np.zeros(lines)
-    for i in range(len(x)):
-        if joined[i]:
-            r, height = radius[i], y[i]
-            first = max(ceil((x[i] - r - low) / spacing - 0.5), 0)
-            last = min(floor((x[i] + r - low) / spacing - 0.5), lines - 1)
-            for k in range(first, last + 1):
-                # the higher top edge, without rounding where discs are equal
-                if height - top_y[k] > top_radius[k] - r:
-                    top[k], top_y[k], top_radius[k] = i, height, r
-    depth = np.zeros(bins)
-    speed = np.zeros(bins)
-    for b in range(bins):
-        wet = 0
-        for k in range(b * per_bin, (b + 1) * per_bin):
-            if np.isnan(bed_lines[k]):
-                depth[b] = np.nan
-            elif top_y[k] + top_radius[k] > bed_lines[k]:
-                depth[b] += top_y[k] + top_radius[k] - bed_lines[k]
-                speed[b] += vx[top[k]]
-                wet += 1
-        depth[b] /= per_bin
-        speed[b] = speed[b] / wet if wet else np.nan
-    return depth, speed
+    x, y, u, _, radius, _ = discs
+    lines, each = len(bed_lines), len(bed_lines) // bins
+    spacing = width / each
+    if core() is not None:
+        top = np.empty(lines, np.int64)
+        _top_discs(len(x), x, y, radius, joined, low, spacing, lines, top)
+    else:
+        top = _top_of_lines(discs, joined, low, spacing, lines)
+    cut = top >= 0
+    depth = np.where(cut, (y + radius)[top] if len(y) else 0.0, -np.inf) - bed_lines
+    dry = np.isnan(bed_lines)
+    wet = ~dry & (depth > 0)
+    counted = np.where(wet, depth, np.where(dry, np.nan, 0.0)), np.where(wet, u[top] if len(u) else 0.0, 0.0)
+    # one line after the other: a sum in pairs would round otherwise
+    depths, speeds = (np.cumsum(values.reshape(bins, each), axis=1)[:, -1] for values in counted)
+    number = wet.reshape(bins, each).sum(axis=1)
+    return depths / each, np.where(number, speeds / np.maximum(number, 1), np.nan)
 
 
-_left_share = njit(cache=True)(_left_share_py)
-_connected = njit(cache=True)(_connected_py)
-bin_frame = njit(cache=True)(_bin_frame_py)
-surface_frame = njit(cache=True)(_surface_frame_py)
+def _top_of_lines(discs: Discs, joined: np.ndarray, low: float, spacing: float, lines: int) -> np.ndarray:
+    """The disc with the highest top edge at each line, -1 where none cuts it; of two as high the first."""
+    index = np.flatnonzero(joined)
+    x, radius = discs.x[index], discs.radius[index]
+    first = np.maximum(np.ceil((x - radius - low) / spacing - 0.5), 0)
+    last = np.minimum(np.floor((x + radius - low) / spacing - 0.5), lines - 1)
+    each = np.maximum(last - first + 1, 0).astype(int)
+    disc = np.repeat(index, each)
+    line = np.repeat(first, each).astype(int) + np.arange(len(disc)) - np.repeat(np.cumsum(each) - each, each)
+    order = np.lexsort((-disc, discs.y[disc], (discs.y + discs.radius)[disc], line))
+    top = np.full(lines, -1)
+    top[line[order]] = disc[order]  # the last of a line stays
+    return top

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -232,6 +233,13 @@ def without_friction(flow: Flow, places: Sequence[Path], wanted: Collection[str]
     ]
 
 
+def without_core(flow: Flow) -> list[str]:
+    """A warning where the analysis leaves out what the core alone computes."""
+    if flow.knows_contacts or not isfinite(flow.scene.coefficients.stiffness):
+        return []
+    return [f"Elastic energy, contact forces and pressure are left out: {flow.no_contacts}."]
+
+
 def collect(
     flow: Flow, dump: Dump, places: Sequence[Path], wanted: Collection[str], watch: Sequence[Collector] = ()
 ) -> Gathered:
@@ -243,7 +251,7 @@ def collect(
         found = [place / CONTACTS_FILE for place in places]
         there = next((file for file in found if file.is_file()), found[-1])
         flow = replace(flow, written=ContactFile(there, flow.scene))
-    warnings = [*flow.notes, *without_friction(flow, places, wanted)]
+    warnings = [*flow.notes, *without_friction(flow, places, wanted), *without_core(flow)]
     edges = bin_edges(flow.x_range, flow.bin_width) if "jump" in wanted else None
     contacts = ContactCollector(flow, edges) if flow.knows_contacts and {"jump", "energy"} & set(wanted) else None
     forces_asked = bool(flow.scene.probes) or ("force" in wanted and _forces_file(places) is not None)

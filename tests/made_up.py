@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import base64
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -138,6 +138,14 @@ def collected(collector, frames):
     for frame in frames:
         collector.add(frame, frame.time)
     return collector.result()
+
+
+@contextmanager
+def coreless() -> Iterator[None]:
+    """As on a machine without a compiler: while the block runs there is no core."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("lammps_jump.core.library._loaded", lambda: (None, "no core while the block runs"))
+        yield
 
 
 def plugin_or_skip() -> Path:

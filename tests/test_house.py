@@ -45,9 +45,6 @@ LARGE_FILES: dict[str, int] = {}
 LONG_CALLS = {
     "analysis/contacts.py:_touch_wall_py": 13,
     "analysis/jump/head.py:_contact_fields_py": 17,
-    "analysis/profiles.py:_bin_frame_py": 10,
-    "analysis/profiles.py:_surface_frame_py": 10,
-    "lammps_jump/dump/rows.py:_parse_rows_py": 9,
     "lammps_jump/engines/native/ledger.py:_between_py": 32,
     "lammps_jump/engines/native/lists.py:_image_rows_py": 12,
     "lammps_jump/engines/native/lists.py:_pair_list_py": 10,

@@ -10,12 +10,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
-from math import ceil, floor, hypot, sqrt
+from math import ceil, floor, hypot
 
 import numpy as np
-from numba import njit
 
 from lammps_jump.analysis.flow import Flow
+from lammps_jump.core.library import BYTES, INTEGER, REAL, REALS, core, function
 from lammps_jump.dump.frame import Frame
 from lammps_jump.scene.walls import Interval, Wall, parts_of, thin
 
@@ -26,6 +26,8 @@ SOLID = (196, 196, 196)
 EDGE = (70, 70, 70)
 BAR = 5.0
 """Width of what has no thickness, pixels."""
+
+_paint_discs = function("jump_paint_discs", BYTES, INTEGER, INTEGER, INTEGER, REALS, REALS, REALS, REAL, BYTES)
 
 
 @dataclass(frozen=True)
@@ -168,9 +170,16 @@ def paint_discs(picture: np.ndarray, view: View, x, y, radius, colours: np.ndarr
     radius : float or ndarray of shape (n,), m
     colours : ndarray, shape (n, 3), uint8
     """
-    column, row = view.column(x), view.row(y)
-    pixels = np.broadcast_to(np.asarray(radius, float), column.shape)
-    _paint_discs(picture, column, row, pixels, view.scale, np.ascontiguousarray(colours, np.uint8))
+    column, row = (np.ascontiguousarray(place, float) for place in (view.column(x), view.row(y)))
+    sizes = np.ascontiguousarray(np.broadcast_to(np.asarray(radius, float), column.shape))
+    colours = np.ascontiguousarray(colours, np.uint8)
+    if core() is None:
+        _paint_each(picture, column, row, sizes, view.scale, colours)
+    else:
+        whole = np.ascontiguousarray(picture)
+        _paint_discs(whole, *picture.shape[:2], len(column), column, row, sizes, view.scale, colours)
+        if whole is not picture:  # a part of a larger one
+            picture[...] = whole
 
 
 def paint_frame(picture: np.ndarray, view: View, frame: Frame, flow: Flow, top_speed: float) -> None:
@@ -212,26 +221,19 @@ def coloured(values: np.ndarray, top: float) -> np.ndarray:
     return table[np.clip((scaled * len(table)).astype(int), 0, len(table) - 1)]
 
 
-def _paint_discs_py(picture, column, row, radius, scale, colours):
-    height, width = picture.shape[0], picture.shape[1]
-    for i in range(len(column)):
-        c, r = column[i], row[i]
-        rim, ink = radius[i] * scale, 1.0
+def _paint_each(picture: np.ndarray, column, row, radius, scale: float, colours: np.ndarray) -> None:
+    """As the core does, disc by disc."""
+    height, width = picture.shape[:2]
+    for c, r, size, colour in zip(column.tolist(), row.tolist(), radius.tolist(), colours, strict=True):
+        rim, ink = size * scale, 1.0
         if rim < 0.5:  # a disc below a pixel keeps its share of the pixel's ink
             rim, ink = 0.5, (rim / 0.5) ** 2
         if not (-rim - 1.0 <= c <= width + rim + 1.0 and -rim - 1.0 <= r <= height + rim + 1.0):
             continue
-        for py in range(max(floor(r - rim - 0.5), 0), min(ceil(r + rim + 0.5), height)):
-            dy = py + 0.5 - r
-            for px in range(max(floor(c - rim - 0.5), 0), min(ceil(c + rim + 0.5), width)):
-                dx = px + 0.5 - c
-                cover = rim + 0.5 - sqrt(dx * dx + dy * dy)
-                if cover <= 0.0:
-                    continue
-                cover = ink if cover >= 1.0 else cover * ink
-                for k in range(3):
-                    old = picture[py, px, k]
-                    picture[py, px, k] = np.uint8(old + cover * (float(colours[i, k]) - old) + 0.5)
-
-
-_paint_discs = njit(cache=True)(_paint_discs_py)
+        rows = slice(max(floor(r - rim - 0.5), 0), min(ceil(r + rim + 0.5), height))
+        columns = slice(max(floor(c - rim - 0.5), 0), min(ceil(c + rim + 0.5), width))
+        dy, dx = (np.arange(part.start, part.stop) + 0.5 - at for part, at in ((rows, r), (columns, c)))
+        cover = (rim + 0.5 - np.sqrt(dx * dx + (dy * dy)[:, None]))[..., None]
+        shaded = np.where(cover >= 1.0, ink, cover * ink)
+        old = picture[rows, columns]
+        picture[rows, columns] = np.where(cover > 0.0, old + shaded * (colour.astype(float) - old) + 0.5, old)

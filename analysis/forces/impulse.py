@@ -176,7 +176,7 @@ def impulse_identity(forces: Mapping[str, ForceHistory], momentum: MomentumHisto
     pushing = [name for name, pushed in momentum.unprobed.items() if pushed[a : b + 1, column].any()]
     reasons = [f"wall '{name}' pushes along {axis} and is not probed" for name in pushing]
     if not flow.knows_contacts:
-        reasons.append("without stiffnesses nothing tells whether other walls push")
+        reasons.append(f"{flow.no_contacts}, so that nothing tells whether other walls push")
     silent = [wall.name for wall in flow.scene.permanent if wall.name in flow.scene.probes and wall.name not in forces]
     reasons += [f"wall '{name}' has no force record" for name in silent]
     slack = 0.25 * flow.time_step or 1e-9

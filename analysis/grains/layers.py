@@ -11,17 +11,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import asin, ceil, floor, isfinite, nan, pi, sqrt
+from math import ceil, isfinite, nan
 
 import numpy as np
-from numba import njit
 
 from lammps_jump.analysis.contacts import ContactCollector, touching, whole_forces
 from lammps_jump.analysis.draw.chart import Chart, Drawings, Line, Panel
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
-from lammps_jump.analysis.profiles import window_of, within
+from lammps_jump.analysis.profiles import Discs, shares, window_of, within
 from lammps_jump.analysis.report.page import Section, Table, described
+from lammps_jump.core.library import INTEGER, INTEGERS, REALS, core, function
 from lammps_jump.dump.frame import Frame
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.walls import Interval
@@ -34,6 +34,11 @@ THIN = 0.1
 """Solid fraction below which single discs fly: I and mu mean nothing there, and are left out."""
 AREA, MASS, U, V, Y, UU, VV, UV, UY, VY, YY, FXX, FXY, FYX, FYY = range(15)
 """Rows of the sums of a layer: area of discs (m^2); mass (kg/m), alone and times velocities and places; F l (N)."""
+
+_add_discs = function("jump_layers_discs", INTEGER, REALS, REALS, REALS, REALS, REALS, REALS, REALS, INTEGER, REALS)
+_add_contacts = function(
+    "jump_layers_contacts", INTEGER, REALS, REALS, INTEGER, INTEGERS, INTEGERS, REALS, REALS, INTEGER, REALS
+)
 
 
 @dataclass(frozen=True)
@@ -150,14 +155,16 @@ class LayerSums:
         flow, sums = self.flow, np.zeros((15, len(self.edges) - 1))
         where = np.array([*self.stretch, self.edges[0], self.edges[1] - self.edges[0]])
         if frame.n:
-            x, y, u, v = (np.array(values, float) for values in (frame.x, frame.y, frame.vx, frame.vy))
-            radii = np.array(flow.radii(frame))
-            _add_discs((x, y, u, v), radii, flow.scene.mass * flow.relative_masses(frame), where, sums)
+            mass = flow.scene.mass * flow.relative_masses(frame)
+            discs = Discs.of(frame.x, frame.y, frame.vx, frame.vy, flow.radii(frame), mass)
+            add_discs(discs, where, sums)
             if flow.knows_contacts:
                 found = touching(frame, flow)
                 fx, fy = whole_forces(frame, flow, found)
-                reach = radii[found.second] - found.overlap
-                _add_contacts((x, y), found.first, found.second, (found.nx, found.ny, reach, fx, fy), where, sums)
+                reach = discs.radius[found.second] - found.overlap
+                contacts = np.column_stack([found.nx, found.ny, reach, fx, fy])
+                ends = (part.astype(np.int64) for part in (found.first, found.second))
+                _add_contacts(frame.n, discs.x, discs.y, len(contacts), *ends, contacts, where, sums.shape[1], sums)
         self._times.append(time)
         self._sums.append(sums)
 
@@ -168,88 +175,36 @@ class LayerSums:
         return Sums(np.array(self._times), sums, self.edges, self.stretch, self.flow.knows_contacts)
 
 
-def _part_below_py(y, radius, edge):
-    """Share of a disc's area below a height, exact."""
-    a = (edge - y) / radius
-    if a <= -1.0:
-        return 0.0
-    if a >= 1.0:
-        return 1.0
-    return 0.5 + (a * sqrt(1.0 - a * a) + asin(a)) / pi
-
-
-def _add_discs_py(state, radius, mass, where, sums):
+def add_discs(discs: Discs, where: np.ndarray, sums: np.ndarray) -> None:
     """Add discs to the sums of the layers; `where` holds begin and end in x, lowest edge and height of a layer, m.
 
-    At the ends of the stretch the share in x times that in y stands for the share of the area in both.
+    At the ends of the stretch the share in x times that in y stands for the share of the area in both. The mass of
+    `discs` is in kg/m.
     """
-    x, y, u, v = state
-    begin, end, low, height = where
-    for i in range(len(x)):
-        r = radius[i]
-        across = _part_below(x[i], r, end) - _part_below(x[i], r, begin)
-        if across <= 0.0:
-            continue
-        first = max(floor((y[i] - r - low) / height), 0)
-        last = min(floor((y[i] + r - low) / height), sums.shape[1] - 1)
-        for k in range(first, last + 1):
-            edge = low + k * height
-            part = across * (_part_below(y[i], r, edge + height) - _part_below(y[i], r, edge))
-            sums[AREA, k] += part * pi * r * r
-            m = part * mass[i]
-            sums[MASS, k] += m
-            sums[U, k] += m * u[i]
-            sums[V, k] += m * v[i]
-            sums[Y, k] += m * y[i]
-            sums[UU, k] += m * u[i] * u[i]
-            sums[VV, k] += m * v[i] * v[i]
-            sums[UV, k] += m * u[i] * v[i]
-            sums[UY, k] += m * u[i] * y[i]
-            sums[VY, k] += m * v[i] * y[i]
-            sums[YY, k] += m * y[i] * y[i]
-
-
-def _add_contacts_py(place, first, second, contact, where, sums):
-    """Add force times branch of each contact to the sums of the layers, with the part of the branch in each.
-
-    `contact`: normal towards the second disc, distance of the wall's surface from its centre (m), force on it (N/m).
-    """
-    x, y = place
-    nx, ny, reach, fx, fy = contact
-    begin, end, low, height = where
-    for c in range(len(first)):
-        j = second[c]
-        if first[c] < len(x):
-            x0, y0 = x[first[c]], y[first[c]]
-        else:
-            x0, y0 = x[j] - reach[c] * nx[c], y[j] - reach[c] * ny[c]
-        dx, dy = x[j] - x0, y[j] - y0
-        bottom, top = min(y0, y[j]), max(y0, y[j])
-        for k in range(max(floor((bottom - low) / height), 0), min(floor((top - low) / height), sums.shape[1] - 1) + 1):
-            part = _inside(x0, dx, begin, end, y0, dy, low + k * height, height)
-            sums[FXX, k] += part * fx[c] * dx
-            sums[FXY, k] += part * fx[c] * dy
-            sums[FYX, k] += part * fy[c] * dx
-            sums[FYY, k] += part * fy[c] * dy
-
-
-def _inside_py(x0, dx, begin, end, y0, dy, low, height):
-    """Share of a segment from (x0, y0) that lies between begin and end in x and low and low + height in y."""
-    since, until = 0.0, 1.0
-    for start, way, least, most in ((x0, dx, begin, end), (y0, dy, low, low + height)):
-        if way == 0.0:
-            if start < least or start >= most:
-                return 0.0
-            continue
-        one, other = (least - start) / way, (most - start) / way
-        since, until = max(since, min(one, other)), min(until, max(one, other))
-    return max(until - since, 0.0)
-
-
-_part_below = njit(cache=True)(_part_below_py)
-_inside = njit(cache=True)(_inside_py)
-_add_discs = njit(cache=True)(_add_discs_py)
-_add_contacts = njit(cache=True)(_add_contacts_py)
+    layers = sums.shape[1]
+    if core() is not None:
+        _add_discs(len(discs.x), *discs, where, layers, sums)
+        return
+    (begin, end, low, height), (x, y, u, v, radius, mass) = where, discs
+    place, share = shares(x, radius, begin, end - begin, 1)
+    across = np.where(place == 1, share, 0.0).sum(axis=0)
+    place, up = shares(y, radius, low, height, layers)
+    part = across * up
+    m = part * mass
+    rows = (
+        part * np.pi * radius * radius,
+        m,
+        m * u,
+        m * v,
+        m * y,
+        m * u * u,
+        m * v * v,
+        m * u * v,
+        m * u * y,
+        m * v * y,
+    )
+    for row, weight in enumerate((*rows, m * y * y)):
+        sums[row] += np.bincount(place.ravel(), weight.ravel(), layers + 2)[1:-1]
 
 
 def profile_of(found: Sums, inside: np.ndarray, flow: Flow) -> Profile:
@@ -314,7 +269,7 @@ def analyse(gathered: Gathered) -> Layers:
         friction=_by_mass(profile.friction, mass),
         change=_change(found.sums[inside]),
         pressure=float(profile.stress_yy[np.flatnonzero(mass > 0)[0]]),
-        reason=None if found.stressed else "no stress: the stiffness of the discs is not known",
+        reason=None if found.stressed else f"no stress: {flow.no_contacts}",
         profile=profile,
     )
 

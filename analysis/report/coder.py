@@ -16,7 +16,8 @@ parts of 8 and a last one of the rest: the bits below the highest, and the sign,
 """
 
 import numpy as np
-from numba import njit
+
+from lammps_jump.core.library import BYTES, INTEGER, INTEGERS, core, function
 
 LETTERS = np.array([code for code in range(128) if code not in b"\0\n\r<"], "u1")
 BASE = len(LETTERS)
@@ -24,6 +25,8 @@ TOP, LEAST = BASE**4, BASE**3
 SLOTS = 32
 WORST = 1.2
 """Digits of a number at most, over its bits and one: an adaptive bit takes 7.1 bits at odds of 31/4096."""
+
+_digits = function("jump_digits", INTEGER, INTEGERS, INTEGERS, INTEGERS, INTEGERS, BYTES, result=INTEGER)
 
 
 def encode(*parts: tuple[np.ndarray, np.ndarray]) -> str:
@@ -36,8 +39,14 @@ def encode(*parts: tuple[np.ndarray, np.ndarray]) -> str:
     """
     sides = zip(*(np.broadcast_arrays(*part) for part in parts), strict=True)
     values, contexts = (np.concatenate([array.ravel() for array in side]) for side in sides)
-    odds = np.full((contexts.max(initial=0) + 1) * SLOTS, 2048)
-    return LETTERS[_digits(values, contexts, np.frexp(values)[1], odds)].tobytes().decode("ascii")
+    values, contexts, lengths = (array.astype(np.int64) for array in (values, contexts, np.frexp(values)[1]))
+    if core() is None:
+        digits = _digits_of_each(values.tolist(), contexts.tolist(), lengths.tolist())
+    else:
+        odds = np.full((contexts.max(initial=0) + 1) * SLOTS, 2048)
+        digits = np.zeros(int(WORST * (lengths + 1).sum()) + 5, np.uint8)
+        digits = digits[: _digits(len(values), values, contexts, lengths, odds, digits)]
+    return LETTERS[digits].tobytes().decode("ascii")
 
 
 def digits_of(text: str) -> np.ndarray:
@@ -55,13 +64,12 @@ def digits_of(text: str) -> np.ndarray:
     return digits
 
 
-def _digits_py(values, contexts, lengths, odds):
-    """Digits of numbers in their contexts, shape (digits,); `lengths` are their bits without the sign."""
-    digits, written, low, span = np.zeros(int(WORST * (lengths + 1).sum()) + 5, np.uint8), 0, 0, TOP
-    for number in range(values.size):
-        value, slot, length = abs(values[number]), SLOTS * contexts[number], lengths[number]
-        plain = (2 * value + (values[number] < 0)) ^ (1 << length)
-        ahead, left = length + 1, length
+def _digits_of_each(values: list[int], contexts: list[int], lengths: list[int]) -> np.ndarray:
+    """Digits of numbers in their contexts, as the core makes them; `lengths` are their bits without the sign."""
+    odds, digits, low, span = [2048] * ((max(contexts, default=0) + 1) * SLOTS), [], 0, TOP
+    for value, context, length in zip(values, contexts, lengths, strict=True):
+        plain = (2 * abs(value) + (value < 0)) ^ (1 << length)
+        slot, left, ahead = SLOTS * context, length, length + 1
         while ahead + left:
             if ahead:
                 ones, bits = odds[slot], 12
@@ -75,15 +83,12 @@ def _digits_py(values, contexts, lengths, odds):
             step = span >> bits
             low, span = low + start * step, size * step
             while span < LEAST:
-                digits[written] = low // LEAST  # below 2 BASE, what is above BASE - 1 is carried at the end
-                low, span, written = low % LEAST * BASE, span * BASE, written + 1
+                digits.append(low // LEAST)  # below 2 BASE, what is above BASE - 1 is carried at the end
+                low, span = low % LEAST * BASE, span * BASE
     for _ in range(4):
-        digits[written] = low // LEAST
-        low, written = low % LEAST * BASE, written + 1
-    for last in range(written - 1, 0, -1):
+        digits.append(low // LEAST)
+        low = low % LEAST * BASE
+    for last in range(len(digits) - 1, 0, -1):
         digits[last - 1] += digits[last] // BASE
         digits[last] %= BASE
-    return digits[:written]
-
-
-_digits = njit(cache=True)(_digits_py)
+    return np.array(digits, np.uint8)

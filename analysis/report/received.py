@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
-from numba import njit
 from pydantic import BaseModel, Field, FiniteFloat, ValidationError
 
+from lammps_jump.core.library import BYTES, INTEGER, core, function
 from lammps_jump.files import MOST_JSON, read_file
 
 from .coder import BASE, LEAST, SLOTS, TOP, digits_of
@@ -32,6 +32,11 @@ Number = Annotated[FiniteFloat, Field(ge=-1e12, le=1e12)]
 Above = Annotated[FiniteFloat, Field(gt=0, le=1e12)]
 Name = Annotated[str, Field(max_length=500)]
 _Outlet = tuple[Literal["x", "y"], Number, Literal["above", "below"]]
+
+
+_holds_frames = function(
+    "jump_holds_frames", BYTES, INTEGER, INTEGER, INTEGER, INTEGER, INTEGER, INTEGER, result=INTEGER
+)
 
 
 class _Part(BaseModel, strict=True, extra="forbid"):
@@ -139,101 +144,108 @@ def read_player(path: Path) -> Player:
         <= MOST_POINTS
     )
     counts = (header.discs, header.rows, len(header.times), len(header.radii), cells)
-    odds = np.full(KINDS * OF_A_KIND * SLOTS, 2048)
-    if not right or not _is_whole(digits_of(stored.frames), *counts, odds):
+    if not right or not holds_frames(stored.frames, *counts):
         raise ValueError(f"{path}: holds no packed frames")
     return Player(header.model_dump(exclude_unset=True), stored.frames)
 
 
-def _shrink_py(digits, state, start, size, step):
-    """Make a part of the interval the interval; `state` is the digits read, the place in the interval, its range."""
-    state[1] -= start * step
-    state[2] = size * step
-    if not 0 <= state[1] < state[2]:
-        state[0] = digits.size + 1
-        return
-    while state[2] < LEAST:
-        digit = digits[state[0]] if state[0] < digits.size else 0
-        state[0], state[1], state[2] = state[0] + 1, state[1] * BASE + digit, state[2] * BASE
+def holds_frames(text: str, discs: int, rows: int, frames: int, shades: int, cells: int) -> bool:
+    """Whether a text holds `discs` discs of `rows` rows in all in so many frames, a map, and nothing else.
+
+    Raises
+    ------
+    ValueError
+        A letter that packed numbers do not have.
+    """
+    digits, counts = digits_of(text), (discs, rows, frames, shades, cells)
+    if len(digits) < 4:
+        return False
+    if core() is None:
+        return _holds_each(digits.tolist(), *counts)
+    return bool(_holds_frames(digits.astype(np.uint8), len(digits), *counts))
 
 
-def _take_py(digits, state, odds, context):
-    """The next number; after one that is none, more digits than there are count as read."""
-    slot, left, value = SLOTS * context, 0, 1
-    while state[0] <= digits.size:
-        ones, step = odds[slot], state[2] >> 12
-        if state[1] >= ones * step:
-            odds[slot] -= ones >> 5
-            _shrink(digits, state, ones, 4096 - ones, step)
-            break
-        odds[slot] += (4096 - ones) >> 5
-        _shrink(digits, state, 0, ones, step)
-        left, slot = left + 1, slot + 1
-        if left > MOST_BITS:
-            state[0] = digits.size + 1
-    if left == 0 or state[0] > digits.size:
-        return 0
-    while left:
-        bits = min(left, 8)
-        step = state[2] >> bits
-        part = state[1] // step
-        _shrink(digits, state, part, 1, step)
-        value, left = (value << bits) + part, left - bits
-    return -(value >> 1) if value % 2 else value >> 1
+class _Broken(Exception):
+    """Digits that the coder has not written."""
 
 
-def _is_whole_py(digits, discs, rows, frames, shades, cells, odds):
+class _Reader:
+    """The numbers that digits hold, one after the other, as the core reads them."""
+
+    def __init__(self, digits: list[int]):
+        self.digits, self.read, self.span, self.place = digits, 4, TOP, 0
+        for digit in digits[:4]:
+            self.place = self.place * BASE + digit
+        self.odds = [2048] * (KINDS * OF_A_KIND * SLOTS)
+
+    def shrink(self, start: int, size: int, step: int) -> None:
+        """Make a part of the interval the interval."""
+        self.place -= start * step
+        self.span = size * step
+        if not 0 <= self.place < self.span:
+            raise _Broken
+        while self.span < LEAST:
+            digit = self.digits[self.read] if self.read < len(self.digits) else 0
+            self.read, self.place, self.span = self.read + 1, self.place * BASE + digit, self.span * BASE
+
+    def take(self, context: int) -> int:
+        """The next number."""
+        slot, left, value = SLOTS * context, 0, 1
+        while True:
+            ones, step = self.odds[slot], self.span >> 12
+            if self.place >= ones * step:
+                self.odds[slot] -= ones >> 5
+                self.shrink(ones, 4096 - ones, step)
+                break
+            self.odds[slot] += (4096 - ones) >> 5
+            self.shrink(0, ones, step)
+            left, slot = left + 1, slot + 1
+            if left > MOST_BITS:
+                raise _Broken
+        while left:
+            bits = min(left, 8)
+            step = self.span >> bits
+            part = self.place // step
+            self.shrink(part, 1, step)
+            value, left = (value << bits) + part, left - bits
+        if self.read > len(self.digits):
+            raise _Broken
+        return -(value >> 1) if value % 2 else value >> 1
+
+
+def _holds_each(digits: list[int], discs: int, rows: int, frames: int, shades: int, cells: int) -> bool:
     """Whether digits hold `discs` discs of `rows` rows in all in so many frames, a map, and nothing else."""
-    state = np.array([4, 0, TOP])
-    if digits.size < 4:
-        return False
-    for k in range(4):
-        state[1] = state[1] * BASE + digits[k]
-    first, life, column = np.zeros(discs, np.int64), np.zeros(discs, np.int64), np.zeros(COLUMNS, np.int64)
-    for disc in range(discs):
-        for k in range(COLUMNS):
-            column[k] += _take(digits, state, odds, OF_A_KIND * (4 + k))
-        first[disc], life[disc] = column[1], column[2]
-        stays = column[1] >= 0 and column[2] > 0 and column[1] + column[2] <= frames
-        if state[0] > digits.size or not stays or not 0 <= column[5] < shades:
+    reader = _Reader(digits)
+    column, stays = [0] * COLUMNS, []
+    try:
+        for _ in range(discs):
+            column = [value + reader.take(OF_A_KIND * (4 + k)) for k, value in enumerate(column)]
+            if not (column[1] >= 0 and column[2] > 0 and column[1] + column[2] <= frames and 0 <= column[5] < shades):
+                return False
+            stays.append(range(column[1] + 1, column[1] + column[2]))
+        if sum(len(stay) + 1 for stay in stays) != rows:
             return False
-    if life.sum() != rows:
+        unrest = [UNREST] * discs
+        for frame in range(frames):
+            for disc, stay in enumerate(stays):
+                if frame in stay:
+                    unrest[disc] = _unrest_after(reader, unrest[disc])
+        levels = [0] * cells
+        for _ in range(frames):
+            levels = [level + reader.take(OF_A_KIND * (4 + COLUMNS) + level.bit_length()) for level in levels]
+            if not all(0 <= level < 256 for level in levels):
+                return False
+    except _Broken:
         return False
-    unrest = np.full(discs, UNREST)
-    for frame in range(frames):
-        for disc in range(discs):
-            if not 0 < frame - first[disc] < life[disc]:
-                continue
-            felt = unrest[disc]
-            for part in range(4):
-                length = 0
-                while felt >> length:
-                    length += 1
-                if length > MOST_BITS:
-                    return False
-                size = abs(_take(digits, state, odds, OF_A_KIND * part + length))
-                felt += 2 * size if part < 2 else size >> 1
-            unrest[disc] = (felt - unrest[disc]) >> 1
-            if state[0] > digits.size:
-                return False
-    return _holds_map(digits, state, frames, cells, odds) and state[0] == digits.size
+    return reader.read == len(digits)
 
 
-def _holds_map_py(digits, state, frames, cells, odds):
-    """Whether the numbers of a map come next, each from 0 to 255."""
-    levels = np.zeros(cells, np.int64)
-    for _ in range(frames):
-        for k in range(cells):
-            length = 0
-            while levels[k] >> length:
-                length += 1
-            levels[k] += _take(digits, state, odds, OF_A_KIND * (4 + COLUMNS) + length)
-            if state[0] > digits.size or not 0 <= levels[k] < 256:
-                return False
-    return True
-
-
-_shrink = njit(cache=True)(_shrink_py)
-_take = njit(cache=True)(_take_py)
-_holds_map = njit(cache=True)(_holds_map_py)
-_is_whole = njit(cache=True)(_is_whole_py)
+def _unrest_after(reader: _Reader, unrest: int) -> int:
+    """What a row adds to the unrest of a disc."""
+    felt = unrest
+    for part in range(4):
+        if felt.bit_length() > MOST_BITS:
+            raise _Broken
+        size = abs(reader.take(OF_A_KIND * part + felt.bit_length()))
+        felt += 2 * size if part < 2 else size >> 1
+    return (felt - unrest) >> 1

@@ -12,9 +12,9 @@
 #define JUMP_SIZE(name) \
   JUMP_API int64_t name##_size() { return sizeof(name); }
 
-namespace jump_core {
+namespace jump {
 // Of the interface; library.py has the same number. Raise both where a function or a struct changes.
 constexpr int64_t VERSION = 1;
-}    // namespace jump_core
+}    // namespace jump
 
 #endif

@@ -2,4 +2,4 @@
 
 #include "api.h"
 
-JUMP_API int64_t jump_core_version() { return jump_core::VERSION; }
+JUMP_API int64_t jump_core_version() { return jump::VERSION; }

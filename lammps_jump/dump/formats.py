@@ -12,7 +12,7 @@ from lammps_jump.scene.schedule import MOST_FRAMES
 
 from .frame import LARGEST_FRAME, TEXT_COLUMNS, DumpFile, Frame, FrameHeader, read_only
 from .raw.source import CUT_OFF, PASSED_OVER, Bytes, Lines, NoFrame, Torn, Truncated
-from .rows import NEED_MORE, NEW_ITEM, POWER_HIGH, POWER_LOW, ROWS_DONE, parse_rows, skip_rows
+from .rows import NEED_MORE, NEW_ITEM, ROWS_DONE, parse_rows, skip_rows
 
 MOST_BLANK = 10_000
 MOST_EMPTY = 100_000
@@ -173,14 +173,12 @@ def _text_rows(dump: DumpFile, buffer: Lines, header: FrameHeader, box, names, w
     is_text = np.array([name in TEXT_COLUMNS for name in names])
     row = 0
     while True:
-        begin = buffer.begin
+        place = buffer.begin, buffer.end
         if wanted:
-            row, buffer.begin, status = parse_rows(
-                buffer.data, buffer.begin, buffer.end, out, row, header.n, is_text, POWER_HIGH, POWER_LOW
-            )
+            row, buffer.begin, status = parse_rows(buffer.data, place, out, row, is_text)
         else:
-            row, buffer.begin, status = skip_rows(buffer.data, buffer.begin, buffer.end, row, header.n)
-            if (item := buffer.bytes.find(b"ITEM:", begin, buffer.begin)) >= 0:
+            row, buffer.begin, status = skip_rows(buffer.data, place, row, header.n)
+            if (item := buffer.bytes.find(b"ITEM:", place[0], buffer.begin)) >= 0:
                 buffer.begin, status = item, NEW_ITEM
         buffer.line_number = first_line - 1 + row + buffer.comments
         if status == ROWS_DONE:

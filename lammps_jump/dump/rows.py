@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The inner loop of the text reader: rows of decimal numbers to float64, streaming and correctly rounded.
 
-A number with at most 15 digits and a small exponent is one exact operation on two exact doubles; longer ones
-(``%.17g``) go through a product in twice the precision, whose error (2^-100) changes the rounding in about one of
-10^14 numbers. What neither can do (nan, 20 digits, subnormal) is handed back to Python's ``float``.
+The core reads a number with at most 15 digits and a small exponent by one exact operation on two exact doubles; longer
+ones (``%.17g``) go through a product in twice the precision, whose error (2^-100) changes the rounding in about one of
+10^14 numbers. What neither can do (nan, 20 digits, subnormal) is handed back to Python's ``float``, and so is every
+number where there is no core.
 """
 
 from __future__ import annotations
@@ -11,10 +12,18 @@ from __future__ import annotations
 from fractions import Fraction
 
 import numpy as np
-from numba import njit
+
+from lammps_jump.core.library import BYTES, INTEGER, INTEGERS, REALS, core, function
 
 ROWS_DONE, NEED_MORE, NOT_PLAIN, NEW_ITEM = range(4)
 LARGEST_EXPONENT = 290
+NEWLINE, I_OF_ITEM, COMMENT = b"\nI#"
+BLANKS = tuple(b" \t")
+MANY = 1000
+"""Rows that are parsed at once without the core."""
+
+Reached = tuple[int, int, int]
+"""Rows done so far; where the next row starts, or the row at fault; one of the states above."""
 
 
 def _powers_of_ten() -> tuple[np.ndarray, np.ndarray]:
@@ -25,132 +34,71 @@ def _powers_of_ten() -> tuple[np.ndarray, np.ndarray]:
     return np.array(high), np.array(low)
 
 
-POWER_HIGH, POWER_LOW = _powers_of_ten()
+_POWERS = _powers_of_ten()
+_parse_rows = function(
+    "jump_parse_rows", BYTES, INTEGER, INTEGERS, REALS, INTEGER, INTEGER, BYTES, REALS, REALS, result=INTEGER
+)
 
 
-def _scaled_py(mantissa, exponent, high, low):
-    """mantissa * 10^exponent for |mantissa| < 10^18, |exponent| <= 290, rounded once (Dekker's product)."""
-    if mantissa < 9007199254740992 and -22 <= exponent <= 22:
-        if exponent < 0:
-            return mantissa / high[290 - exponent]
-        return mantissa * high[290 + exponent]
-    a = float(mantissa)
-    a_low = float(mantissa - int(a))
-    b = high[290 + exponent]
-    product = a * b
-    t = 134217729.0 * a
-    a1 = t - (t - a)
-    a2 = a - a1
-    t = 134217729.0 * b
-    b1 = t - (t - b)
-    b2 = b - b1
-    error = ((a1 * b1 - product) + a1 * b2 + a2 * b1) + a2 * b2
-    return product + (error + (a * low[290 + exponent] + a_low * b))
+def parse_rows(data: np.ndarray, place: tuple[int, int], out: np.ndarray, row: int, is_text: np.ndarray) -> Reached:
+    """Parse rows into ``out[column, row]`` from a part of `data` on.
 
+    Parameters
+    ----------
+    data : ndarray of uint8
+    place : (int, int)
+        Begin and end of the part.
+    out : ndarray of float64, contiguous, shape (columns, rows)
+    row : int
+        The first that is wanted.
+    is_text : ndarray of bool, shape (columns,)
+        Columns of words, which become NaN.
 
-def _parse_rows_py(data, position, end, out, row, rows, is_text, high, low):
-    """Parse rows into ``out[column, row]`` from ``data[position:end]``.
-
-    Returns (row, position, status): rows done so far; where the next row starts (or the row at fault); one of
-    the states above. A row counts only with its newline, so NEED_MORE leaves the position at the row's start.
+    Returns
+    -------
+    row, position, status : int
+        A row counts only with its newline, so NEED_MORE leaves the position at the row's start.
     """
-    columns = out.shape[0]
-    while row < rows:
-        i = position
-        for column in range(columns):
-            while i < end and (data[i] == 32 or data[i] == 9):
-                i += 1
-            if i >= end:
-                return row, position, NEED_MORE
-            if is_text[column] and data[i] > 32:
-                while i < end and data[i] > 32:
-                    i += 1
-                out[column, row] = np.nan
-                if i >= end:
-                    return row, position, NEED_MORE
-                continue
-            if column == 0 and data[i] == 73:  # 'I' of ITEM:
-                return row, position, NEW_ITEM
-            negative = data[i] == 45
-            if negative or data[i] == 43:
-                i += 1
-            mantissa = 0
-            significant = 0
-            digits = 0
-            exponent = 0
-            after_point = False
-            while i < end:
-                c = np.int64(data[i])
-                if 48 <= c <= 57:
-                    mantissa = mantissa * 10 + (c - 48)
-                    digits += 1
-                    if mantissa > 0:
-                        significant += 1
-                        if significant > 18:
-                            return row, position, NOT_PLAIN
-                    if after_point:
-                        exponent -= 1
-                elif c == 46 and not after_point:
-                    after_point = True
-                else:
-                    break
-                i += 1
-            if i < end and digits > 0 and (data[i] == 101 or data[i] == 69):
-                i += 1
-                minus = False
-                if i < end and (data[i] == 45 or data[i] == 43):
-                    minus = data[i] == 45
-                    i += 1
-                power = 0
-                power_digits = 0
-                while i < end and 48 <= data[i] <= 57:
-                    power = power * 10 + (np.int64(data[i]) - 48)
-                    power_digits += 1
-                    i += 1
-                if i < end and (power_digits == 0 or power_digits > 4):
-                    return row, position, NOT_PLAIN
-                exponent += -power if minus else power
-            if i >= end:
-                return row, position, NEED_MORE
-            if digits == 0 or data[i] > 32:
-                return row, position, NOT_PLAIN
-            if mantissa == 0:
-                value = 0.0
-            elif -LARGEST_EXPONENT <= exponent <= LARGEST_EXPONENT - 20:
-                value = _scaled(mantissa, exponent, high, low)
-            else:
-                return row, position, NOT_PLAIN
-            out[column, row] = -value if negative else value
-        while i < end and (data[i] == 32 or data[i] == 9 or data[i] == 13):
-            i += 1
-        if i >= end:
-            return row, position, NEED_MORE
-        if data[i] != 10:
-            return row, position, NOT_PLAIN
-        position = i + 1
-        row += 1
-    return row, position, ROWS_DONE
+    if core() is None:
+        return _parse_lines(data, place, out, row, is_text)
+    reached = np.array([row, place[0]])
+    status = _parse_rows(data, place[1], reached, out, *out.shape, is_text.view(np.uint8), *_POWERS)
+    return int(reached[0]), int(reached[1]), status
 
 
-def _skip_rows_py(data, position, end, row, rows):
-    """As `_parse_rows_py`, but only counting lines; NOT_PLAIN before a comment."""
-    while row < rows:
-        i = position
-        while i < end and (data[i] == 32 or data[i] == 9):
-            i += 1
-        if i < end and data[i] == 73:
-            return row, position, NEW_ITEM
-        if i < end and data[i] == 35:  # '#'
-            return row, position, NOT_PLAIN
-        while i < end and data[i] != 10:
-            i += 1
-        if i >= end:
-            return row, position, NEED_MORE
-        position = i + 1
-        row += 1
-    return row, position, ROWS_DONE
+def skip_rows(data: np.ndarray, place: tuple[int, int], row: int, rows: int) -> Reached:
+    """As `parse_rows`, but only counting lines, up to row `rows`; NOT_PLAIN before a comment."""
+    starts, status = _lines(data, place, rows - row)
+    return row + len(starts) - 1, int(starts[-1]), status
 
 
-_scaled = njit(cache=True, inline="always")(_scaled_py)
-parse_rows = njit(cache=True)(_parse_rows_py)
-skip_rows = njit(cache=True)(_skip_rows_py)
+def _lines(data: np.ndarray, place: tuple[int, int], most: int) -> tuple[np.ndarray, int]:
+    """Where each of at most so many whole lines starts, and where the last one ends; what stops the counting."""
+    begin, end = place
+    ends = np.flatnonzero(data[begin:end] == NEWLINE)[:most] + begin + 1
+    starts = np.concatenate([[begin], ends])
+    place_of = starts[starts < end]
+    while (blank := np.isin(data[place_of], BLANKS) & (place_of < end - 1)).any():
+        place_of = place_of + blank
+    stops = np.flatnonzero(np.isin(data[place_of], (I_OF_ITEM, COMMENT)))
+    if stops.size and stops[0] < most:
+        return starts[: stops[0] + 1], NEW_ITEM if data[place_of[stops[0]]] == I_OF_ITEM else NOT_PLAIN
+    return starts, ROWS_DONE if len(ends) == most else NEED_MORE
+
+
+def _parse_lines(data: np.ndarray, place: tuple[int, int], out: np.ndarray, row: int, is_text: np.ndarray) -> Reached:
+    """As `parse_rows`, by Python's ``float``, some rows at once."""
+    starts, status = _lines(data, place, out.shape[1] - row)
+    for first in range(0, len(starts) - 1, MANY):
+        some = starts[first : first + MANY + 1]
+        lines = data[some[0] : some[-1] - 1].tobytes().split(b"\n")
+        for number, line in enumerate(lines):
+            tokens = line.split()
+            try:
+                if len(tokens) != len(out) or b"_" in line:
+                    raise ValueError
+                out[:, row] = [np.nan if text else float(token) for text, token in zip(is_text, tokens, strict=True)]
+            except ValueError:
+                return row, int(some[number]), NOT_PLAIN
+            row += 1
+    return row, int(starts[-1]), status

@@ -11,8 +11,6 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from lammps_jump import folders
 from lammps_jump.analysis import draw as drawing
 from lammps_jump.analysis import quantities
@@ -20,18 +18,17 @@ from lammps_jump.analysis.budgets import depths
 from lammps_jump.analysis.flow import Flow, from_scene
 from lammps_jump.analysis.guess import from_dump
 from lammps_jump.analysis.passes import Collector, Gathered, feed, with_velocities
-from lammps_jump.analysis.profiles import bin_frame
 from lammps_jump.analysis.report import compare, page
 from lammps_jump.analysis.report import run as report
 from lammps_jump.analysis.report.frames import FramePacker
 from lammps_jump.analysis.report.player import make_player, member_packer
 from lammps_jump.case.case import ReadCase
 from lammps_jump.case.fields import Layers
+from lammps_jump.core.library import core
 from lammps_jump.dump.check import IdCheck
 from lammps_jump.dump.exports import export as write_exports
 from lammps_jump.dump.find import find_dump, read_dump, read_forces
 from lammps_jump.dump.read import Dump, open_dump
-from lammps_jump.dump.rows import skip_rows
 from lammps_jump.errors import CaseError, DumpError
 from lammps_jump.files import FIGURES, PLAYER, RESULT_FILES, checksum, read_json, write_json, write_text, writes
 from lammps_jump.provenance import versions
@@ -148,13 +145,11 @@ def flow_of(case: ReadCase, folder: Path | None = None) -> Flow:
 
 
 def load(case: ReadCase) -> None:
-    """Load what loads on first use: loops that read dumps and sum over discs, 0.2 s; matplotlib, 0.2 s; the page."""
+    """Load what loads on first use: the core; matplotlib, 0.2 s; the page."""
     if has_page(case):
         import_module("lammps_jump.analysis.draw.snapshots")
         page.render("", ())
-    nothing = np.zeros(0)
-    skip_rows(np.zeros(0, np.uint8), 0, 0, 0, 0)
-    bin_frame(nothing, nothing, nothing, nothing, nothing, nothing, 0.0, 1.0, np.zeros((6, 1)), np.zeros(2))
+    core()
 
 
 def _wanted(case: ReadCase) -> list[str]:

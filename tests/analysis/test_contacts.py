@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from made_up import disc_frame, flow_context
 
-from lammps_jump.analysis import cell_grid, contacts
+from lammps_jump.analysis import contacts
 from lammps_jump.analysis.cell_grid import close_pairs
 from lammps_jump.analysis.contacts import find_contacts, pair_sums, touching_pairs, wall_contacts, wall_sums
 from lammps_jump.analysis.flow import from_scene
@@ -47,14 +47,6 @@ def test_pairs_are_those_of_trying_all(seed, count, width):
     found = close_pairs(x, y, D)
     assert as_set(found) == every_pair(x, y, D)
     assert len(found[0]) == len(as_set(found))  # each once
-
-
-def test_plain_loops_find_the_same(monkeypatch):
-    x, y = np.random.default_rng(5).uniform(0, 2, (2, 60))
-    compiled = close_pairs(x, y, D)
-    monkeypatch.setattr(cell_grid, "sort_into_cells", cell_grid._sort_into_cells_py)
-    monkeypatch.setattr(cell_grid, "_list_pairs", cell_grid._list_pairs_py)
-    np.testing.assert_array_equal(close_pairs(x, y, D), compiled)
 
 
 def test_sums_are_those_over_the_contacts_found():

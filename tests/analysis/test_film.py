@@ -85,18 +85,6 @@ def test_walls_and_arrows():
     assert (untouched == 255).all()
 
 
-def test_painter_without_compilation():
-    rng = np.random.default_rng(2)
-    one = np.full((30, 40, 3), 255, np.uint8)
-    two = one.copy()
-    columns, rows = rng.uniform(-3, 43, 12), rng.uniform(-3, 33, 12)
-    colours = rng.integers(0, 255, (12, 3)).astype(np.uint8)
-    radii = rng.uniform(0.01, 0.3, 12)
-    painter._paint_discs(one, columns, rows, radii, 20.0, colours)
-    painter._paint_discs_py(two, columns, rows, radii, 20.0, colours)
-    np.testing.assert_array_equal(one, two)
-
-
 def test_colours_run_from_zero_to_the_top():
     table = painter.colour_table()
     assert table.shape == (256, 3)

@@ -10,9 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from made_up import columns_of_discs, disc_frame, flow_context
 
-from lammps_jump.analysis import profiles as profile_kernels
 from lammps_jump.analysis.passes import feed
-from lammps_jump.analysis.profiles import add_means, bin_edges, compute_profiles
+from lammps_jump.analysis.profiles import Discs, add_means, bin_edges, compute_profiles, connected
 from lammps_jump.analysis.statistics import block_average
 from lammps_jump.dump.exports import read_netcdf, write_netcdf
 from lammps_jump.dump.frame import make_frame
@@ -207,26 +206,6 @@ def test_mirror_symmetry(points, width):
     assert np.median(moved) < 1e-12
 
 
-def test_kernels_give_the_same_without_compilation():
-    rng = np.random.default_rng(5)
-    x, y = rng.uniform(-1, 6, 80), rng.uniform(0.1, 2, 80)
-    u, v = rng.normal(size=(2, 80))
-    compiled, plain = np.zeros((6, 5)), np.zeros((6, 5))
-    beyond, beyond_plain = np.zeros(2), np.zeros(2)
-    radius = rng.uniform(0.05, 0.2, 80)
-    profile_kernels.bin_frame(x, y, u, v, radius, radius**2, 0.0, 1.0, compiled, beyond)
-    profile_kernels._bin_frame_py(x, y, u, v, radius, radius**2, 0.0, 1.0, plain, beyond_plain)
-    np.testing.assert_allclose(compiled, plain, rtol=1e-12, atol=1e-14)
-    np.testing.assert_allclose(beyond, beyond_plain, rtol=1e-14)
-    bed = np.zeros(80)
-    np.testing.assert_array_equal(
-        profile_kernels._connected(x, y, radius, 0.4, bed), profile_kernels._connected_py(x, y, radius, 0.4, bed)
-    )
-    a = profile_kernels.surface_frame(x, y, u, radius, 0.4, bed, np.zeros(200), 0.0, 1.0, 5)
-    b = profile_kernels._surface_frame_py(x, y, u, radius, 0.4, bed, np.zeros(200), 0.0, 1.0, 5)
-    np.testing.assert_allclose(a, b, rtol=1e-13)
-
-
 def test_connection_is_the_transitive_closure_of_nearness():
     """Against a plain graph search with scipy, strays far away included (coarser grid)."""
     from scipy.sparse import coo_matrix
@@ -236,7 +215,8 @@ def test_connection_is_the_transitive_closure_of_nearness():
     rng = np.random.default_rng(6)
     x = np.append(rng.uniform(0, 8, 150), [1e4, -1e4])
     y = np.append(rng.uniform(0.1, 4, 150), [5e3, 1.0])
-    joined = profile_kernels._connected(x, y, np.full(152, 0.1), 0.4, np.zeros(152))
+    nothing = np.zeros(152)
+    joined = connected(Discs.of(x, y, nothing, nothing, np.full(152, 0.1), nothing), nothing, 0.4)
     pairs = cKDTree(np.column_stack([x, y])).query_pairs(0.4, output_type="ndarray")
     _, label = connected_components(coo_matrix((np.ones(len(pairs)), pairs.T), shape=(152, 152)), directed=False)
     grounded = set(label[y <= 0.3])

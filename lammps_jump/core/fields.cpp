@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "api.h"
+
+// Adds the weights of each point to sums[quantity, row, column], per area, over the open cells in reach; cell_weight is
+// zero in walls, and the shares of a point add up to one. A point without an open cell in reach gives all to the cell
+// that it lies in; one off the grid with nothing in reach gives nothing.
+JUMP_API void jump_spread(int64_t n, const double *points, const double *weights, int64_t quantities,
+                          const double *cell_weight, int64_t rows, int64_t columns, double low_x, double low_y,
+                          double spacing, double reach, double *sums)
+{
+  const double area = spacing * spacing;
+  const auto bound = [](double value, int64_t least, int64_t most) {
+    return static_cast<int64_t>(std::min(std::max(value, static_cast<double>(least)), static_cast<double>(most)));
+  };
+  std::vector<double> share;
+  for (int64_t i = 0; i < n; i++) {
+    const double px = points[2 * i], py = points[2 * i + 1];
+    const int64_t c0 = bound(std::ceil((px - reach - low_x) / spacing - 0.5), 0, columns);
+    const int64_t c1 = bound(std::floor((px + reach - low_x) / spacing - 0.5) + 1.0, c0, columns);
+    const int64_t r0 = bound(std::ceil((py - reach - low_y) / spacing - 0.5), 0, rows);
+    const int64_t r1 = bound(std::floor((py + reach - low_y) / spacing - 0.5) + 1.0, r0, rows);
+    share.clear();
+    double total = 0.0;
+    for (int64_t r = r0; r < r1; r++)
+      for (int64_t c = c0; c < c1; c++) {
+        const double dx = low_x + (static_cast<double>(c) + 0.5) * spacing - px;
+        const double dy = low_y + (static_cast<double>(r) + 0.5) * spacing - py;
+        const double q = std::min(std::sqrt(dx * dx + dy * dy) / reach, 1.0), left = 1.0 - q;
+        const double w = (1.0 + 3.0 * q) * (left * left * left) * cell_weight[r * columns + c];
+        share.push_back(w);
+        total += w;
+      }
+    const double c = std::floor((px - low_x) / spacing), r = std::floor((py - low_y) / spacing);
+    const bool inside = c >= 0.0 && c < static_cast<double>(columns) && r >= 0.0 && r < static_cast<double>(rows);
+    for (int64_t k = 0; k < quantities; k++) {
+      double *const sum = sums + k * rows * columns;
+      const double weight = weights[i * quantities + k];
+      if (total > 0.0) {
+        const double *part = share.data();
+        for (int64_t row = r0; row < r1; row++)
+          for (int64_t column = c0; column < c1; column++) sum[row * columns + column] += *part++ / total / area * weight;
+      } else if (inside) {
+        sum[static_cast<int64_t>(r) * columns + static_cast<int64_t>(c)] += weight / area;
+      }
+    }
+  }
+}
