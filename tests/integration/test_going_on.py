@@ -19,6 +19,7 @@ from lammps_jump.dump.beside.poses import PoseFile
 from lammps_jump.dump.find import read_forces
 from lammps_jump.dump.read import open_dump
 from lammps_jump.engines.checkpoint import read_checkpoint
+from lammps_jump.engines.lammps.loader import program
 from lammps_jump.engines.launch import run
 from lammps_jump.files import CONTACTS_FILE, POSES
 
@@ -84,6 +85,21 @@ def test_a_run_that_is_ended_twice_is_the_run_without_an_end(feature, engine, tm
     if not found:
         compare_beside(scene, whole, parts)
     record_property("cell", (feature, engine, found or (f"{apart:.0e}" if apart else "0")))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("before", "after"), [(1, 2), (2, 1)])
+def test_springs_go_on_on_another_number_of_ranks(before, after, tmp_path):
+    """On one rank the disc with the larger id remembers a contact, on several both do."""
+    if program("mpiexec") is None:
+        pytest.skip("the mpich wheel brings no mpiexec")
+    scene = scene_of_feature("a rough bed, `history`", "compiled")
+    setting, parts = engine_setting("compiled", checkpoint_interval=inf), tmp_path / "parts"
+    assert run(scene, tmp_path / "whole", setting).status == "complete"
+    run(scene, parts, replace(setting, ranks=before, stop_at=scene.steps // 3))
+    assert run(scene, parts, replace(setting, ranks=after), resume=read_checkpoint(parts)).status == "complete"
+    for one, two in zip(frames(tmp_path / "whole"), frames(parts), strict=True):
+        assert np.hypot(one.x - two.x, one.y - two.y).max() < NEAR * scene.diameter
 
 
 def compare_beside(scene, whole, parts) -> None:

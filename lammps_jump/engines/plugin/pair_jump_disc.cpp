@@ -17,6 +17,8 @@
 #include <cstdlib>
 #include <cstring>
 #include <map>
+#include <unordered_map>
+#include <vector>
 
 using namespace LAMMPS_NS;
 using jump::Friction;
@@ -230,4 +232,40 @@ void PairJumpDisc::check_discs(int from, int to)
                  "jump/disc: disc {} has diameter {} and mass {}, the pair style says {} to {}, and mass {} at {}",
                  atom->tag[i], d, m, smallest, largest, mass, diameter);
   }
+}
+
+/** Both discs of a contact remember it, also where a part of the run was on one rank: there the larger id alone does. */
+void PairJumpDisc::share_memory()
+{
+  constexpr int WORDS = 4;    // a disc, its partner, tangential and rolling spring as the disc has to remember them
+  std::unordered_map<double, int> local;
+  for (int i = 0; i < atom->nlocal; i++) local[tags[i]] = i;
+  const auto put = [&](const double *row) {
+    const auto found = local.find(row[0]);
+    if (found == local.end()) return false;
+    const int i = found->second;
+    if (slots.of_pair(i, row[1]) >= 0) return true;
+    slots.grows = true;
+    const int slot = slots.of_pair(i, row[1]);
+    slots.grows = false;
+    if (slot < 0) return true;    // compute() tells
+    *slots.spring(i, slot) = row[2];
+    *slots.roll(i, slot) = row[3];
+    return true;
+  };
+  std::vector<double> away, all;
+  for (int i = 0; i < atom->nlocal; i++)
+    for (int s = 0; s < slots.count; s++) {
+      const double partner = (*slots.rows)[i][s];
+      const double row[WORDS] = {partner, tags[i], *slots.spring(i, s), -*slots.roll(i, s)};
+      if (partner > 0.0 && !put(row)) away.insert(away.end(), row, row + WORDS);
+    }
+  const int own = (int) away.size();
+  std::vector<int> sizes(comm->nprocs), places(comm->nprocs, 0);
+  MPI_Allgather(&own, 1, MPI_INT, sizes.data(), 1, MPI_INT, world);
+  for (int rank = 1; rank < comm->nprocs; rank++) places[rank] = places[rank - 1] + sizes[rank - 1];
+  all.resize(places.back() + sizes.back());
+  MPI_Allgatherv(away.data(), own, MPI_DOUBLE, all.data(), sizes.data(), places.data(), MPI_DOUBLE, world);
+  for (size_t n = 0; n < all.size(); n += WORDS) put(&all[n]);
+  slots.begin(atom->nlocal);    // no mark of this
 }

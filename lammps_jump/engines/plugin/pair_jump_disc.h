@@ -165,6 +165,7 @@ class PairJumpDisc : public Pair {
   void add(Part &, int, int, const double *, double, double);
   void add_late();
   double *remembered(int, int, const Part *);
+  void share_memory();
   void note(int, int, const double *);
 };
 

@@ -316,6 +316,7 @@ void PairJumpDisc::compute(int eflag, int vflag)
   if (springs.there) {
     slots.grows = !update->setupflag;
     slots.begin(atom->nlocal);
+    if (ranks && update->setupflag) share_memory();
     law.dt = slots.grows ? update->dt : 0.0;
   }
   travel(moved_here);
