@@ -10,7 +10,7 @@ from lammps_jump.engines.lammps.loader import load_lammps, mpi_library, program,
 from lammps_jump.engines.plugin.product import PRODUCTS
 from lammps_jump.errors import JumpError
 
-OPTIONAL = {"native engine": "numba", "animations": "imageio_ffmpeg", "MDAnalysis bridge": "MDAnalysis"}
+OPTIONAL = {"animations": "imageio_ffmpeg", "MDAnalysis bridge": "MDAnalysis"}
 """What works only with a further module."""
 
 

@@ -8,6 +8,7 @@ from .choice import choose as choose
 from .choice import usable_kernels as usable_kernels
 from .launch import run as run
 from .launch import write_inputs as write_inputs
+from .result import NATIVE_KERNELS as NATIVE_KERNELS
 from .result import Progress as Progress
 from .result import ProgressCallback as ProgressCallback
 from .result import RunResult as RunResult

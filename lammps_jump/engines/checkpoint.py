@@ -47,7 +47,7 @@ from lammps_jump.identity import scene_key
 from lammps_jump.quoting import echoed
 from lammps_jump.scene.scene import Scene
 
-from .result import RunResult
+from .result import KERNELS, RunResult
 
 log = logging.getLogger(__name__)
 CHECKPOINT_FILE = "checkpoint.json"
@@ -280,7 +280,7 @@ def _checked(path: Path) -> Checkpoint:
     kinds = ("npz",) if found.result.engine == "native" else ("npz", "restart")
     if set(found.state) != {f"checkpoint-{found.step}.{kind}" for kind in kinds} or found.result.steps != found.step:
         raise ValueError(f"state: it is not that of step {found.step}")
-    if found.result.kernel not in ("stock", "compiled", "numba"):
+    if found.result.kernel not in KERNELS:
         raise ValueError(f"result.kernel: {echoed(found.result.kernel)} is not known")
     for name in found.outputs:
         if not APPENDED.fullmatch(name):

@@ -6,6 +6,8 @@ from __future__ import annotations
 import os
 from dataclasses import replace
 
+from lammps_jump.compiling.build import availability as is_available
+from lammps_jump.core import CORE, core, why_absent
 from lammps_jump.errors import CaseError, SetupError
 from lammps_jump.provenance import usable_cores
 from lammps_jump.scene.scene import Scene
@@ -13,10 +15,11 @@ from lammps_jump.script.stock import lacking, lacking_everywhere
 
 from .lammps.loader import check_installed
 from .plugin.product import availability, plugin_path
+from .result import NATIVE_KERNELS
 from .setting import Setting
 
 KERNELS = ("auto", "stock", "compiled")
-FASTER = "without a compiler `--engine native` is the quickest way: 2 to 7 times as fast as stock (docs/kernels.md)"
+FASTER = "with a C++ compiler the compiled kernel and `--engine native` are 2 to 7 times as fast (docs/kernels.md)"
 THREADS = "LAMMPS_JUMP_THREADS"
 """Variable of the environment: most threads that `engine.threads: auto` takes."""
 MOST_THREADS = 64
@@ -45,7 +48,7 @@ def choose(engine: str, kernel: str, ranks: int | str, scene: Scene) -> tuple[Se
         LAMMPS is not installed, or the kernel that is asked for cannot be used or lacks something.
     """
     if engine == "native":
-        return Setting("native", "numba"), []
+        return _native(), []
     if kernel not in KERNELS:
         raise CaseError(f"engine.kernel: {kernel} is not known; use {', '.join(KERNELS)}")
     if missing := lacking_everywhere(scene):
@@ -53,7 +56,7 @@ def choose(engine: str, kernel: str, ranks: int | str, scene: Scene) -> tuple[Se
             raise SetupError(
                 f"kernel {kernel}: LAMMPS has no {missing}; set engine.name to native, or engine.kernel to auto"
             )
-        return Setting("native", "numba"), [f"the native engine is used: LAMMPS has no {missing}"]
+        return _native(), [f"the native engine is used: LAMMPS has no {missing}"]
     check_installed()
     number, notes = choose_ranks(ranks, scene)
     if kernel == "stock":
@@ -69,8 +72,15 @@ def choose(engine: str, kernel: str, ranks: int | str, scene: Scene) -> tuple[Se
             raise SetupError(f"this case needs the compiled kernel, which cannot be used: {error}") from None
         if missing := lacking(scene):
             why = f"stock LAMMPS has no {missing}, and the compiled kernel cannot be used: {error}"
-            return Setting("native", "numba", scripts=True), [f"the native engine is used: {why}"]
+            return _native(scripts=True), [f"the native engine is used: {why}"]
         return Setting(ranks=number), [*notes, f"stock LAMMPS styles are used: {error}; {FASTER}"]
+
+
+def _native(*, scripts: bool = False) -> Setting:
+    """The setting of the native engine; SetupError where the core is not there."""
+    if core() is None:
+        raise SetupError(f"the native engine needs the core, C++ that is compiled once: {why_absent()}")
+    return Setting("native", NATIVE_KERNELS["native"], scripts=scripts)
 
 
 def choose_threads(wanted: int | str, setting: Setting) -> tuple[Setting, list[str]]:
@@ -95,14 +105,22 @@ def choose_threads(wanted: int | str, setting: Setting) -> tuple[Setting, list[s
 
 def usable_kernels() -> tuple[list[str], list[str]]:
     """Those of 'stock', 'compiled' and 'native' that run here, and a note for each that does not."""
+    found, notes = [], []
     try:
         check_installed()
+        found.append("stock")
+        status = availability()
+        if status.available:
+            found.append("compiled")
+        else:
+            notes.append(f"compiled kernel left out: {status.reason}")
     except SetupError as error:
-        return ["native"], [f"LAMMPS left out: {error}"]
-    status = availability()
-    if status.available:
-        return ["stock", "compiled", "native"], []
-    return ["stock", "native"], [f"compiled kernel left out: {status.reason}"]
+        notes.append(f"LAMMPS left out: {error}")
+    if (status := is_available(CORE)).available:
+        found.append("native")
+    else:
+        notes.append(f"native engine left out: {status.reason}")
+    return found, notes
 
 
 def free_cores() -> int:

@@ -126,7 +126,7 @@ def _without_result(job: Job, child: Child) -> RunResult:
             reason = "it was ended by force, so its state was not saved"
             ended = interruption(scene, last.step, job.folder, again=again, reason=reason)
         found = RunResult(
-            engine="native", kernel="numba", status="interrupted" if child.asked else "failed", message=ended,
+            engine="native", kernel="core", status="interrupted" if child.asked else "failed", message=ended,
             steps=last.step, disc_steps=0.0, inserted=last.discs, present=last.discs, removed=0, lost=0, seconds=0.0,
         )  # fmt: skip
     killed = status == -signal.SIGKILL or any(KILLED in line for line in child.output)

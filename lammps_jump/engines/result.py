@@ -43,6 +43,11 @@ class Progress:
 ProgressCallback = Callable[[Progress], None]
 
 
+NATIVE_KERNELS = {"native": "core", "twin": "python"}
+"""Kernels of the engines that have one each."""
+KERNELS = ("stock", "compiled", *NATIVE_KERNELS.values())
+
+
 @dataclass(frozen=True)
 class RunResult:
     """What a run did; the trajectory itself is in the dump.
@@ -50,7 +55,7 @@ class RunResult:
     Attributes
     ----------
     engine, kernel : str
-        'lammps' or 'native'; 'stock', 'compiled' or 'numba'.
+        'lammps', 'native' or 'twin'; 'stock', 'compiled', 'core' or 'python'.
     status : {'complete', 'interrupted', 'failed'}
     message : str
         Empty for a complete run, else one paragraph a person can act on.

@@ -17,9 +17,9 @@ class Setting:
 
     Attributes
     ----------
-    engine : {'lammps', 'native'}
-    kernel : {'stock', 'compiled', 'numba'}
-        The first two are of LAMMPS, the last is of the native engine.
+    engine : {'lammps', 'native', 'twin'}
+    kernel : {'stock', 'compiled', 'core', 'python'}
+        The first two are of LAMMPS, the others of the native engine and of its twin.
     ranks : int
         MPI ranks, LAMMPS only.
     threads : str

@@ -29,7 +29,7 @@ from lammps_jump.errors import JumpError
 from lammps_jump.files import MOST_TEXT, read_file
 from lammps_jump.folders import engine_at_work
 
-from . import lammps, native, step_hook  # the first two load on first use: LAMMPS 0.2 s, numba 0.25 s
+from . import lammps, native, step_hook  # the first two load on first use: LAMMPS takes 0.2 s
 from .interrupts import SIGNALS, stop_request
 from .result import MARK, Progress, RunResult
 from .setting import Job

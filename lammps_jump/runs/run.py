@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack, cast
 from lammps_jump import runs
 from lammps_jump.case.case import ReadCase
 from lammps_jump.dump import Frame, read_dump
-from lammps_jump.engines import ProgressCallback, RunResult, Setting
+from lammps_jump.engines import NATIVE_KERNELS, ProgressCallback, RunResult, Setting
 from lammps_jump.errors import RunError
 from lammps_jump.folders import holder, locked, require_replaceable
 from lammps_jump.scene.scene import Scene
@@ -173,7 +173,7 @@ class Run:
     @property
     def _setting(self) -> Setting:
         engine = self.case.fields.engine
-        kernel = "numba" if engine.name == "native" else engine.kernel
+        kernel = NATIVE_KERNELS.get(engine.name, engine.kernel)
         return Setting(engine.name, self._stored.get("kernel") or kernel, self._stored.get("ranks", 1))
 
     @cached_property

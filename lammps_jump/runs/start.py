@@ -171,7 +171,7 @@ def _reanalyse(case: ReadCase, folder: Path, setting: Setting, notes: tuple[str,
     """Analyse a run again in a folder that this process holds."""
     clear(folder, [RANKS_FILE])
     stored = read_summary(folder)
-    if stored.get("kernel") in ("stock", "compiled") and setting.kernel != "numba":
+    if stored.get("kernel") in ("stock", "compiled") and setting.engine == "lammps":
         setting = replace(setting, kernel=stored["kernel"])
     with _files_at_risk(folder):
         result = result_of(case, folder, stored, setting)

@@ -43,7 +43,7 @@ def scene():
 
 
 def result(step: int) -> RunResult:
-    return RunResult("native", "numba", "interrupted", "", step, 1.0, 16, 16, 0, 0, 1.0)
+    return RunResult("native", "core", "interrupted", "", step, 1.0, 16, 16, 0, 0, 1.0)
 
 
 def write(writer: CheckpointWriter, step: int, more: bytes = b"a frame\n") -> None:

@@ -29,8 +29,8 @@ from lammps_jump.errors import CaseError, SetupError
 from lammps_jump.files import RANKS_FILE
 
 pytestmark = pytest.mark.lammps
-SETTINGS = {"lammps": Setting(), "native": Setting("native", "numba")}
-RESULT = RunResult("native", "numba", "complete", "", 900, 1.0, 7, 7, 0, 0, 1.0)
+SETTINGS = {"lammps": Setting(), "native": Setting("native", "core")}
+RESULT = RunResult("native", "core", "complete", "", 900, 1.0, 7, 7, 0, 0, 1.0)
 
 
 @pytest.fixture
@@ -79,7 +79,7 @@ def fake_child(monkeypatch, reports=9, ends=True) -> Child:
 
 
 def job(scene, folder=Path("nowhere")) -> Job:
-    return Job(scene, folder, Setting("native", "numba"), Path.cwd())
+    return Job(scene, folder, Setting("native", "core"), Path.cwd())
 
 
 def test_reports_and_result_come_through(scene, monkeypatch):
@@ -170,10 +170,10 @@ def test_a_second_signal_kills_and_the_earlier_checkpoint_stays(endless, tmp_pat
 
 def test_errors_of_the_engine_are_the_callers(scene, tmp_path, monkeypatch):
     with pytest.raises(CaseError, match="xyz"):
-        run(scene, tmp_path, Setting("native", "numba", dump_format="xyz"))
+        run(scene, tmp_path, Setting("native", "core", dump_format="xyz"))
     (tmp_path / "file").touch()
     with pytest.raises(SetupError, match="cannot be written"):
-        run(scene, tmp_path / "file" / "run", Setting("native", "numba"))
+        run(scene, tmp_path / "file" / "run", Setting("native", "core"))
 
 
 ORPHAN = """
@@ -203,7 +203,7 @@ SUBREAPER = 36
     ("engine", "kernel", "ranks"),
     [
         ("lammps", "stock", 1),
-        pytest.param("native", "numba", 1, marks=pytest.mark.long),
+        pytest.param("native", "core", 1, marks=pytest.mark.long),
         pytest.param("lammps", "stock", 2, marks=pytest.mark.long),
     ],
 )
@@ -230,7 +230,7 @@ def test_the_reason_is_told_where_a_native_run_cannot_write(endless, tmp_path):
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, hard))
     try:
-        result = run(endless, tmp_path, Setting("native", "numba"))
+        result = run(endless, tmp_path, Setting("native", "core"))
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
     assert result.status == "failed" and "OSError" in result.message and "File too large" in result.message

@@ -10,7 +10,7 @@ from closed_forms import friction_impulse_factor
 
 from lammps_jump.dump.read import open_dump
 from lammps_jump.engines.checkpoint import read_checkpoint
-from lammps_jump.engines.native import NativeSimulation, loops, run_native
+from lammps_jump.engines.native import NativeSimulation, run_native
 from lammps_jump.engines.native.cells import CellSimulation
 from lammps_jump.engines.native.state import load_state, save_state
 from lammps_jump.errors import RunError
@@ -241,8 +241,9 @@ def test_energy_of_a_disc_that_gets_its_size_in_a_contact_is_booked(monkeypatch)
     simulation = NativeSimulation(scene)
     simulation.run(4)
     residuals = [simulation.ledger["residual"]]
-    give = loops.give_sizes
-    monkeypatch.setattr(loops, "give_sizes", lambda *a: residuals.append(simulation.ledger["residual"]) or give(*a))
+    give = simulation.loops.give_sizes
+    see = lambda *of: residuals.append(simulation.ledger["residual"]) or give(*of)  # noqa: E731
+    monkeypatch.setattr(simulation.loops, "give_sizes", see)
     simulation.run(1)
     residuals.append(simulation.ledger["residual"])
     assert simulation.boundaries.sized == 2 and simulation.energy().elastic > 0

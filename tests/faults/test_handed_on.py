@@ -29,7 +29,7 @@ pytestmark = pytest.mark.usefixtures("blank_pictures")
 CHANGES = ["run.duration=0.06", "run.output_interval=0.01"]
 STEP = 200
 NO_RESULTS = {
-    "status": "complete", "message": None, "engine": "native", "kernel": "numba", "case_hash": "0", "versions": {},
+    "status": "complete", "message": None, "engine": "native", "kernel": "core", "case_hash": "0", "versions": {},
     "steps": 10, "disc_steps": 10.0, "discs": {"inserted": 1, "present": 1, "removed": 0, "lost": 0},
     "wall_seconds": {"build": 0.1, "run": 0.1, "analysis": 0.1}, "breakdown_seconds": None, "ledger": None,
 }  # fmt: skip

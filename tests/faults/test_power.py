@@ -98,7 +98,7 @@ def save(writer: CheckpointWriter, folder: Path, step: int) -> None:
     with (folder / DUMP).open("ab") as file:
         file.write(b"frame %d\n" % step * 50)
     (folder / f"checkpoint-{step}.npz").write_bytes(b"state %d" % step * 100)
-    result = RunResult("native", "numba", "interrupted", "", step, 1.0, 5, 5, 0, 0, 1.0)
+    result = RunResult("native", "core", "interrupted", "", step, 1.0, 5, 5, 0, 0, 1.0)
     assert writer.save(lambda: [f"checkpoint-{step}.npz"], result) == ""
 
 

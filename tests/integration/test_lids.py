@@ -38,7 +38,7 @@ CASE = {
 @pytest.mark.parametrize("engine", ["native", "lammps"])
 def test_places_of_lids_stand_beside_the_frames(engine, plugin, tmp_path):
     scene = load_case(CASE).scene()
-    kernel = {"engine": "native", "kernel": "numba"} if engine == "native" else {"kernel": "compiled", "plugin": plugin}
+    kernel = {"engine": "native", "kernel": "core"} if engine == "native" else {"kernel": "compiled", "plugin": plugin}
     setting = Setting(**kernel)
     assert run(scene, tmp_path / "whole", setting).status == "complete"
     first = run(scene, tmp_path / "parts", Setting(stop_at=scene.steps // 2 + 1, **kernel))

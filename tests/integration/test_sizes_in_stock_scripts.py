@@ -71,7 +71,7 @@ def test_a_pour_packs_alike_on_all_engines(tmp_path):
     text = re.sub("walls: .*\n", "walls: [{name: tank, kind: box, x: [0, 2], y: [0, 9]}]\n", text)
     case = parse_case(text + POUR.replace("[1, 4]", "[0.2, 1.8]").replace("[1, 3]", "[4, 8]"))
     heights = []
-    for setting in (Setting(), Setting(kernel="compiled", plugin=plugin), Setting("native", "numba")):
+    for setting in (Setting(), Setting(kernel="compiled", plugin=plugin), Setting("native", "core")):
         for seed in range(1, 5):
             scene = case.replace({"run.seed": seed}).scene()
             run(scene, tmp_path / str(len(heights)), setting)

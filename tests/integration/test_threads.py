@@ -81,7 +81,7 @@ def test_who_asks_for_threads_is_heard(monkeypatch):
     assert choose_threads(50, compiled) == (Setting(kernel="compiled", threads="50"), [])
     monkeypatch.setenv(THREADS, "1")  # as in a member of a study
     assert choose_threads("auto", compiled)[0].threads == "auto:1"
-    for setting, words in ((Setting(), "kernel stock"), (Setting("native", "numba"), "native")):
+    for setting, words in ((Setting(), "kernel stock"), (Setting("native", "core"), "native")):
         assert choose_threads("auto", setting) == (setting, [])
         assert choose_threads(4, setting) == (setting, [f"engine.threads: {words} runs on one thread"])
 

@@ -99,7 +99,7 @@ def test_another_run_leaves_files_of_the_user(folder):
         str(path.relative_to(folder)) for path in map(Path, files(folder))
     }
     case = load_case(folder)
-    write_folder(case, folder, marker_of(case, Setting("native", "numba")))
+    write_folder(case, folder, marker_of(case, Setting("native", "core")))
     left = {str(Path(path).relative_to(folder)) for path in files(folder)}
     assert left == {"case.yaml", ".lammps-jump", *mine}
 

@@ -93,7 +93,7 @@ def test_without_a_compiler_a_case_that_stock_lacks_runs_on_the_native_engine(mo
 
     monkeypatch.setattr(choice, "plugin_path", none)
     setting, notes = choose("lammps", "auto", 1, scene_of(turning(STEP)))
-    assert (setting.engine, setting.kernel) == ("native", "numba")
+    assert (setting.engine, setting.kernel) == ("native", "core")
     assert "native engine" in notes[-1] and "polyline that moves" in notes[-1] and "no C++ compiler" in notes[-1]
     with pytest.raises(SetupError, match="needs the compiled kernel"):
         choose("lammps", "compiled", 1, scene_of(turning(STEP)))

@@ -11,7 +11,7 @@ import numpy as np
 from lammps_jump.errors import CaseError
 from lammps_jump.scene.scene import Scene
 
-from . import loops
+from .arrays import Grid, Loops, Pairs
 from .simulation import NativeSimulation
 
 
@@ -26,9 +26,13 @@ class CellSimulation(NativeSimulation):
     cell_size : float, optional
         Width of the square cells, m; 2 d by default, as the thesis has it.
     ledger : bool
+    loops : Loops, optional
+        As of `NativeSimulation`.
     """
 
-    def __init__(self, scene: Scene, *, cell_size: float | None = None, ledger: bool = True):
+    def __init__(
+        self, scene: Scene, *, cell_size: float | None = None, ledger: bool = True, loops: Loops | None = None
+    ):
         self.cell_size = 2.0 * scene.diameter if cell_size is None else float(cell_size)
         if not (0.1 * scene.diameter <= self.cell_size < float("inf")):
             raise CaseError(
@@ -40,17 +44,17 @@ class CellSimulation(NativeSimulation):
         columns = int((x_high - x_low) * inverse) + 1
         rows = int((y_high - y_low) * inverse) + 1
         first = np.zeros(columns * rows + 2, np.int64)
-        self._grid = loops.Grid(x_low, y_low, inverse, columns, rows, first, np.zeros(1, np.int64))
+        self._grid = Grid(x_low, y_low, inverse, columns, rows, first, np.zeros(1, np.int64))
         self._slots = (ceil(scene.largest * inverse) + 1) ** 2
         self._owner = np.empty(0, np.int32)
         self._neighbours = np.empty(256, np.int32)
-        super().__init__(scene, ledger=ledger)
+        super().__init__(scene, ledger=ledger, loops=loops)
         motion = self._constants.motion._replace(reach2=float("inf"))
         self._constants = self._constants._replace(motion=motion)
 
-    def listed_pairs(self) -> loops.Pairs:
+    def listed_pairs(self) -> Pairs:
         """The list that stands."""
-        return loops.Pairs(int(self._grid.used[0]), self._owner, self._first, self._neighbours)
+        return Pairs(int(self._grid.used[0]), self._owner, self._first, self._neighbours)
 
     def _rebuild(self) -> None:
         started = perf_counter()
@@ -59,12 +63,7 @@ class CellSimulation(NativeSimulation):
         if self._owner.size < self._slots * d.room:
             self._owner = np.empty(self._slots * d.room, np.int32)
             self._first = np.zeros(self._slots * d.room + 1, np.int64)
-        while (
-            loops.cell_pairs(
-                d.n, d.x, d.y, d.radius, self.scene.diameter, self._grid, self._owner, self._first, self._neighbours
-            )
-            < 0
-        ):
+        while self.loops.cell_pairs(self._state()) < 0:
             self._neighbours = np.empty(2 * self._neighbours.size, np.int32)
         self._list_walls()
         self.rebuilds += 1

@@ -11,18 +11,8 @@ import numpy as np
 from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.scene.scene import Scene
 
+from .arrays import Constants, Law, Motion
 from .ledger import inertia
-from .loops import Law, Motion
-
-
-class Constants(NamedTuple):
-    """Constants of a scene, in the order of the loops; None drops a term (see `loops`)."""
-
-    law: Law
-    motion: Motion
-    friction: float | None
-    sign: float | None
-    touch: float | None
 
 
 class SpringNumbers(NamedTuple):

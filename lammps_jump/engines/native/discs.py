@@ -10,8 +10,7 @@ import numpy as np
 
 from lammps_jump.scene.scene import Scene
 
-from . import lists
-from .loops import Pairs
+from .arrays import Cells, Loops, Pairs
 
 CELLS_A_DISC = 16
 """Cells of the search grid at most, over the number of discs."""
@@ -88,7 +87,8 @@ class Discs:
 
     ids: np.ndarray
 
-    def __init__(self, scene: Scene, *, ledger: bool):
+    def __init__(self, scene: Scene, loops: Loops, *, ledger: bool):
+        self._loops = loops
         self.n = n = len(scene.positions)
         self.room = max(64, int(1.25 * n))
         self.slots = scene.slots
@@ -146,7 +146,8 @@ class Discs:
         """Index of a disc outside the domain, or -1; of a periodic one discs may leave by a skin (m) between lists."""
         (a, b), (c, e) = scene.domain
         beyond = 0.0 if self.period is None else skin
-        return lists.extent(self.n, self.x, self.y, a - beyond, b + beyond, c, e)[4]
+        domain = np.array([a - beyond, b + beyond, c, e], float)
+        return self._loops.extent(self.n, self.x, self.y, domain)[4]
 
     def place(self, i: int, scene: Scene, step: int) -> str:
         """Where a disc is, in words."""
@@ -179,8 +180,7 @@ class Discs:
         """
         reach = diameter + skin
         n = self.n
-        (x_low, x_high), (y_low, y_high) = domain
-        a, b, c, d, lost = lists.extent(n, self.x, self.y, x_low, x_high, y_low, y_high)
+        a, b, c, d, lost = self._loops.extent(n, self.x, self.y, np.array(domain, float).ravel())
         if lost >= 0:
             return lost
         if n == 0:
@@ -196,20 +196,16 @@ class Discs:
         cells = (columns + 2) * (rows + 2)
         if self.cell_start.size < cells + 2:
             self.cell_start = np.zeros(cells + cells // 4 + 2, np.int64)
-        cell_start = self.cell_start[: cells + 2]
-        lists.sort(n, self.x, self.y, a, c, inverse, columns, rows, transpose, cell_start, self.cell, self.order)
+        self._loops.sort(n, self.x, self.y, Cells(a, c, inverse, columns, rows, transpose), self)
         for name, column in self.columns.items():
             if column.sorted:
                 array = getattr(self, name)
-                lists.permute(n, array, self.order, self.scratch[array.dtype, array.ndim])
+                self._loops.permute(n, array, self.order, self.scratch[array.dtype, array.ndim])
         self.x0[:n] = self.x[:n]
         self.y0[:n] = self.y[:n]
         while True:
-            count = lists.pair_list(
-                n, self.x, self.y, self.radius, reach if self.radius is None else skin, rows, cell_start, self.cell,
-                self.start, self.neighbours,
-            )  # fmt: skip
-            if count >= 0 and (self.period is None or self._list_images(skin, diameter, x_low)):
+            count = self._loops.pair_list(self, reach if self.radius is None else skin, rows)
+            if count >= 0 and (self.period is None or self._list_images(skin, diameter, domain[0][0])):
                 return -1
             self.neighbours = np.empty(2 * self.neighbours.size, np.int32)
 
@@ -217,10 +213,7 @@ class Discs:
         """Rows of the list for pairs across the seam; False where there is no room for them."""
         owner, shift = np.empty(self._rows, np.int32), np.empty(self._rows)
         reach = diameter + skin
-        rows = lists.image_rows(
-            self.n, self.x, self.y, self.radius, reach if self.radius is None else skin, reach, low, self.period,
-            self.start, self.neighbours, owner, shift,
-        )  # fmt: skip
+        rows = self._loops.image_rows(self, (reach if self.radius is None else skin, reach, low), owner, shift)
         self.owner, self.shift = owner[:rows], shift[:rows]
         return rows >= 0
 
@@ -244,9 +237,19 @@ class Discs:
         reach = diameter + skin
         if self.radius is not None:
             self.radius[i], reach = 0.5 * diameter, skin
-        while not lists.append_row(i, self.x, self.y, self.radius, reach, self.start, self.neighbours):
-            self.neighbours = np.pad(self.neighbours, (0, self.neighbours.size))
+        self._append_row(i, reach)
         self.n = i + 1
+
+    def _append_row(self, i: int, reach: float) -> None:
+        """List row of disc i, the newest: every older disc within the reach (m), of `Loops.pair_list`."""
+        dx, dy = self.x[i] - self.x[:i], self.y[i] - self.y[:i]
+        apart = reach if self.radius is None else reach + self.radius[i] + self.radius[:i]
+        close = np.flatnonzero(dx * dx + dy * dy < apart * apart)
+        begin, end = self.start[i], self.start[i] + close.size
+        while end > self.neighbours.size:
+            self.neighbours = np.pad(self.neighbours, (0, self.neighbours.size))
+        self.neighbours[begin:end] = close
+        self.start[i + 1] = end
 
     def keep(self, mask: np.ndarray) -> None:
         """Drop the discs where mask, shape (n,), is False; the list is then out of date."""

@@ -74,7 +74,7 @@ def run_native(
     RunResult
         Status 'failed' with a message where a guard ended the run; what there was is kept.
     """
-    setting = setting or replace(Setting("native", "numba", checkpoint_interval=inf), **options)
+    setting = setting or replace(Setting("native", "core", checkpoint_interval=inf), **options)
     part = _Part(scene, folder, setting, resume)
     simulation = part.simulation
 
@@ -236,7 +236,7 @@ class _Part:
             processor += earlier.cpu_seconds
         return RunResult(
             engine="native",
-            kernel="numba",
+            kernel="core",
             status=status,
             message=message,
             steps=simulation.step,

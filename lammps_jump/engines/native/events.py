@@ -13,8 +13,6 @@ import numpy as np
 from lammps_jump.scene.motion import Pose
 from lammps_jump.scene.scene import Pour, Scene
 
-from . import lists
-
 
 class Event(NamedTuple):
     """What happens at some steps; `next_after` gives the first of them after a step, infinite for never."""
@@ -167,7 +165,8 @@ class OpenBoundaries:
                     break
 
     def _free(self, discs, x: float, y: float, clearance: float) -> bool:
-        return lists.closest(discs.n, discs.x, discs.y, x, y) >= clearance * clearance
+        dx, dy = x - discs.x[: discs.n], y - discs.y[: discs.n]
+        return bool(np.min(dx * dx + dy * dy, initial=inf) >= clearance * clearance)
 
     def _in_wall(self, step: int, loaded: Mapping[str, Pose], x: float, y: float) -> bool:
         radius = 0.5 * self.scene.largest

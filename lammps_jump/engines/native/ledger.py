@@ -4,15 +4,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf, sqrt
+from math import inf
 
 import numpy as np
-from numba import njit
 
-from lammps_jump.physics.law import contact_force, watching_law
 from lammps_jump.scene.scene import Scene
 
-from .loops import Pairs, slope
+from .arrays import Loops, State, Stations
 
 
 @dataclass(frozen=True)
@@ -202,7 +200,8 @@ class StationLedger:
         Since the first step; all that a resumed run needs.
     """
 
-    def __init__(self, scene: Scene, on: bool):
+    def __init__(self, scene: Scene, loops: Loops, on: bool):
+        self._loops = loops
         self.scene, self.stations, self.sums = scene, scene.stations if on else None, np.zeros(9)
 
     def next_after(self, step: int) -> float:
@@ -212,18 +211,13 @@ class StationLedger:
             return inf
         return max(found.first_step, step + 1)
 
-    def add(self, step: int, discs, pairs: Pairs, constants) -> None:
+    def add(self, step: int, state: State) -> None:
         """Take in the discs at a step of `next_after`, with its forces and the pairs that they were made with."""
-        d, found = discs, self.stations
-        law, motion, friction, sign, touch = constants
-        moved = found.speed * (step - found.first_step) * self.scene.time_step
-        ux, uy, turned = (d.vx, d.vy, d.omega) if d.ux is None else (d.ux, d.uy, d.uomega)
-        _between(
-            d.n, *pairs[:2], d.x, d.y, d.radius, d.vx, d.vy, ux, uy, d.omega, turned, d.fx, d.fy, d.torque,
-            *pairs[2:4], law, motion, friction, slope(d.n, ux, uy, sign), touch, d.dash_x, d.dash_y, d.slide_x,
-            d.slide_y, found.x[0] + moved, found.x[1] - found.x[0], found.speed, step > found.first_step,
-            step < found.last_step, self.sums,
-        )  # fmt: skip
+        found = self.stations
+        left = found.x[0] + found.speed * (step - found.first_step) * self.scene.time_step
+        moved, pushed = step > found.first_step, step < found.last_step
+        at = Stations(left, found.x[1] - found.x[0], found.speed, moved, pushed)
+        self._loops.between(state, at, self.sums)
         if step == found.first_step:
             self.sums[BEGAN] = self.sums[HELD]
 
@@ -259,92 +253,3 @@ class StationLedger:
             "stations_lost": lost,
             "stations_residual": carried + contacts + walls - storage - lost,
         }
-
-
-def _between_py(
-    n, rows, owner, x, y, radius, vx, vy, ux, uy, omega, turned, fx, fy, torque, start, neighbours, law, motion,
-    friction, inverse_eps, touch, dash_x, dash_y, slide_x, slide_y, left, width, speed, moved, pushed, sums,
-):  # fmt: skip
-    """Add a step to the sums between the stations at `left` and `left + width` (m), which move at `speed` (m/s).
-
-    `moved`: count the discs that crossed a station in the drift before; `pushed`: count the forces of this step. The
-    energy held is set anew. Forces on a disc, F . (v - c), make up what contacts hand on through the stations,
-    F . [(v_i + v_j)/2 - c], half of what such a pair dissipates, all of that of pairs inside and of walls, and
-    the power of walls, which move backwards at c (docs/theory.md).
-    """
-    dt = motion.time_step
-    half = 0.5 * dt
-    held = handed = push = lost = slid = 0.0
-    for i in range(n):
-        place, w = x[i] - left, vx[i] - speed
-        now = (place >= 0.0) + (place >= width)
-        before = (place - dt * w >= 0.0) + (place - dt * w >= width)
-        if now != 1 and before == now:
-            continue
-        square = 1.0 if radius is None else radius[i] * radius[i]
-        mass, inertia = motion.mass * square, motion.inertia * square * square
-        energy = 0.5 * mass * (w * w + vy[i] * vy[i])
-        energy -= square * (motion.weight_x * (place - half * w) + motion.weight_y * (y[i] - half * vy[i]))
-        if omega is not None:
-            energy += 0.5 * inertia * omega[i] * omega[i]
-        if moved:
-            sums[MASS_LEFT] += mass * ((now > 0) - (before > 0))
-            sums[MASS_RIGHT] += mass * ((now > 1) - (before > 1))
-            sums[CARRIED] += energy * ((now == 1) - (before == 1))
-        if now == 1:
-            held += energy
-            hx, hy = vx[i] + half / mass * fx[i], vy[i] + half / mass * fy[i]
-            push += fx[i] - motion.weight_x * square
-            lost += dash_x[i] * hx + dash_y[i] * hy
-            if slide_x is not None:
-                slid += slide_x[i] * hx + slide_y[i] * hy
-                if omega is not None:
-                    slid += torque[i] * (omega[i] + half / inertia * torque[i])
-    sums[HELD] = held
-    if not pushed:
-        return
-    for row in range(rows):
-        i = row if owner is None else owner[row]
-        for p in range(start[row], start[row + 1]):
-            j = neighbours[p]
-            a, b = (i, j) if x[i] < x[j] else (j, i)
-            # the stations between the two: 1 for that on the left, -1 for that on the right, 0 for both or none
-            way = (x[a] < left) * (x[b] >= left) - (x[a] < left + width) * (x[b] >= left + width)
-            if way == 0:
-                continue
-            ra = 0.5 * law.diameter if radius is None else radius[a]
-            rb = ra if radius is None else radius[b]
-            dx, dy = x[b] - x[a], y[b] - y[a]
-            apart = sqrt(dx * dx + dy * dy)
-            if apart >= ra + rb:
-                continue
-            nx, ny = dx / apart, dy / apart
-            size = 1.0 if radius is None else ra * rb / sqrt(ra * ra + rb * rb)
-            sx, sy = ux[b] - ux[a], uy[b] - uy[a]
-            overlap = ra + rb - apart
-            rim = 0.0 if omega is None else ra * turned[a] + rb * turned[b]
-            numbers = (law.stiffness, law.damping * size, law.tangential * size)
-            px, py, rub, dash = contact_force(overlap, (nx, ny), (sx, sy), rim, numbers, friction, inverse_eps, touch)
-            qa = half / motion.mass / (1.0 if radius is None else ra * ra)
-            qb = half / motion.mass / (1.0 if radius is None else rb * rb)
-            mx = 0.5 * (vx[a] + qa * fx[a] + vx[b] + qb * fx[b])
-            my = 0.5 * (vy[a] + qa * fy[a] + vy[b] + qb * fy[b])
-            turn = 0.0
-            if friction is not None:
-                if omega is not None:
-                    dent = 0.0 if radius is None else 0.5 * overlap
-                    ia = half / motion.inertia / (1.0 if radius is None else ra**4)
-                    ib = half / motion.inertia / (1.0 if radius is None else rb**4)
-                    turn = (ra - dent) * (omega[a] + ia * torque[a]) - (rb - dent) * (omega[b] + ib * torque[b])
-                    turn *= 0.5 * rub
-                slid -= way * (rub * (nx * my - ny * mx) + turn)
-            handed += way * (px * (mx - speed) + py * my + turn)
-            push -= way * px
-            lost -= way * dash * (nx * mx + ny * my)
-    sums[CONTACTS] += dt * handed
-    sums[WALLS] -= dt * speed * push
-    sums[DASHPOTS] -= dt * lost
-    sums[FRICTION] -= dt * slid
-
-
-_between = watching_law(njit(cache=True)(_between_py))

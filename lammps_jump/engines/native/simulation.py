@@ -25,7 +25,8 @@ from lammps_jump.physics.slots import Slots
 from lammps_jump.scene.motion import PUSHED_THERE
 from lammps_jump.scene.scene import Scene
 
-from . import loops
+from .arrays import Grid, Loops, Memory, Pairs, State
+from .bound import Core
 from .constants import constants_of, springs_of
 from .discs import Discs
 from .events import Event, OpenBoundaries, Schedule, Windows
@@ -67,9 +68,12 @@ class NativeSimulation:
     scene : Scene
     ledger : bool
         Keep the energy ledger.
+    loops : Loops, optional
+        Those of the core where none are given.
 
     Attributes
     ----------
+    loops : Loops
     step : int
         Steps done.
     disc_steps : int
@@ -89,13 +93,14 @@ class NativeSimulation:
         While running: a position is NaN or outside the domain, or an overlap is beyond ``scene.overlap_limit``.
     """
 
-    _grid: loops.Grid | None = None
+    _grid: Grid | None = None
 
-    def __init__(self, scene: Scene, *, ledger: bool = True):
+    def __init__(self, scene: Scene, *, ledger: bool = True, loops: Loops | None = None):
         for name, known in KNOWN.items():
             if getattr(scene, name) not in known:
                 raise CaseError(f"{name} {getattr(scene, name)!r}: the native engine knows {' and '.join(known)}")
         self.scene = scene
+        self.loops: Loops = Core() if loops is None else loops
         self.step = 0
         self.disc_steps = 0
         self.rebuilds = 0
@@ -108,7 +113,7 @@ class NativeSimulation:
         self.boundaries = OpenBoundaries(scene)
         self.windows = Windows(scene)
         self.books = Books(periodic=scene.period is not None)
-        self.stations = StationLedger(scene, ledger)
+        self.stations = StationLedger(scene, self.loops, ledger)
         self._between = Schedule(  # drift and forces
             Event(self.boundaries.next_leaving, self._let_leave),
             Event(self.boundaries.next_arrival, self._let_enter),
@@ -119,7 +124,7 @@ class NativeSimulation:
             Event(self.stations.next_after, self._see_stations),
             Event(self.windows.next_after, self._close_window),
         )
-        self.discs = Discs(scene, ledger=ledger)
+        self.discs = Discs(scene, self.loops, ledger=ledger)
         self.walls = self._walls()
         self._full, self._started = np.zeros(1, np.int64), False
         self._rebuild()
@@ -131,7 +136,7 @@ class NativeSimulation:
 
     def _walls(self) -> Walls:
         """The walls of this step."""
-        return Walls(self.scene, self.step, self.skin)
+        return Walls(self.scene, self.loops, self.step, self.skin)
 
     def lay_walls(self) -> None:
         """Lay the walls of this step anew; sums of the window go on, also those of one that has been taken away."""
@@ -191,15 +196,14 @@ class NativeSimulation:
         while self._advance(0, True)[1]:
             self._rebuild()
 
+    def _state(self, time_step: float = 0.0) -> State:
+        """What the loops take; springs go on by a time step (s), or stay as they are with 0."""
+        memory = self._memory(time_step)
+        return State(self.discs, self.listed_pairs(), self.walls, self._constants, memory, self.books.work, self._grid)
+
     def _advance(self, steps: int, owed: bool) -> tuple[int, bool]:
-        d = self.discs
         self.walls.place(self.step)
-        found = loops.advance(
-            steps, owed, d.n, d.x, d.y, d.radius, d.vx, d.vy, d.fx, d.fy, d.x0, d.y0, d.ux, d.uy, d.omega, d.torque,
-            d.uomega, *self.listed_pairs()[1:], d.fixed, self._grid, self.walls.faces, self.walls.near,
-            *self._constants, self._memory(self.scene.time_step if self._started else 0.0), d.dash_x, d.dash_y,
-            d.slide_x, d.slide_y, self.walls.moves, self.books.work, self.walls.sums,
-        )  # fmt: skip
+        found = self.loops.advance(self._state(self.scene.time_step if self._started else 0.0), steps, owed)
         if self._full[0]:
             raise RunError(
                 f"disc {self._full[0]} touches more than the {self.scene.slots} others it can remember: contacts "
@@ -207,15 +211,15 @@ class NativeSimulation:
             )
         return found
 
-    def _memory(self, time_step: float) -> loops.Memory | None:
-        """What contacts remember; springs go on by a time step (s), or stay as they are with 0."""
+    def _memory(self, time_step: float) -> Memory | None:
+        """What contacts remember."""
         if self.scene.springs is None:
             return None
         d, of = self.discs, springs_of(self.scene, self.walls.names)
         slots = Slots(d.partner, d.sigma, d.spring, d.roll, d.touched)
-        return loops.Memory(slots, d.ids, self.walls.chain, self.walls.around, self._full, time_step, *of)
+        return Memory(slots, d.ids, self.walls.chain, self.walls.around, self._full, time_step, *of)
 
-    def listed_pairs(self) -> loops.Pairs:
+    def listed_pairs(self) -> Pairs:
         """The list that stands."""
         return self.discs.pairs
 
@@ -223,7 +227,7 @@ class NativeSimulation:
 
     def _see_stations(self) -> None:
         """Sums between the stations at this step; `StationLedger.next_after` lets no step of theirs pass."""
-        self.stations.add(self.step, self.discs, self.listed_pairs(), self._constants)
+        self.stations.add(self.step, self._state())
 
     def _next_change(self, step: int) -> float:
         return min((motion.next_change(step) for _, motion in self.scene.walls), default=inf)
@@ -271,14 +275,11 @@ class NativeSimulation:
 
     def _give_sizes(self) -> None:
         """Give discs of the largest diameter their own; the energy balance counts the difference as inflow."""
-        d, boundaries = self.discs, self.boundaries
+        boundaries = self.boundaries
         known = boundaries.sized
         own = 0.5 * self.scene.diameters(np.arange(known + 1, boundaries.inserted + 1))
         elastic = self._elastic_of_newcomers(known)
-        gained = loops.give_sizes(
-            known, own, d.n, d.ids, d.x, d.y, d.radius, d.vx, d.vy, d.fx, d.fy, d.omega, d.torque,
-            self._constants.motion, d.dash_x, d.dash_y, d.slide_x, d.slide_y,
-        )  # fmt: skip
+        gained = self.loops.give_sizes(self._state(), known, own)
         self.books.exchanged["brought_in"] += gained + self._elastic_of_newcomers(known) - elastic
         boundaries.sized = boundaries.inserted
 
@@ -311,14 +312,9 @@ class NativeSimulation:
         self._list_walls()
         return before
 
-    def _elastic_and_worst(self, known: int | None = None, begin: int = 0) -> tuple[float, float, int, int]:
-        """What `loops.elastic` finds: of all contacts, or of those of discs with ids above `known`."""
-        d = self.discs
-        ids = (None, 0) if known is None else (d.ids, known)
-        return loops.elastic(
-            begin, *self.listed_pairs(), d.fixed, d.x, d.y, d.radius, self.walls.faces, self.walls.near,
-            self._constants.law, self._constants.touch, *ids, self.walls.moves,
-        )  # fmt: skip
+    def _elastic_and_worst(self, known: int = -1, begin: int = 0) -> tuple[float, float, int, int]:
+        """What `Loops.elastic` finds: of all contacts, or of those of discs with ids above `known`."""
+        return self.loops.elastic(self._state(), begin, known)
 
     def _elastic(self) -> float:
         return self._elastic_and_worst()[0]
@@ -395,19 +391,14 @@ class NativeSimulation:
         return self.windows.forces
 
     def contacts(self) -> tuple[np.ndarray, np.ndarray]:
-        """Contacts now with the forces of the step, as `loops.contacts` lists them; wall w is that of the scene."""
+        """Contacts now with the forces of the step, as `Loops.contacts` lists them; wall w is that of the scene."""
         scene, d, room, count = self.scene, self.discs, 3 * self.discs.n + 64, -1
-        at_step = *velocities(scene, d), None if d.omega is None else spin(scene, d)
+        vx, vy = velocities(scene, d)
+        at_step = vx, vy, None if d.omega is None else spin(scene, d)
         seen = (d.vx, d.vy, d.omega) if d.ux is None else (d.ux, d.uy, d.uomega)
-        seen = seen if self.step else at_step
-        of = self._constants
-        law = of.law, of.friction, loops.slope(d.n, seen[0], seen[1], of.sign), of.touch, self._memory(0.0)
         while count < 0:
             who, found = np.empty((room, 2), np.int64), np.empty((room, 5))
-            count = loops.contacts(
-                d.ids, *self.listed_pairs(), d.fixed, d.x, d.y, d.radius, *seen, *at_step, self.walls.faces,
-                self.walls.near, *law, self.walls.moves, who, found,
-            )  # fmt: skip
+            count = self.loops.contacts(self._state(), at_step, seen if self.step else at_step, who, found)
             room *= 2
         names = [wall.name for wall, _ in scene.walls]
         numbers = np.array([0, *(-1 - names.index(name) for name in self.walls.names)])

@@ -12,11 +12,11 @@ from numpy.typing import ArrayLike
 from lammps_jump.scene.chains import BEFORE, LENGTH, Faces, boxes, lay
 from lammps_jump.scene.faces import MOST
 from lammps_jump.scene.motion import MovingWall, Pose, at_seam
-from lammps_jump.scene.near import Grid, grid_of, list_near
+from lammps_jump.scene.near import Grid, grid_of
 from lammps_jump.scene.scene import Scene
 
+from .arrays import Loops, Moves, Near
 from .constants import wall_numbers
-from .loops import Moves, Near, place_walls
 
 FOLLOWS, LID = 1, 2
 """How a wall moves: along its track, or pushed by the discs (`Moves.moving`)."""
@@ -81,6 +81,7 @@ class Walls:
     Parameters
     ----------
     scene : Scene
+    loops : Loops
     step : int
         Step at which they are looked at.
     skin : float
@@ -99,7 +100,8 @@ class Walls:
         Force on each wall (N per m of width), moment (N) and power on the discs (W/m), summed over steps.
     """
 
-    def __init__(self, scene: Scene, step: int, skin: float):
+    def __init__(self, scene: Scene, loops: Loops, step: int, skin: float):
+        self._loops = loops
         there = [one for one in scene.walls if one.motion.pose(step) is not None]
         walls = [one.wall for one in there]
         self.names = [wall.name for wall in walls]
@@ -107,7 +109,7 @@ class Walls:
         self.moves = _moves(there, self.faces, scene, skin) if any(one.motion.kind for one in there) else None
         # from where the discs were when their list was made, they have moved by half a skin at most; and so has a wall
         reach = 0.5 * scene.largest + (0.5 if self.moves is None else 1.0) * skin
-        self._grid: Grid = grid_of(self.faces, scene.largest, reach)
+        self._grid: Grid = grid_of(self.faces, scene.largest, reach, loops.mark_cells)
         self.sums = np.zeros((len(walls), 4))
         about = [one.motion.about if one.motion.kind else one.wall.moment_point for one in there]
         rows, last = np.zeros(len(walls) + 1, np.int64), np.zeros(1, np.int64)
@@ -131,7 +133,7 @@ class Walls:
         """Put the walls where they are at a step."""
         if self.moves is not None:
             self.moves.clock[0] = step
-            place_walls(self.moves, step)
+            self._loops.place_walls(self.moves, step)
 
     def poses(self) -> dict[str, Pose]:
         """Poses of the walls that discs push, by name."""
@@ -187,10 +189,8 @@ class Walls:
         for wall in range(len(self.names)):
             seen_x, seen_y = self._inward(wall, x, y)
             while True:
-                found = list_near(
-                    n, seen_x, seen_y, wall, self.faces.codes, self.faces.shape, self.faces.deep, self._grid,
-                    self.near.discs, self.near.plain, self.near.last, self.near.faces, row, count,
-                )  # fmt: skip
+                seen = n, seen_x, seen_y
+                found = self._loops.list_near(seen, wall, self.faces, self._grid, self.near, (row, count))
                 if found[1] >= 0:
                     break
                 self.make_room(

@@ -7,7 +7,7 @@ from math import sqrt
 
 import numpy as np
 
-from lammps_jump.engines.native.loops import Memory
+from lammps_jump.engines.native.arrays import Memory
 from lammps_jump.errors import RunError
 from lammps_jump.physics.slip import slots_of
 from lammps_jump.physics.slots import Slots

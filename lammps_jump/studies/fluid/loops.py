@@ -22,9 +22,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 
-from lammps_jump.engines.native.loops import pair_size, pair_springs
-from lammps_jump.physics.law import contact_force, watching_law
-from lammps_jump.physics.slots import end_step
+from lammps_jump.physics.law import contact_force, slider, watching_law
+from lammps_jump.physics.slots import FULL, end_step, held, slot_of
 
 LX, LY, OFFSET, STRAIN, PRESSURE = range(5)
 """Numbers of the box: length, height and shift of the images above (m), strain since the start, pressure (Pa)."""
@@ -75,6 +74,58 @@ class Control(NamedTuple):
     tangential: float
     mass: float
     turn: float
+
+
+def _spring_forces_py(memory, i, where, radius, slips, push, numbers, rolling):
+    """Tangential and rolling force of a contact of disc i, N per m of width; its springs go on by a step.
+
+    `where` holds the partner, the arc length of the foot on its chain and the chain's length (m); `slips` the
+    tangential speed and that of rolling (m/s); `push` is the normal force; `numbers` are stiffness and dashpot of the
+    tangential spring and the friction coefficient, `rolling` those of the rolling spring.
+    """
+    partner, foot, around = where
+    slip, turn = slips
+    dt, slots = memory.time_step, memory.slots
+    limit = 0.5 * radius + abs(slip) * dt
+    stretch = bent = 0.0
+    if dt > 0.0:
+        slot = slot_of(slots, i, partner, foot, limit, around)
+        if slot == FULL:
+            memory.full[0] = memory.ids[i]
+    else:
+        slot = held(slots, i, partner, foot, limit, around)
+    if slot != FULL:
+        stretch, bent = slots.spring[i, slot], slots.roll[i, slot]
+    force, stretch = slider(stretch + slip * dt, slip, numbers[2] * abs(push), numbers[0], numbers[1])
+    resists = 0.0
+    if rolling[0] > 0.0:
+        resists, bent = slider(bent + turn * dt, turn, rolling[2] * abs(push), rolling[0], rolling[1])
+    if slot != FULL and dt > 0.0:
+        slots.spring[i, slot], slots.roll[i, slot] = stretch, bent
+    return force, resists
+
+
+def _pair_springs_py(memory, pair, radii, overlap, slip, spins, push, numbers):
+    """Tangential force of two discs along (-ny, nx) of the first, and the torques on both (N, N m per m of width).
+
+    `numbers` are stiffness, dashpot and friction coefficient of the contact.
+    """
+    i, j = pair
+    one, other = (i, j) if memory.ids[i] > memory.ids[j] else (j, i)
+    a, b = radii
+    k, c, friction = numbers
+    arm = a * b / (a + b)
+    turn = arm * (spins[0] - spins[1]) if one == i else arm * (spins[1] - spins[0])
+    springs = memory.ratio * k, memory.damping * c, friction
+    where = memory.ids[other], 0.0, 0.0
+    force, resists = _spring_forces(memory, one, where, a, (slip, turn), push, springs, memory.rolling)
+    resists *= arm if one == i else -arm
+    return force, -(a - 0.5 * overlap) * force + resists, -(b - 0.5 * overlap) * force - resists
+
+
+def _pair_size_py(a, b):
+    """Root of the effective mass of two discs of radii a, b over the root of the mass of a radius of 1 m (m)."""
+    return a * b / sqrt(a * a + b * b)
 
 
 def _wrap_py(swarm, box, rate):
@@ -236,6 +287,10 @@ def _advance_py(swarm, box, control, pairs, record, every, friction, slope, touc
     return True
 
 
+# numba would count references to the arrays at every contact, atomically, which takes ten times the contact
+_spring_forces = watching_law(njit(cache=True, inline="always")(_spring_forces_py), slot_of)
+pair_springs = watching_law(njit(cache=True, inline="always")(_pair_springs_py), slot_of)
+pair_size = njit(cache=True, error_model="numpy")(_pair_size_py)
 _wrap = njit(cache=True)(_wrap_py)
 _mode = njit(cache=True)(_mode_py)
 # a division by zero, which cannot be, gives inf rather than an exception

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+/* One contact of two discs and one of a disc with a wall: lever, slip, force, torque, what is lost, memory.
+
+   Nothing else puts a contact together: forces, the ledger, the list of contacts and the plugin call these. */
+
+#ifndef JUMP_CORE_CONTACT_H
+#define JUMP_CORE_CONTACT_H
+
+#include "law.h"
+
+namespace jump {
+
+/** Radius that stands for the mass of a fixed disc, m: its square is still a number. */
+constexpr double HUGE_RADIUS = 1e150;
+
+/** Root of the effective mass of two discs over that of a radius of 1 m (m). */
+template <class Number> inline Number pair_size(const Number &a, const Number &b) { return a * b / root(a * a + b * b); }
+
+template <class Number> struct Force {
+  Number fx, fy;     // on the disc, N per m of width
+  Number rub;        // its tangential part, along (-ny, nx)
+  Number dashpot;    // its lost part along the normal
+  Number resist;     // against rolling, along the rims
+};
+
+/** The force of a contact on a disc.
+
+    nx, ny: unit vector to the disc from what it touches; vx, vy: velocity of its centre against that of its partner;
+    rim: speed of the rims, R_i omega_i + R_j omega_j; turn: speed of rolling; m/s. */
+template <class Law, class Number>
+inline Force<Number> contact_force(const Law &law, const Numbers<Number> &of, const Rolling &rolling, const Number &overlap,
+                                   const Number &nx, const Number &ny, const Number &vx, const Number &vy,
+                                   const Number &rim, const Number &turn, Stretch<Number> &held)
+{
+  Force<Number> out;
+  out.dashpot = law.damping.force(of.damping, vx * nx + vy * ny, overlap);
+  const Number push = law.normal.force(of.k, overlap) + out.dashpot;
+  out.fx = push * nx;
+  out.fy = push * ny;
+  out.rub = out.resist = spread(0.0, overlap);
+  if constexpr (Law::Friction::RUBS) {
+    const Number slip = vy * nx - vx * ny - rim;
+    if constexpr (Law::Friction::REMEMBERS) {
+      const Number normal = out.fx * nx + out.fy * ny;    // as the components have it, to the last bit
+      out.rub = law.tangential.force(of, normal, slip, held);
+      out.resist = law.tangential.against_rolling(rolling, normal, turn, held);
+    } else {
+      out.rub = law.tangential.force(of, push, slip);
+    }
+    out.fx = out.fx - out.rub * ny;
+    out.fy = out.fy + out.rub * nx;
+  }
+  return out;
+}
+
+/** Two discs that touch: the first is at (dx, dy) from the second and moves at (vx, vy) against it. */
+template <class Number> struct Pair {
+  Number dx, dy, apart2;    // m, and the square of the distance
+  Number vx, vy;            // m/s
+  Number a, b;              // radii, m
+  Number bulk_a, bulk_b;    // radii that stand for the masses, m
+  Number spin_a, spin_b;    // rad/s
+};
+
+template <class Number> struct PairForce : Force<Number> {
+  Number nx, ny, overlap;
+  Number lever_a, lever_b;      // of friction, m
+  Number on_a, on_b;            // torques, N m per m of width
+};
+
+/** The contact of two discs. SIZES: discs have radii of their own, and `of` is of a size of 1 m.
+
+    The lever of friction is R of equal discs. It is R less half the overlap of others and of contacts with memory, as in
+    LAMMPS' styles for each. */
+template <bool SIZES, bool SPIN, class Law, class Number>
+inline PairForce<Number> pair_contact(const Law &law, const Numbers<Number> &of, const Rolling &rolling,
+                                      const Pair<Number> &pair, Stretch<Number> &held)
+{
+  constexpr bool MEMORY = Law::Friction::REMEMBERS;
+  PairForce<Number> out;
+  const Number r = root(pair.apart2), inverse = 1.0 / r;
+  out.nx = pair.dx * inverse;
+  out.ny = pair.dy * inverse;
+  out.overlap = pair.a + pair.b - r;
+  Numbers<Number> own = of;
+  if constexpr (SIZES) {
+    const Number size = pair_size(pair.bulk_a, pair.bulk_b);
+    own.damping = of.damping * size;
+    own.ramp = of.ramp * size;
+  }
+  const Number zero = spread(0.0, r);
+  Number rim = zero, turn = zero, arm = zero;
+  if constexpr (SPIN) rim = SIZES ? pair.a * pair.spin_a + pair.b * pair.spin_b : pair.a * (pair.spin_a + pair.spin_b);
+  if constexpr (SPIN && MEMORY) {
+    arm = pair.a * pair.b / (pair.a + pair.b);
+    turn = arm * (pair.spin_a - pair.spin_b);
+  }
+  static_cast<Force<Number> &>(out) =
+      contact_force(law, own, rolling, out.overlap, out.nx, out.ny, pair.vx, pair.vy, rim, turn, held);
+  if constexpr (SPIN) {
+    out.lever_a = SIZES || MEMORY ? pair.a - 0.5 * out.overlap : pair.a;
+    out.lever_b = SIZES || MEMORY ? pair.b - 0.5 * out.overlap : pair.b;
+    const Number rolls = arm * out.resist;
+    out.on_a = -out.lever_a * out.rub + rolls;
+    out.on_b = -out.lever_b * out.rub - rolls;
+  }
+  return out;
+}
+
+/** A disc that touches a wall. */
+template <class Number> struct AtWall {
+  Number radius, gap;    // gap: signed distance of the centre from the wall, m
+  Number nx, ny;         // from the wall to the disc
+  Number vx, vy;         // against the wall, m/s
+  Number spin;           // rad/s
+};
+
+template <class Number> struct WallForce : Force<Number> {
+  Number torque;    // on the disc
+};
+
+/** The contact of a disc with a wall; the lever of friction is R. SIZES as of two discs.
+
+    `memory(slip)` gives the stretch that the contact begins with, and where it goes on. */
+template <bool SIZES, bool SPIN, class Law, class Number, class Memory>
+inline WallForce<Number> wall_contact(const Law &law, const Numbers<Number> &of, const Rolling &rolling,
+                                      const AtWall<Number> &at, Memory &&memory)
+{
+  WallForce<Number> out;
+  Numbers<Number> own = of;
+  if constexpr (SIZES) {
+    own.damping = of.damping * at.radius;
+    own.ramp = of.ramp * at.radius;
+  }
+  const Number rim = SPIN ? at.radius * at.spin : spread(0.0, at.radius);
+  Stretch<Number> held{};
+  if constexpr (Law::Friction::REMEMBERS) held = memory.begin(at.vy * at.nx - at.vx * at.ny - rim);
+  static_cast<Force<Number> &>(out) =
+      contact_force(law, own, rolling, at.radius - at.gap, at.nx, at.ny, at.vx, at.vy, rim, rim, held);
+  if constexpr (Law::Friction::REMEMBERS) memory.end(held);
+  out.torque = at.radius * (out.resist - out.rub);
+  return out;
+}
+
+}    // namespace jump
+
+#endif

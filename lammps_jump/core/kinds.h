@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+/* The kinds of contact of the native engine: which law a state asks for, and its numbers. */
+
+#ifndef JUMP_CORE_KINDS_H
+#define JUMP_CORE_KINDS_H
+
+#include "contact.h"
+#include "native.h"
+#include "slots.h"
+
+#include <type_traits>
+
+namespace jump {
+
+/** Velocities that dashpots and friction see: of the half step, or extrapolated. */
+inline Seen seen_by(const jump_state &s)
+{
+  return s.ux ? Seen{s.ux, s.uy, s.uomega} : Seen{s.vx, s.vy, s.omega};
+}
+
+/** 1/eps of the thesis' friction, eps = 0.01 v_max (4.20), of these velocities; s/m. */
+double slope_of(const jump_state &s, const Seen &seen);
+
+inline bool has(double number) { return number == number; }
+
+/** Calls run(law, sizes, spin) with the law of a state and two integral constants: radii of their own, spin. */
+template <class Run> inline void with_law(const jump_state &s, double slope, const Run &run)
+{
+  const auto sized = [&](const auto &law, auto spin) {
+    if (s.radius) run(law, std::true_type{}, spin);
+    else run(law, std::false_type{}, spin);
+  };
+  const auto slot = [&](const auto &normal, const auto &damping) {
+    const auto with = [&](const auto &tangential) {
+      const Law<std::decay_t<decltype(normal)>, std::decay_t<decltype(damping)>, std::decay_t<decltype(tangential)>> law{
+          normal, damping, tangential};
+      if constexpr (std::decay_t<decltype(tangential)>::RUBS) {
+        if (s.omega) return sized(law, std::true_type{});
+      }
+      sized(law, std::false_type{});
+    };
+    if (s.partner) with(Slider{s.spring_ratio, s.spring_damping, s.memory_step});
+    else if (!has(s.friction)) with(NoFriction{});
+    else if (has(s.sign)) with(Sign{slope});
+    else with(Ramp{});
+  };
+  if (has(s.touch)) slot(SmoothSpring{s.touch}, SmoothDashpot{s.touch});
+  else slot(Spring{}, Dashpot{});
+}
+
+/** Numbers of the contact of two discs. */
+inline Numbers<double> numbers_of_pair(const jump_state &s) { return {s.stiffness, s.damping, s.tangential, s.friction}; }
+
+/** Numbers of the contact with a wall. */
+inline Numbers<double> numbers_of_wall(const jump_state &s, int64_t wall)
+{
+  const double *const of = s.numbers[wall];
+  return {of[0], of[1], of[2], of[3]};
+}
+
+inline double radius_of(const jump_state &s, int64_t i) { return s.radius ? s.radius[i] : 0.5 * s.diameter; }
+inline bool is_fixed(const jump_state &s, int64_t i) { return s.fixed && s.fixed[i] != 0; }
+
+/** Radius that stands for the mass of a disc, m: its partner's mass counts where it is fixed. */
+inline double bulk_of(const jump_state &s, int64_t i) { return is_fixed(s, i) ? HUGE_RADIUS : s.radius[i]; }
+
+/** Slots of one disc. */
+struct Row {
+  const jump_state &s;
+  int64_t first;
+
+  Row(const jump_state &state, int64_t disc) : s(state), first(disc * state.slots) {}
+  int count() const { return (int) s.slots; }
+  int64_t partner(int at) const { return s.partner[first + at]; }
+  double foot(int at) const { return s.sigma[first + at]; }
+  bool used(int at) const { return s.used[first + at] == 1; }
+  void take(int at, int64_t partner)
+  {
+    s.partner[first + at] = partner;
+    s.spring[first + at] = s.roll[first + at] = 0.0;
+  }
+  void mark(int at, double foot)
+  {
+    s.sigma[first + at] = foot;
+    s.used[first + at] = 1;
+  }
+};
+
+/** What a disc remembers of one contact: how it stands, and how it goes on behind a step. */
+class Memory {
+ public:
+  Memory(const jump_state &s, int64_t disc) : row(s, disc), id(s.ids[disc]) {}
+
+  void find(int64_t partner, double foot, double limit, double around)
+  {
+    const bool goes_on = row.s.memory_step > 0.0;
+    slot = goes_on ? slot_of(row, partner, foot, limit, around) : held(row, partner, foot, limit, around);
+    if (slot == FULL && goes_on) *row.s.full = id;
+  }
+
+  /** `way`: rolling of this disc over that of the first of the contact. */
+  Stretch<double> begin(double way) const
+  {
+    if (slot == FULL) return {0.0, 0.0};
+    return {row.s.spring[row.first + slot], way * row.s.roll[row.first + slot]};
+  }
+
+  void end(const Stretch<double> &held, double way) const
+  {
+    if (slot == FULL || !(row.s.memory_step > 0.0)) return;
+    row.s.spring[row.first + slot] = held.slide;
+    row.s.roll[row.first + slot] = way * held.roll;
+  }
+
+ private:
+  Row row;
+  int64_t id;
+  int slot = FULL;
+};
+
+/** Of two discs the one with the larger id remembers. */
+class PairMemory {
+ public:
+  PairMemory(const jump_state &s, int64_t i, int64_t j) : way(s.ids[i] > s.ids[j] ? 1.0 : -1.0), of(s, way > 0.0 ? i : j)
+  {
+    of.find(s.ids[way > 0.0 ? j : i], 0.0, NO_END, 0.0);
+  }
+  Stretch<double> begin() const { return of.begin(way); }
+  void end(const Stretch<double> &held) const { of.end(held, way); }
+
+ private:
+  double way;
+  Memory of;
+};
+
+/** Disc i at a face of a wall; (px, py): its place in the wall's own frame. */
+class WallMemory {
+ public:
+  WallMemory(const jump_state &s, int64_t i, int64_t face, double px, double py, double radius)
+      : state(s), of(s, i), face(face), px(px), py(py), radius(radius)
+  {
+  }
+  Stretch<double> begin(double slip)
+  {
+    const double limit = 0.5 * radius + std::fabs(slip) * state.memory_step;
+    of.find(state.chain[face], foot_of(state.faces[face], px, py), limit, state.around[face]);
+    return of.begin(1.0);
+  }
+  void end(const Stretch<double> &held) const { of.end(held, 1.0); }
+
+ private:
+  const jump_state &state;
+  Memory of;
+  int64_t face;
+  double px, py, radius;
+};
+
+/** The contact of discs i and j of a row of the list; (dx, dy) from j to i. */
+template <bool SIZES, bool SPIN>
+inline Pair<double> pair_of(const jump_state &s, const Seen &seen, int64_t i, int64_t j, double dx, double dy, double apart2,
+                            double a, double b)
+{
+  Pair<double> pair;
+  pair.dx = dx;
+  pair.dy = dy;
+  pair.apart2 = apart2;
+  pair.vx = seen.vx[i] - seen.vx[j];
+  pair.vy = seen.vy[i] - seen.vy[j];
+  pair.a = a;
+  pair.b = b;
+  if constexpr (SIZES) {
+    pair.bulk_a = bulk_of(s, i);
+    pair.bulk_b = bulk_of(s, j);
+  }
+  if constexpr (SPIN) {
+    pair.spin_a = seen.spin[i];
+    pair.spin_b = seen.spin[j];
+  }
+  return pair;
+}
+
+/** A wall as a disc meets it: its faces, and where it is. */
+struct WallView {
+  WallFaces faces;
+  const Placed *placed;    // null where it stands
+  double cx, cy;
+
+  WallView(const jump_state &s, int64_t wall) : faces{s.faces, s.deep[wall] == 1}, placed(nullptr), cx(0.0), cy(0.0)
+  {
+    if (!s.moving || s.moving[wall] == 0) return;
+    placed = s.placed + wall;
+    cx = s.centre[wall][0];
+    cy = s.centre[wall][1];
+  }
+
+  /** Contacts of disc i, which is on this row of the list; (px, py): its place in the wall's own frame. */
+  int touching(const jump_state &s, int64_t row, double px, double py, double radius, FaceContact *found) const
+  {
+    const int64_t *const near = s.near_faces + s.near_last[row];
+    if (!s.near_plain[row]) return faces.touching(near, s.near_last[row + 1] - s.near_last[row], px, py, radius, found);
+    const Face &f = s.faces[*near];    // one straight face whose ends are out of reach
+    found[0] = {INSIDE, f.off_line(px, py), -f.ty0, f.tx0, 0.0, *near};
+    return found[0].gap < radius && (faces.deep || found[0].gap > -radius);
+  }
+
+  /** The point of a disc in the wall's own frame. */
+  void see(double &px, double &py) const
+  {
+    if (placed) inward(*placed, cx, cy, px, py);
+  }
+
+  /** The contact of a disc at (x, y) that moves at (vx, vy), as the wall is: `found` is of its own frame. */
+  AtWall<double> at(const FaceContact &found, double x, double y, double radius, double vx, double vy, double spin) const
+  {
+    AtWall<double> out{radius, found.gap, found.nx, found.ny, vx, vy, spin};
+    if (placed) {
+      outward(*placed, out.nx, out.ny);
+      const Pose v = velocity(placed->rate, x - out.gap * out.nx, y - out.gap * out.ny);
+      out.vx -= v.x;
+      out.vy -= v.y;
+    }
+    return out;
+  }
+
+  /** Velocity of the wall at a point, of one of its rates. */
+  Pose velocity(const Pose &rate, double x, double y) const
+  {
+    return {rate.x - rate.angle * (y - cy - placed->now.y), rate.y + rate.angle * (x - cx - placed->now.x), rate.angle};
+  }
+};
+
+}    // namespace jump
+
+#endif

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+/* The native engine's state as Python binds it (engines/native/bound.py): pointers into its arrays, NULL where a scene
+   lacks what they are for. Arrays are described where Python makes them, in discs.py, walls.py and arrays.py. */
+
+#ifndef JUMP_CORE_NATIVE_H
+#define JUMP_CORE_NATIVE_H
+
+#include "api.h"
+#include "faces.h"
+#include "law.h"
+#include "motion.h"
+
+#include <cstdint>
+
+namespace jump {
+
+/** Velocities of the discs, m/s, and spins, rad/s (NULL: none). */
+struct Seen {
+  const double *vx, *vy, *spin;
+};
+
+}    // namespace jump
+
+extern "C" {
+
+struct jump_state {
+  // discs
+  int64_t n;
+  const int64_t *ids;
+  double *x, *y, *vx, *vy, *fx, *fy, *x0, *y0, *ux, *uy, *omega, *torque, *uomega, *dash_x, *dash_y, *slide_x, *slide_y,
+      *radius;
+  const int64_t *fixed;
+  // pairs: rows in use, disc of each row (NULL: its number), what a row adds to x
+  int64_t rows;
+  int32_t *owner;
+  const double *shift;
+  int64_t *start;
+  int32_t *neighbours;
+  int64_t room;
+  // cells of the thesis' search; first NULL: a list
+  double grid_x, grid_y, grid_inverse;
+  int64_t grid_columns, grid_rows;
+  int64_t *grid_first, *grid_used;
+  // walls and the discs near them
+  int64_t walls;
+  const jump::Face *faces;
+  const int64_t *deep;
+  const double (*numbers)[4], (*about)[2];
+  const int64_t *near_rows;
+  const int32_t *near_discs;
+  const int8_t *near_plain;
+  const int64_t *near_last, *near_faces;
+  double (*wall_sum)[4];
+  // moving walls; moving NULL: all stand
+  const double (*track)[jump::TRACK_WORDS];
+  const int64_t *track_first, *moving;
+  const double (*centre)[2];
+  jump::Placed *placed;
+  const jump::Pose *listed;
+  const double *far;
+  const jump::Lid *lid;
+  jump::Pushed *pushed;
+  const double *clock;
+  // law
+  double diameter, stiffness, damping, tangential;
+  double time_step, mass, inertia, weight_x, weight_y, reach2;
+  double friction, sign, touch;    // NaN: there is none
+  // memory; partner NULL: none
+  int64_t slots;
+  int64_t *partner;
+  double *sigma, *spring, *roll;
+  int8_t *used;
+  const int64_t *chain;
+  const double *around;
+  int64_t *full;
+  double memory_step, spring_ratio, spring_damping;
+  jump::Rolling rolling;
+  const jump::Rolling *rolling_at;
+  double *work;    // ledger: work of dashpots, friction, walls, and the last step's part that is due to walls
+};
+
+struct jump_grid {
+  const jump::Face *faces;
+  const double *box;
+  const int64_t *start, *listed;
+  int64_t deep, columns, rows, first_cell;
+  double xlo, xhi, ylo, yhi, left, low, inverse, reach;
+};
+
+struct jump_stations {
+  double left, width, speed;
+  int64_t moved, pushed;
+};
+
+}
+
+/** Step: see `advance` in native.cpp. */
+JUMP_API int64_t jump_advance(jump_state *state, int64_t steps, int64_t owed, int64_t *old);
+JUMP_API void jump_place_walls(const jump_state *state, int64_t step);
+/** 1/eps of the sign law by these velocities, s/m. */
+JUMP_API double jump_slope(const jump_state *state, const double *vx, const double *vy);
+
+/** Lists: see lists.cpp. */
+JUMP_API int64_t jump_extent(int64_t n, const double *x, const double *y, const double *domain, double *box);
+JUMP_API void jump_sort(int64_t n, const double *x, const double *y, const double *grid, const int64_t *cells,
+                        int64_t *cell_start, int64_t *cell, int64_t *order);
+JUMP_API void jump_permute(int64_t n, int64_t width, int64_t *source, const int64_t *place, int64_t *scratch);
+JUMP_API int64_t jump_pair_list(int64_t n, const double *x, const double *y, const double *radius, double reach, int64_t rows,
+                                const int64_t *cell_start, const int64_t *cell, int64_t *start, int32_t *neighbours,
+                                int64_t room);
+JUMP_API int64_t jump_image_rows(int64_t n, const double *x, const double *y, const double *radius, const double *reach,
+                                 int64_t *start, int32_t *neighbours, int64_t room, int32_t *owner, double *shift,
+                                 int32_t *right);
+JUMP_API double jump_closest(int64_t n, const double *x, const double *y, double px, double py);
+JUMP_API int64_t jump_append_row(int64_t i, const double *x, const double *y, const double *radius, double reach,
+                                 int64_t *start, int32_t *neighbours, int64_t room);
+JUMP_API int64_t jump_search_cells(jump_state *state);
+
+/** Walls: contacts of a disc (rows of gap, normal, angle), the foot on a face, discs near a wall, cells of faces. */
+JUMP_API int64_t jump_touching(const jump::Face *faces, int64_t deep, const int64_t *near, int64_t count, const double *disc,
+                               double (*found)[4], int64_t *which);
+JUMP_API double jump_foot_at(const jump::Face *face, double px, double py);
+JUMP_API double jump_away(const jump::Face *faces, int64_t face, double px, double py);
+JUMP_API void jump_list_near(const jump_grid *grid, int64_t n, const double *x, const double *y, int32_t *discs, int8_t *plain,
+                             int64_t *last, int64_t *near, const int64_t *room, int64_t *found);
+JUMP_API void jump_mark_cells(const jump_grid *grid, int64_t begin, int64_t end, int64_t *start, int64_t *listed);
+
+/** Sums: see sums.cpp. */
+JUMP_API double jump_elastic(const jump_state *state, int64_t begin, int64_t known, double *worst, int64_t *where);
+JUMP_API int64_t jump_contacts(const jump_state *state, const jump::Seen *at_step, const jump::Seen *seen, int64_t (*who)[2],
+                               double (*found)[5], int64_t room);
+JUMP_API double jump_give_sizes(const jump_state *state, int64_t known, const double *radii);
+JUMP_API void jump_between(const jump_state *state, const jump_stations *stations, double *sums);
+
+namespace jump {
+/** Touching pairs by the thesis' contact search; false where a disc is outside the grid or the list is short. */
+bool search_cells(jump_state &state);
+}    // namespace jump
+
+#endif

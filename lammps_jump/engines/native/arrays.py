@@ -1,0 +1,328 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Arrays and numbers as the loops of the native engine take them, those of the core (`bound`) and of the twin.
+
+What a scene lacks is None: `omega` (no spin), `friction` (none), `sign` (LAMMPS' viscous ramp rather than the thesis'
+sign law), `touch` (sharp contact), `dash_x` (no energy ledger), `ux` (damping with the half-step velocity rather than
+the extrapolated one), `grid` and `owner` (neighbour list rather than the thesis' cells), `radius` (equal discs),
+`shift` (no periodic x), `fixed` (all discs move).
+
+Where discs have radii of their own, the constants of `Law` and `Motion` are those of a radius of 1 m: mass and weight
+grow as R^2, the moment of inertia as R^4, the dashpot of a wall as R and that of a pair as its size,
+R_i R_j / sqrt(R_i^2 + R_j^2).
+
+Time levels. Between steps the arrays hold x_n, v_(n-1/2) and F_n, so that velocity Verlet and the thesis'
+leap-frog are the same loop: they differ in the velocity that dashpot and friction see, v_(n-1/2) in LAMMPS' order
+of operations, 1.5 v_(n-1/2) - 0.5 v_(n-3/2) in thesis (3.7)-(3.9). The velocity at the step is
+v_n = v_(n-1/2) + dt F_n / (2 m).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from lammps_jump.physics.slots import Slots
+from lammps_jump.scene.chains import Faces
+from lammps_jump.scene.near import Grid as NearGrid
+
+
+class Law(NamedTuple):
+    """Contact law in the engines' units: force = stiffness overlap + damping (m_eff gamma) velocity.
+
+    `diameter` is that of equal discs. `damping` and `tangential` are of a pair, or of a size of 1 m. Those of walls
+    stand in `Near.numbers`.
+    """
+
+    diameter: float
+    stiffness: float
+    damping: float
+    tangential: float
+
+
+class Motion(NamedTuple):
+    """Constants of the kick and the drift, of a disc or of a radius of 1 m; `reach2`: the square of half the skin."""
+
+    time_step: float
+    mass: float
+    inertia: float
+    weight_x: float
+    weight_y: float
+    reach2: float
+
+
+class Pairs(NamedTuple):
+    """Half list of pairs: rows in use; disc of each row, None if it is the row's number; neighbours by row.
+
+    In a periodic channel `shift` (m) is what a row adds to x of its disc: rows of images stand behind the others.
+    """
+
+    rows: int
+    owner: np.ndarray | None
+    start: np.ndarray
+    neighbours: np.ndarray
+    shift: np.ndarray | None = None
+
+
+class Grid(NamedTuple):
+    """Fixed cells of the thesis' contact search; `first`: first list entry of each cell, `used`: rows in use."""
+
+    x_low: float
+    y_low: float
+    inverse: float
+    columns: int
+    rows: int
+    first: np.ndarray
+    used: np.ndarray
+
+
+class Near(NamedTuple):
+    """Discs near walls, a wall at a time.
+
+    Attributes
+    ----------
+    numbers : ndarray, shape (walls, 4)
+        Stiffness, dashpot, slope of the viscous ramp (as in `Law`) and friction coefficient of each wall.
+    about : ndarray, shape (walls, 2)
+        Point that the moment on each wall is taken about, m.
+    rows : ndarray of int64, shape (walls + 1,)
+        First row of each wall.
+    discs : ndarray of int32
+        Disc of each row.
+    plain : ndarray of int8
+        1 where the row has one straight face whose ends are out of reach.
+    last : ndarray of int64
+        The faces of row r are ``faces[last[r]:last[r + 1]]``.
+    faces : ndarray of int64
+    found, which : ndarray
+        Room for the contacts of one disc (`scene.faces.touching`).
+    """
+
+    numbers: np.ndarray
+    about: np.ndarray
+    rows: np.ndarray
+    discs: np.ndarray
+    plain: np.ndarray
+    last: np.ndarray
+    faces: np.ndarray
+    found: np.ndarray
+    which: np.ndarray
+
+
+class Moves(NamedTuple):
+    """Walls that move: their tracks, and where they are.
+
+    Attributes
+    ----------
+    track, first : ndarray
+        Rows of wall w: ``track[first[w]:first[w + 1]]`` (`lammps_jump.scene.tracks`); none of a wall that stands.
+    moving : ndarray of int64, shape (walls,)
+        0 stands, 1 follows its track, 2 is pushed by the discs.
+    centre : ndarray, shape (walls, 2)
+        Point of turning where the case has it, m.
+    now : ndarray, shape (walls, 11)
+        Pose at the step (m, m, rad), cosine and sine of its angle, velocity over the step before and centred over two.
+    listed : ndarray, shape (walls, 3)
+        Pose for which the discs near it were listed.
+    far : ndarray, shape (walls,)
+        Largest distance of a face from the centre, m.
+    lid : ndarray, shape (walls, 6)
+        Of pushed walls: mass (kg/m), force (N/m) along x and y, 1 or 0 for the axes free to move, time of the release.
+    pushed : ndarray, shape (walls, 6)
+        Of pushed walls: displacement (m), velocity of the half step (m/s), force of the discs at the step (N/m).
+    clock : ndarray, shape (4,)
+        Step at the call, step of t = 0, time step (s), and half the skin (m).
+    """
+
+    track: np.ndarray
+    first: np.ndarray
+    moving: np.ndarray
+    centre: np.ndarray
+    now: np.ndarray
+    listed: np.ndarray
+    far: np.ndarray
+    lid: np.ndarray
+    pushed: np.ndarray
+    clock: np.ndarray
+
+
+class Memory(NamedTuple):
+    """What contacts with springs need besides the law; of two discs the one with the larger id remembers.
+
+    Attributes
+    ----------
+    slots : Slots
+    ids : ndarray of int64
+        Of the discs.
+    chain : ndarray of int64, shape (faces,)
+        What stands for the chain of a face in the slots (`lammps_jump.physics.slots`).
+    around : ndarray, shape (faces,)
+        Length of the chain of a face where it is closed, else 0, m.
+    full : ndarray of int64, shape (1,)
+        Takes the id of a disc that has no slot left.
+    time_step : float
+        s; 0 where springs stay as they are.
+    ratio, damping : float
+        Stiffness and dashpot of the tangential spring over those of the contact.
+    rolling : tuple of float
+        Stiffness (N/m), dashpot (N s/m) and friction coefficient of the rolling spring of pairs; stiffness 0: none.
+    rolling_at : ndarray, shape (walls, 3)
+        The same of walls.
+    """
+
+    slots: Slots
+    ids: np.ndarray
+    chain: np.ndarray
+    around: np.ndarray
+    full: np.ndarray
+    time_step: float
+    ratio: float
+    damping: float
+    rolling: tuple[float, float, float]
+    rolling_at: np.ndarray
+
+
+class Constants(NamedTuple):
+    """Constants of a scene; None drops a term."""
+
+    law: Law
+    motion: Motion
+    friction: float | None
+    sign: float | None
+    touch: float | None
+
+
+class State(NamedTuple):
+    """All that the loops take.
+
+    Attributes
+    ----------
+    discs : discs.Discs
+    pairs : Pairs
+    walls : walls.Walls
+    constants : Constants
+    memory : Memory or None
+    work : ndarray, shape (6,)
+        `Books.work`.
+    grid : Grid or None
+        Pairs are then searched anew every step.
+    """
+
+    discs: Any
+    pairs: Pairs
+    walls: Any
+    constants: Constants
+    memory: Memory | None
+    work: np.ndarray
+    grid: Grid | None = None
+
+
+class Stations(NamedTuple):
+    """Two planes at `left` and `width` further on (m), which move at `speed` (m/s), at one step.
+
+    `moved`: count the discs that crossed one in the drift before; `pushed`: count the forces of this step.
+    """
+
+    left: float
+    width: float
+    speed: float
+    moved: bool
+    pushed: bool
+
+
+Seen = tuple[np.ndarray, np.ndarray, np.ndarray | None]
+"""Velocities of discs (m/s) and spins (rad/s)."""
+
+
+Box = tuple[float, float, float, float, int]
+"""xlo, xhi, ylo, yhi, and the index of a disc."""
+
+
+class Loops(Protocol):
+    """The loops under `NativeSimulation`: those of the core, or of the twin."""
+
+    def advance(self, state: State, steps: int, owed: bool) -> tuple[int, bool]:
+        """Up to `steps` drifts with forces between them, and before them where these are `owed`; without steps these.
+
+        The forces after the last drift are left to the caller: what happens at a step happens between its drift and its
+        forces. Returns (drifts done, whether the list has become too old for the forces). With a `grid` it is too old
+        where a disc is outside the grid or there is no room for neighbours.
+        """
+
+    def place_walls(self, moves: Moves, step: int) -> None:
+        """Put the moving walls where they are at a step."""
+
+    def elastic(self, state: State, begin: int, known: int) -> tuple[float, float, int, int]:
+        """Elastic energy (J per m of width), largest overlap (m), its disc, and its wall or -1 (two discs).
+
+        Rows of the list before `begin` are left out, and contacts of discs with ids up to `known` alone, if not -1.
+        """
+
+    def contacts(self, state: State, at_step: Seen, seen: Seen, who: np.ndarray, found: np.ndarray) -> int:
+        """List the contacts with the forces of the velocities that they have `seen`; -1 where the arrays are too short.
+
+        ``who[k]`` takes the id of the disc that the force acts on and that of the other, or -1 - wall; ``found[k]`` the
+        point (m), the force (N per m of width) and the power of dashpots and friction (W per m of width). The power is
+        with the velocities at the step: dt times its sum is what the energy balance books for the kick.
+        """
+
+    def give_sizes(self, state: State, known: int, own: np.ndarray) -> float:
+        """Radii ``own[id - known - 1]`` (m) for the discs with ids above `known`, behind a step and with its forces.
+
+        The velocities of the step stay: the first half of the step's kick is that of the old mass, the second half
+        that of the new one. Returns what this gives to the energy (J per m of width).
+        """
+
+    def between(self, state: State, stations: Stations, sums: np.ndarray) -> None:
+        """Add a step to the sums between stations (`ledger.StationLedger`)."""
+
+    def extent(self, n: int, x: np.ndarray, y: np.ndarray, domain: np.ndarray) -> Box:
+        """Smallest box around n discs, and the index of one outside the domain or not a number, or -1."""
+
+    def sort(self, n: int, x: np.ndarray, y: np.ndarray, cells: Cells, discs: Any) -> None:
+        """Sort discs by cell: fills ``cell_start``, ``cell`` and ``order`` of the discs."""
+
+    def permute(self, n: int, source: np.ndarray, place: np.ndarray, scratch: np.ndarray) -> None:
+        """``source[place[i]] = source[i]`` for i < n, through `scratch`."""
+
+    def pair_list(self, discs: Any, reach: float, rows: int) -> int:
+        """Half list of pairs closer than the reach (m); its length, or -1 where `neighbours` is short.
+
+        The reach is of centres, and of surfaces where discs have radii of their own.
+        """
+
+    def image_rows(self, discs: Any, reach: tuple[float, float, float], owner: np.ndarray, shift: np.ndarray) -> int:
+        """List pairs across the seam of a periodic channel; the number of rows, or -1 where `neighbours` is short.
+
+        `reach` holds that of `pair_list`, the largest of centres, and the left end of the channel (m).
+        """
+
+    def cell_pairs(self, state: State) -> int:
+        """Touching pairs by the thesis' contact search (its chapter 3); the number of rows, or -1.
+
+        -1: a disc is outside the grid, or `neighbours` is short.
+        """
+
+    def list_near(
+        self, seen: tuple[int, np.ndarray, np.ndarray], wall: int, faces: Faces, grid: NearGrid, near: Near,
+        found: tuple[int, int],
+    ) -> tuple[int, int]:  # fmt: skip
+        """List the discs near one wall, in its own frame, and the faces near each; faces -1: there is no room.
+
+        `seen` holds the number of discs and their places (m), `found` the rows and faces to go on from.
+        """
+
+    mark_cells: Callable[..., None]
+    """As `lammps_jump.scene.near.mark_cells`."""
+
+
+class Cells(NamedTuple):
+    """Cells of the search: lower left corner (m), cells per metre, columns, rows, whether x runs along the rows."""
+
+    x_low: float
+    y_low: float
+    inverse: float
+    columns: int
+    rows: int
+    transpose: bool

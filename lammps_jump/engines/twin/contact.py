@@ -1,0 +1,289 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""One contact of two discs and one of a disc with a wall: lever, slip, force, torque, what is lost, memory.
+
+Every sum of the twin takes its contacts from here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import cos, sin, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from lammps_jump.engines.native.arrays import Memory, Moves, Seen, State
+from lammps_jump.physics.law import contact_force, slider
+from lammps_jump.physics.slots import FULL, held, slot_of
+from lammps_jump.scene.faces import foot_at, touching
+from lammps_jump.scene.tracks import pose_py
+
+HUGE = 1e150
+"""Radius that stands for the mass of a fixed disc, m: its square is still a number."""
+
+
+class Contact(NamedTuple):
+    """A contact as it acts on its first disc.
+
+    Attributes
+    ----------
+    normal : (float, float)
+        Unit vector to the disc.
+    point : (float, float)
+        Where the two touch, m.
+    overlap : float
+        m.
+    force : (float, float)
+        N per m of width.
+    rub, dashpot : float
+        Its tangential part, along (-ny, nx), and the lost part along the normal, N per m of width.
+    torques : (float, float)
+        On the two discs; of a wall, on the disc and 0. N m per m of width.
+    """
+
+    normal: tuple[float, float]
+    point: tuple[float, float]
+    overlap: float
+    force: tuple[float, float]
+    rub: float
+    dashpot: float
+    torques: tuple[float, float]
+
+
+def seen_by(state: State) -> Seen:
+    """Velocities that dashpots and friction see: of the half step, or extrapolated."""
+    d = state.discs
+    return (d.vx, d.vy, d.omega) if d.ux is None else (d.ux, d.uy, d.uomega)
+
+
+def slope_of(state: State, seen: Seen) -> float | None:
+    """1 / eps of the thesis' friction, eps = 0.01 v_max (4.20) of this step; None for another law."""
+    sign, n = state.constants.sign, state.discs.n
+    if sign is None:
+        return None
+    eps = sign * sqrt(np.max(seen[0][:n] ** 2 + seen[1][:n] ** 2, initial=0.0))
+    return 1.0 / eps if eps > 1e-300 else 1e300  # nothing moves: the limit of the law, sat -> sign
+
+
+def radius_of(state: State, i: int) -> float:
+    """Radius of a disc, m."""
+    return 0.5 * state.constants.law.diameter if state.discs.radius is None else float(state.discs.radius[i])
+
+
+def is_fixed(state: State, i: int) -> bool:
+    """Whether a disc stays where it is."""
+    return state.discs.fixed is not None and state.discs.fixed[i] != 0
+
+
+def pair_size(state: State, i: int, j: int) -> float:
+    """Root of the effective mass of two discs over the root of the mass of a radius of 1 m; 1 of equal discs."""
+    if state.discs.radius is None:
+        return 1.0
+    a, b = (HUGE if is_fixed(state, k) else radius_of(state, k) for k in (i, j))
+    return a * b / sqrt(a * a + b * b)
+
+
+def spring_forces(memory: Memory, i: int, where, radius: float, slips, push: float, numbers, rolling):
+    """Tangential and rolling force of a contact of disc i, N per m of width; its springs go on by a step.
+
+    `where` holds the partner, the arc length of the foot on its chain and the chain's length (m); `slips` the
+    tangential speed and that of rolling (m/s); `push` is the normal force; `numbers` are stiffness and dashpot of the
+    tangential spring and the friction coefficient, `rolling` those of the rolling spring.
+    """
+    partner, foot, around = where
+    slip, turn = slips
+    dt, slots = memory.time_step, memory.slots
+    find = slot_of if dt > 0.0 else held
+    slot = find(slots, i, partner, foot, 0.5 * radius + abs(slip) * dt, around)
+    stretch = bent = resists = 0.0
+    if slot != FULL:
+        stretch, bent = slots.spring[i, slot], slots.roll[i, slot]
+    elif dt > 0.0:
+        memory.full[0] = memory.ids[i]
+    force, stretch = slider(stretch + slip * dt, slip, numbers[2] * abs(push), numbers[0], numbers[1])
+    if rolling[0] > 0.0:
+        resists, bent = slider(bent + turn * dt, turn, rolling[2] * abs(push), rolling[0], rolling[1])
+    if slot != FULL and dt > 0.0:
+        slots.spring[i, slot], slots.roll[i, slot] = stretch, bent
+    return force, resists
+
+
+def _with_friction(force, normal, rub):
+    (fx, fy), (nx, ny) = force, normal
+    return fx - rub * ny, fy + rub * nx
+
+
+def pair_contact(state: State, i: int, j: int, shift: float, seen: Seen, slope: float | None) -> Contact | None:
+    """The contact of disc i, `shift` (m) further along x, with disc j; None where they do not touch.
+
+    `seen` are the velocities that dashpots and friction see. The lever of friction is R of equal discs. It is R less
+    half the overlap of others and of contacts with memory, as in LAMMPS' styles for each.
+    """
+    d, of, memory = state.discs, state.constants, state.memory
+    a, b = radius_of(state, i), radius_of(state, j)
+    dx, dy = d.x[i] + shift - d.x[j], d.y[i] - d.y[j]
+    apart = sqrt(dx * dx + dy * dy)
+    if not dx * dx + dy * dy < (a + b) * (a + b):
+        return None
+    nx, ny, overlap = dx / apart, dy / apart, a + b - apart
+    vx, vy, spin = seen
+    spins = (0.0, 0.0) if spin is None else (spin[i], spin[j])
+    slip, rim = (vx[i] - vx[j], vy[i] - vy[j]), a * spins[0] + b * spins[1]
+    size = pair_size(state, i, j)
+    numbers = of.law.stiffness, of.law.damping * size, of.law.tangential * size
+    own = of.friction if memory is None else None
+    fx, fy, rub, dashpot = contact_force(overlap, (nx, ny), slip, rim, numbers, own, slope, of.touch)
+    rolls = 0.0
+    if memory is not None:
+        one, other, sense = (i, j, 1.0) if memory.ids[i] > memory.ids[j] else (j, i, -1.0)
+        arm = a * b / (a + b)
+        slips = slip[1] * nx - slip[0] * ny - rim, sense * arm * (spins[0] - spins[1])
+        springs = memory.ratio * numbers[0], memory.damping * numbers[1], of.friction
+        where = int(memory.ids[other]), 0.0, 0.0
+        rub, resists = spring_forces(memory, one, where, a, slips, fx * nx + fy * ny, springs, memory.rolling)
+        fx, fy = _with_friction((fx, fy), (nx, ny), rub)
+        rolls = sense * arm * resists
+    dent = 0.5 * overlap if d.radius is not None or memory is not None else 0.0
+    torques = -(a - dent) * rub + rolls, -(b - dent) * rub - rolls
+    point = d.x[i] + shift - (a - 0.5 * overlap) * nx, d.y[i] - (a - 0.5 * overlap) * ny
+    return Contact((nx, ny), point, overlap, (fx, fy), rub, dashpot, torques)
+
+
+def pair_contacts(state: State, seen: Seen, slope: float | None, begin: int = 0) -> Iterator[tuple[int, int, Contact]]:
+    """Two discs and their contact, for all that touch, of the rows of the list from `begin` on."""
+    pairs = state.pairs
+    for row in range(begin, pairs.rows):
+        i = row if pairs.owner is None else int(pairs.owner[row])
+        shift = 0.0 if pairs.shift is None else float(pairs.shift[row])
+        for j in pairs.neighbours[pairs.start[row] : pairs.start[row + 1]].tolist():
+            found = pair_contact(state, i, j, shift, seen, slope)
+            if found is not None:
+                yield i, j, found
+
+
+# --- walls ------------------------------------------------------------------------------------------------------------
+
+
+def is_moving(moves: Moves | None, wall: int) -> bool:
+    """Whether a wall has a motion."""
+    return moves is not None and moves.moving[wall] > 0
+
+
+def inward(moves: Moves | None, wall: int, x: float, y: float) -> tuple[float, float]:
+    """A point as the frame has it in which a wall stands."""
+    if not is_moving(moves, wall):
+        return x, y
+    now, (cx, cy) = moves.now[wall], moves.centre[wall]
+    dx, dy = x - cx - now[0], y - cy - now[1]
+    return cx + now[3] * dx + now[4] * dy, cy - now[4] * dx + now[3] * dy
+
+
+def outward(moves: Moves | None, wall: int, nx: float, ny: float) -> tuple[float, float]:
+    """A direction of the frame in which a wall stands as it is."""
+    if not is_moving(moves, wall):
+        return nx, ny
+    c, s = moves.now[wall, 3:5]
+    return c * nx - s * ny, s * nx + c * ny
+
+
+def wall_velocity(moves: Moves | None, wall: int, column: int, x: float, y: float) -> tuple[float, float]:
+    """Velocity of a wall at a point: over the step before (column 5 of `Moves.now`), or centred over two (8)."""
+    if not is_moving(moves, wall):
+        return 0.0, 0.0
+    now, (cx, cy) = moves.now[wall], moves.centre[wall]
+    turn = now[column + 2]
+    return now[column] - turn * (y - cy - now[1]), now[column + 1] + turn * (x - cx - now[0])
+
+
+def place_walls(moves: Moves, step: int) -> bool:
+    """Put the moving walls where they are at a step; True where one has gone over half the skin since it was listed."""
+    old = False
+    start, dt, half_skin = moves.clock[1:]
+    for wall, now in enumerate(moves.now):
+        if moves.moving[wall] == 0:
+            continue
+        if moves.moving[wall] == 1:
+            rows, time = moves.first[wall : wall + 2], (step - start) * dt
+            before, here, behind = (pose_py(moves.track, *rows, time + later) for later in (-dt, 0.0, dt))
+            now[:3] = here
+            now[3:5] = cos(here[2]), sin(here[2])
+            now[5:8] = [(b - a) / dt for a, b in zip(before, here, strict=True)]
+            now[8:11] = [0.5 * (b - a) / dt for a, b in zip(before, behind, strict=True)]
+        else:
+            now[:2], now[5:7] = moves.pushed[wall, :2], moves.pushed[wall, 2:4]
+        dx, dy, turn = now[:3] - moves.listed[wall]
+        turned = moves.far[wall] * abs(turn) if turn != 0.0 else 0.0
+        old = old or not sqrt(dx * dx + dy * dy) + turned <= half_skin
+    return old
+
+
+def drift_lids(moves: Moves, step: int) -> None:
+    """Kick and drift of the walls that discs push, as of discs, to a step; a first kick is half a step long."""
+    _, start, dt, _ = moves.clock
+    for wall, (mass, fx, fy, free_x, free_y, begin) in enumerate(moves.lid):
+        if moves.moving[wall] != 2 or not (step - start) * dt > begin:
+            continue
+        kick = 0.5 * dt if (step - 1 - start) * dt <= begin else dt
+        for axis, (load, free) in enumerate(((fx, free_x), (fy, free_y))):
+            if free > 0.0:
+                moves.pushed[wall, 2 + axis] += kick * (moves.pushed[wall, 4 + axis] + load) / mass
+                moves.pushed[wall, axis] += dt * moves.pushed[wall, 2 + axis]
+
+
+def see_lid(moves: Moves, wall: int) -> None:
+    """Velocity of a wall that discs push at a step, with the force of that step."""
+    mass, fx, fy, *free, _ = moves.lid[wall]
+    moved = moves.now[wall, 5] != 0.0 or moves.now[wall, 6] != 0.0
+    for axis, load in enumerate((fx, fy)):
+        half = 0.5 * moves.clock[2] * (moves.pushed[wall, 4 + axis] + load) / mass
+        moves.now[wall, 8 + axis] = moves.pushed[wall, 2 + axis] + half if moved and free[axis] > 0.0 else 0.0
+
+
+def touched_faces(state: State, wall: int) -> Iterator[tuple[int, int, float, tuple[float, float]]]:
+    """Disc, face, signed distance (m) and outward normal of each contact of a wall with the discs listed near it.
+
+    Fixed discs feel no wall, and no wall feels them.
+    """
+    d, near, faces, moves = state.discs, state.walls.near, state.walls.faces, state.walls.moves
+    for row in range(near.rows[wall], near.rows[wall + 1]):
+        i = int(near.discs[row])
+        if is_fixed(state, i):
+            continue
+        px, py = inward(moves, wall, float(d.x[i]), float(d.y[i]))
+        ends = int(near.last[row]), int(near.last[row + 1])
+        count = touching(
+            faces.codes, faces.shape, faces.deep[wall], near.faces, *ends, px, py, radius_of(state, i), near.found,
+            near.which,
+        )  # fmt: skip
+        for contact in range(count):
+            gap, nx, ny, _ = near.found[contact].tolist()
+            yield i, int(near.which[contact]), gap, outward(moves, wall, nx, ny)
+
+
+def wall_contact(
+    state: State, wall: int, touched: tuple[int, int, float, tuple[float, float]], seen: Seen, slope: float | None
+) -> Contact:
+    """The contact of a disc with a wall, of `touched_faces`; the lever of friction is R."""
+    d, of, memory, walls = state.discs, state.constants, state.memory, state.walls
+    i, face, gap, (nx, ny) = touched
+    own = radius_of(state, i)
+    k, damping, ramp, friction = walls.near.numbers[wall].tolist()
+    size = 1.0 if d.radius is None else own
+    numbers = k, damping * size, ramp * size
+    at = d.x[i] - gap * nx, d.y[i] - gap * ny
+    wx, wy = wall_velocity(walls.moves, wall, 5, *at)
+    vx, vy, spins = seen
+    slip, spin = (vx[i] - wx, vy[i] - wy), 0.0 if spins is None else spins[i]
+    rim = own * spin
+    rubs = None if of.friction is None or memory is not None else friction
+    fx, fy, rub, dashpot = contact_force(own - gap, (nx, ny), slip, rim, numbers, rubs, slope, of.touch)
+    resists = 0.0
+    if memory is not None:
+        inner = inward(walls.moves, wall, float(d.x[i]), float(d.y[i]))
+        foot = foot_at(walls.faces.codes, walls.faces.shape, face, *inner)
+        where = int(walls.chain[face]), foot, float(walls.around[face])
+        springs = memory.ratio * numbers[0], memory.damping * numbers[1], friction
+        slips, rolling = (slip[1] * nx - slip[0] * ny - rim, rim), memory.rolling_at[wall]
+        rub, resists = spring_forces(memory, i, where, own, slips, fx * nx + fy * ny, springs, rolling)
+        fx, fy = _with_friction((fx, fy), (nx, ny), rub)
+    return Contact((nx, ny), at, own - gap, (fx, fy), rub, dashpot, (own * (resists - rub), 0.0))

@@ -1,0 +1,191 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The loops of the twin: kick and drift, forces, and what belongs to them (`lammps_jump.engines.native.arrays`)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from lammps_jump.engines.native.arrays import Motion, Moves, Seen, State
+from lammps_jump.physics.slots import end_step
+
+from . import contact, lists, sums
+
+SECONDS_PER_DISC_STEP = 1e-4
+"""Of a disc that touches others, on a core of 2020."""
+
+
+class Twin:
+    """The loops of the twin; each is described in `Loops`."""
+
+    extent = staticmethod(lists.extent)
+    sort = staticmethod(lists.sort)
+    permute = staticmethod(lists.permute)
+    pair_list = staticmethod(lists.pair_list)
+    image_rows = staticmethod(lists.image_rows)
+    cell_pairs = staticmethod(lists.cell_pairs)
+    list_near = staticmethod(lists.near_walls)
+    mark_cells = staticmethod(lists.mark_cells)
+    elastic = staticmethod(sums.elastic)
+    contacts = staticmethod(sums.contacts)
+    give_sizes = staticmethod(sums.give_sizes)
+    between = staticmethod(sums.between)
+
+    def place_walls(self, moves: Moves, step: int) -> None:
+        """Put the moving walls where they are at a step."""
+        contact.place_walls(moves, step)
+
+    def advance(self, state: State, steps: int, owed: bool) -> tuple[int, bool]:
+        """Drifts and forces; see `Loops.advance`."""
+        done, moves = 0, state.walls.moves
+        while True:
+            if owed:
+                if state.grid is not None:
+                    rows = lists.cell_pairs(state)
+                    if rows < 0:
+                        return done, True
+                    state = state._replace(pairs=state.pairs._replace(rows=rows))
+                forces(state)
+            if steps == 0:
+                return 0, False
+            old = kick_drift(state)
+            done, owed = done + 1, True
+            if moves is not None:
+                step = int(moves.clock[0]) + done
+                contact.drift_lids(moves, step)
+                old = contact.place_walls(moves, step) or old
+            if old or done == steps:
+                return done, old
+
+
+def forces(state: State) -> None:
+    """Add the forces of all contacts to those of the discs, and the opposite to walls."""
+    d, memory = state.discs, state.memory
+    seen = contact.seen_by(state)
+    slope = contact.slope_of(state, seen)
+    _pair_forces(state, seen, slope)
+    if state.walls.moves is not None:
+        state.work[3:] = 0.0
+    for wall in range(len(state.walls.faces.deep)):
+        _wall_forces(state, wall, seen, slope)
+    if state.walls.moves is not None:
+        state.work[:3] += state.work[3:]
+    if d.fixed is not None:  # they stay, and nothing is dissipated on their side
+        held = d.fixed[: d.n] != 0
+        for array in (d.fx, d.fy, d.torque, d.dash_x, d.dash_y, d.slide_x, d.slide_y):
+            if array is not None:
+                array[: d.n][held] = 0.0
+    if memory is not None and memory.time_step > 0.0:
+        end_step(memory.slots, d.n)
+
+
+def _add(d, i: int, found: contact.Contact, sense: float, torque: float) -> None:
+    """Add a contact to a disc: to the first with sense 1, to the second with -1."""
+    (nx, ny), (fx, fy) = found.normal, found.force
+    d.fx[i] += sense * fx
+    d.fy[i] += sense * fy
+    if d.torque is not None:
+        d.torque[i] += torque
+    if d.dash_x is not None:
+        d.dash_x[i] += sense * found.dashpot * nx
+        d.dash_y[i] += sense * found.dashpot * ny
+    if d.slide_x is not None:
+        d.slide_x[i] -= sense * found.rub * ny
+        d.slide_y[i] += sense * found.rub * nx
+
+
+def _pair_forces(state: State, seen: Seen, slope: float | None) -> None:
+    for i, j, found in contact.pair_contacts(state, seen, slope):
+        _add(state.discs, i, found, 1.0, found.torques[0])
+        _add(state.discs, j, found, -1.0, found.torques[1])
+
+
+def _wall_forces(state: State, wall: int, seen: Seen, slope: float | None) -> None:
+    """Forces of one wall; `Walls.sums` takes the force on it, its moment and its power on the discs.
+
+    Power is that of the velocity centred on the step, so that its sum over steps is the energy that discs gain.
+    ``work[3:]`` takes the step's part of what dashpots and friction do on the wall, and of that power.
+    """
+    walls, moves = state.walls, state.walls.moves
+    moving = contact.is_moving(moves, wall)
+    about, centre = walls.near.about[wall].copy(), np.zeros(2)
+    if moving:
+        about += moves.now[wall, :2]
+        centre = moves.centre[wall] + moves.now[wall, :2]
+    push, lost, slid = np.zeros(3), np.zeros(3), np.zeros(3)  # of the wall: along x and y, and the moment
+    for touched in contact.touched_faces(state, wall):
+        found = contact.wall_contact(state, wall, touched, seen, slope)
+        _add(state.discs, touched[0], found, 1.0, found.torques[0])
+        (nx, ny), rub, dashpot = found.normal, found.rub, found.dashpot
+        push -= _wrench(found.force, found.point, about)
+        lost += _wrench((dashpot * nx, dashpot * ny), found.point, centre)
+        slid += _wrench((-rub * ny, rub * nx), found.point, centre)
+    walls.sums[wall, :3] += push
+    if not moving:
+        return
+    moves.pushed[wall, 4:6] = push[:2]
+    if moves.moving[wall] == 2:
+        contact.see_lid(moves, wall)
+    rate, dt = moves.now[wall, 8:11], moves.clock[2]
+    power = -push @ rate
+    walls.sums[wall, 3] += power
+    if state.discs.dash_x is not None:
+        state.work[3] += dt * lost @ rate
+        state.work[4] += dt * slid @ rate
+    if moves.moving[wall] == 1:  # the energy of a lid is part of the whole
+        state.work[5] += dt * power
+
+
+def _wrench(force, point, about) -> np.ndarray:
+    """A force and its moment about a point."""
+    return np.array([*force, (point[0] - about[0]) * force[1] - (point[1] - about[1]) * force[0]])
+
+
+def _square_of(state: State) -> float | np.ndarray:
+    """Mass over that of the constants in `Motion`."""
+    d = state.discs
+    return 1.0 if d.radius is None else d.radius[: d.n] ** 2
+
+
+def _book(state: State, motion: Motion) -> None:
+    """Take the work of dashpots and friction over the whole kick, dt F . v_n, off the ledger, and begin anew.
+
+    It is exact, because v_n is the mean of the velocities before and after the kick.
+    """
+    d, n, square, dt = state.discs, state.discs.n, _square_of(state), motion.time_step
+    half = 0.5 * dt / motion.mass / square
+    at_step = d.vx[:n] + half * d.fx[:n], d.vy[:n] + half * d.fy[:n]
+    state.work[0] -= dt * (d.dash_x[:n] @ at_step[0] + d.dash_y[:n] @ at_step[1])
+    d.dash_x[:n] = d.dash_y[:n] = 0.0
+    if d.slide_x is None:
+        return
+    state.work[1] -= dt * (d.slide_x[:n] @ at_step[0] + d.slide_y[:n] @ at_step[1])
+    d.slide_x[:n] = d.slide_y[:n] = 0.0
+    if d.omega is not None:
+        turn = d.omega[:n] + 0.5 * dt / motion.inertia / square**2 * d.torque[:n]
+        state.work[1] -= dt * (d.torque[:n] @ turn)
+
+
+def kick_drift(state: State) -> bool:
+    """v += dt F/m, x += dt v, F = weight; whether a disc has gone over half the skin, or is nowhere, since its list."""
+    d, n, motion, square = state.discs, state.discs.n, state.constants.motion, _square_of(state)
+    dt = motion.time_step
+    if d.dash_x is not None:
+        _book(state, motion)
+    if d.omega is not None:
+        old = d.omega[:n].copy()
+        d.omega[:n] += dt / motion.inertia / square**2 * d.torque[:n]
+        d.torque[:n] = 0.0
+        if d.uomega is not None:
+            d.uomega[:n] = 1.5 * d.omega[:n] - 0.5 * old
+    for v, f, u, x, weight in (
+        (d.vx, d.fx, d.ux, d.x, motion.weight_x),
+        (d.vy, d.fy, d.uy, d.y, motion.weight_y),
+    ):
+        old = v[:n].copy()
+        v[:n] += dt / motion.mass / square * f[:n]
+        if u is not None:
+            u[:n] = 1.5 * v[:n] - 0.5 * old
+        x[:n] += dt * v[:n]
+        f[:n] = weight * square
+    way2 = (d.x[:n] - d.x0[:n]) ** 2 + (d.y[:n] - d.y0[:n]) ** 2
+    return not bool((way2 <= motion.reach2).all())
