@@ -91,7 +91,7 @@ def gather(dump: Dump, flow: Flow, collectors: Iterable[Collector], warnings: li
         warnings.append(f"Means are over the second half of the frames instead: {error}")
         made = add_means(profiles)
     wet = made["packing_mean"].values[np.isfinite(made["packing_mean"].values)]
-    if wet.size and (usual := float(np.median(wet))) > 1:
+    if not flow.knows_contacts and wet.size and (usual := float(np.median(wet))) > 1:
         warnings.append(
             f"Discs cover {usual:z.3g} times the area below the surface: they lie behind each other or overlap, so no "
             "depth holds. Write a dump of one layer of discs, or give the right diameter (--diameter)."

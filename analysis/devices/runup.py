@@ -21,7 +21,7 @@ from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.front import bulk_front, stack_top
 from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.report.page import Section, Table, described
-from lammps_jump.dump.frame import Frame
+from lammps_jump.dump.frame import Frame, make_frame
 from lammps_jump.scene.chains import X0, X1
 from lammps_jump.units import number
 
@@ -75,7 +75,7 @@ class RunUp:
     run_up: float = number("m", "the same over the still water", default=nan, label="run-up over still water")
     time: float = number("s", "time of the highest place", default=nan, label="at")
     place: float = number("m", "place x of the highest water", default=nan)
-    still: float = number("m", "height y of the still water, before walls move", default=nan)
+    still: float = number("m", "height y of the still water, before walls move or at the start", default=nan)
     crest: float = number("m", "height y of the crest", default=nan)
     over: float = number(
         "m^2", "volume that has gone over the crest, by mass", default=nan, label="volume over the crest"
@@ -177,6 +177,7 @@ class RunUpWatch:
         self.obstacles: list[Obstacle] = []
         self.still, self._moved, self.begin = nan, False, -inf
         self.rows: list[list[tuple[float, float, float]]] = []
+        self.levels: list[float] = []
         self._seen = np.zeros((0, 3))
         self._first: np.ndarray | None = None
         self._poses: list[object] = []
@@ -198,6 +199,8 @@ class RunUpWatch:
         self._first = np.column_stack([frame.ids, frame.x])
         self.obstacles = obstacles_of(self.flow, float(np.median(frame.x)))
         self.rows = [[] for _ in self.obstacles]
+        if all(one.motion.kind is None for one in self.flow.scene.walls):
+            self.levels = [level_before(frame, self.flow, one) for one in self.obstacles]
 
     def _find_still(self, frame: Frame, time: float) -> None:
         """Keep the level of the water up to the first motion of a wall."""
@@ -215,7 +218,9 @@ class RunUpWatch:
         """Highest place of the water on an obstacle, y and x, m; NaN where there is none."""
         flow, side = self.flow, obstacle.side
         d, largest = flow.scene.diameter, 2.0 * flow.largest_radius(frame)
-        away = side * (frame.x - obstacle.foot)
+        # where nominal discs with the same outer edges would stand
+        beyond = flow.radii(frame) - flow.scene.radius
+        away = side * (frame.x - obstacle.foot) + beyond
         reach = side * (obstacle.crest - obstacle.foot)
         here = (away > -BEFORE * d) & (away < reach)
         if not here.any() or away[here].min() > 0.0:
@@ -225,7 +230,7 @@ class RunUpWatch:
         if isfinite(face) and tip >= face - BEFORE * d:
             stands = (side * (frame.x - obstacle.face) < 0) & (side * (frame.x - obstacle.face) > -BEFORE * d)
             ground = float(np.interp(obstacle.face - side * BEFORE * d, obstacle.x, obstacle.bed))
-            return ground + stack_top(frame.y[stands], d, ground, largest), obstacle.face
+            return ground + stack_top((frame.y + beyond)[stands], d, ground, largest), obstacle.face
         place = obstacle.foot + side * min(tip, reach)
         return (float(np.interp(place, obstacle.x, obstacle.bed)), place) if tip > 0 else (nan, nan)
 
@@ -258,29 +263,41 @@ def level_of(frame: Frame, flow: Flow) -> float:
     return float(np.median(top[deep])) if deep.any() else nan
 
 
+def level_before(frame: Frame, flow: Flow, obstacle: Obstacle) -> float:
+    """Height y of the surface of the water at the foot of an obstacle, m; NaN where none lies there."""
+    before, d = obstacle.side * (obstacle.foot - frame.x), flow.scene.diameter
+    if not ((before >= 0) & (before < BEFORE * d)).any():
+        return nan
+    half = 0.5 * obstacle.side * (obstacle.foot - float(np.median(frame.x)))
+    near = (before >= 0) & (before <= max(half, BEFORE * d))
+    columns = {name: column[near] for name, column in frame.columns.items()}
+    return level_of(make_frame(frame.step, frame.time, frame.box, columns), flow)
+
+
 def analyse(gathered: Gathered) -> RunUp | None:
     """Run-up and overtopping of the obstacle that the water climbs highest; None where nothing stands in its way."""
     flow, watch = gathered.flow, gathered.histories["runup"]
     assert isinstance(watch, RunUpWatch)
-    found = [(one, np.array(rows).T) for one, rows in zip(watch.obstacles, watch.rows, strict=True) if rows]
-    reached = [(one, rows) for one, rows in found if np.isfinite(rows[1][rows[0] >= watch.begin]).any()]
+    found = [(k, np.array(rows).T) for k, rows in enumerate(watch.rows) if rows]
+    reached = [(k, rows) for k, rows in found if np.isfinite(rows[1][rows[0] >= watch.begin]).any()]
     if not found:
         return None
     if not reached:
         return RunUp(reason="the water has not reached the foot of the slope or wall")
-    obstacle, rows = max(reached, key=lambda pair: (pair[1][3][-1], np.nanmax(pair[1][1])))
+    which, rows = max(reached, key=lambda pair: (pair[1][3][-1], np.nanmax(pair[1][1])))
+    obstacle, still = watch.obstacles[which], watch.levels[which] if watch.levels else watch.still
     time, height, place, over = rows
     height = np.where(time < watch.begin, nan, height)  # before walls move, the water comes to rest
     at = int(np.nanargmax(height))
     highest, d, area = float(height[at]), flow.scene.diameter, flow.scene.mass / flow.scene.density
     recent = over[time >= time[-1] - 0.05 * (time[-1] - time[0])][0]
-    run_up = highest - watch.still
+    run_up = highest - still
     return RunUp(
         highest,
         run_up,
         float(time[at]),
         float(place[at]),
-        watch.still,
+        still,
         obstacle.top,
         area * float(over[-1]),
         watch.count_over(obstacle),

@@ -67,6 +67,12 @@ def _occupied(profiles: xr.Dataset) -> Interval:
     return (edges[held[0]], edges[held[-1] + 1]) if held.size else (edges[0], edges[-1])
 
 
+def _ever_occupied(profiles: xr.Dataset) -> slice:
+    """The bins from the first to the last that ever held a disc, and one to either side; all where none did."""
+    held = np.flatnonzero((profiles["mass_depth"].values > 0).any(axis=0))
+    return slice(max(held[0] - 1, 0), held[-1] + 2) if held.size else slice(0, profiles.sizes["x"])
+
+
 def xt_map(
     profiles: xr.Dataset,
     variable: str = "surface_depth",
@@ -84,11 +90,12 @@ def xt_map(
     toe : (ndarray, ndarray), optional
         Places (m) and times (s) of a tracked front, drawn on top.
     """
-    values = profiles[variable].values
+    values, held = profiles[variable].values, _ever_occupied(profiles)
+    edges, values = _bin_edges(profiles)[held.start : held.stop + 1], values[:, held]
     return Map(
         title or f"{variable.replace('_', ' ')} over distance and time",
         axis_label(profiles[variable]),
-        _bin_edges(profiles),
+        edges,
         profiles.time.values,
         values,
         TIME if profiles.time.attrs.get("units") != "1" else "Step",

@@ -90,7 +90,8 @@ gauges        mean: depth over the window; lowest, largest: of all frames
 obstacle      where the bed rises by three diameters or more from where the discs are; its crest is the first top
 highest       bed under the end of the tongue, before the first gap of two diameters along the slope; before an upright
               face the top of the discs that stand there without such a gap
-still water   median of the highest edges of strips two diameters wide, before walls move
+still water   median of the highest edges of strips two diameters wide, before walls move; without such walls that
+              of the water before the foot of the obstacle at the start
 over          discs that were before the crest at the start and were last seen beyond it, their mass over ρ
 """,
     "drum": """\

@@ -46,6 +46,10 @@ ENERGY = Verdict(
 )
 
 
+SLOW = 0.01
+"""Median speed over √(g d) below which discs are slow."""
+
+
 def is_foreign(summary: Mapping) -> bool:
     """Whether the summary is that of a dump of which no case is known."""
     return "given" in summary and "case_yaml" not in summary
@@ -68,6 +72,8 @@ def _state(summary: Mapping) -> str:
         said = f"how fast the {discs} discs move is not known; {_size(summary)}."
     elif summary.get("gravity") == 0 or state.get("at_rest") is None:
         said = f"{discs} discs move at {shown(state['speed'])} m/s, the median of their speeds at the end."
+    elif (at(summary, "state.speed_over_root_gd") or 1.0) < SLOW:
+        said = f"{discs} discs are slow, {shown(state['speed'])} m/s in the median; {_size(summary)}."
     else:
         said = f"{discs} discs still move, at {shown(state['speed'])} m/s in the median; {_size(summary)}."
     said = said.replace(f"{discs} discs", "they", 1) if begin else said
@@ -77,7 +83,7 @@ def _state(summary: Mapping) -> str:
 def _falls_on(summary: Mapping) -> str:
     state = part(summary, "state")
     share = state.get("speed_over_root_gd")
-    if state.get("at_rest") is not False or share is None or share >= 0.01:
+    if state.get("at_rest") is not False or share is None or share >= SLOW:
         return ""
     return "the discs are slow, yet their top or their number changed at the end: run longer"
 

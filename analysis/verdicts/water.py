@@ -246,9 +246,7 @@ def _spike(summary: Mapping) -> str:
     raw, peak = force.get("peak_unfiltered"), force.get("peak")
     if not raw or not peak or abs(raw) <= 1.5 * abs(peak):
         return ""
-    return (
-        f"the record without low-pass peaks at {shown(abs(raw / peak))} times the force: single discs strike the wall"
-    )
+    return f"without low-pass the peak is {shown(abs(raw / peak))} times as high: single discs strike the wall"
 
 
 def _unbalanced(summary: Mapping) -> str:

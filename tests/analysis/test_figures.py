@@ -67,7 +67,7 @@ def test_xt_map(profiles, tmp_path):
     figure = figures.drawn(xt_map(profiles, toe=(np.array([5.0, 6.0]), np.array([1.0, 2.0]))))
     assert "Time t [s]" in texts(figure) and any("Depth" in text for text in texts(figure))
     mesh = figure.axes[0].collections[0]
-    np.testing.assert_allclose(mesh.get_array().reshape(12, 20)[:, :12], 1.0)
+    np.testing.assert_allclose(mesh.get_array().reshape(12, 13)[:, :12], 1.0)  # and one bin without discs
     figures.save(figure, tmp_path / "xt.svg")
     one = compute_profiles(frames(1), CONTEXT)
     figures.save(figures.drawn(xt_map(one, "velocity")), tmp_path / "one.png")
@@ -140,3 +140,15 @@ def test_png_is_drawn_at_the_saved_resolution(tmp_path):
         assert picture.size == (520, 390) and picture.mode == "RGB"
         assert np.asarray(picture).min() < 100 and picture.info["dpi"][0] == pytest.approx(130, abs=0.1)
     assert figure.get_dpi() == before
+
+
+def test_a_map_shows_where_discs_were(profiles):
+    """Bins that never held a disc are left out, but for one to either side."""
+    bins = profiles.sizes["x"]
+    assert bins > 8
+    lone = profiles.copy()
+    lone["mass_depth"] = profiles["mass_depth"] * 0.0 + np.where(np.isin(np.arange(bins), (3, 5)), 0.1, 0.0)
+    shown = xt_map(lone)
+    assert shown.values.shape[1] == 5 and len(shown.x) == 6
+    assert np.array_equal(shown.values, lone["surface_depth"].values[:, 2:7])
+    assert xt_map(lone.assign(mass_depth=0.0 * lone["mass_depth"])).values.shape[1] == bins  # none at all

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -98,6 +100,21 @@ def test_what_goes_over_a_wall():
     told = doubts(summary)
     assert any(text.startswith("The water reaches the crest: ") for text in told)
     assert any(text.startswith("15 discs make the volume") for text in told)
+
+
+def test_still_water_before_a_wall_where_no_wall_moves():
+    """A column of 2 m stands beside water of 1 m, which lies before the wall; before a dry wall there is none."""
+    x, y = columns_of_discs(lambda at: np.where(at < 2.0, 10, 5), 0.0, 10.0)
+    walls = [Line(name="bed", points=((-2, 0), (28, 0))), Block("wall", (10.0, 10.4), (-1.0, 3.0))]
+    flow = tank(*walls)
+    standing = replace(flow, scene=replace(flow.scene, walls=tuple(map(MovingWall, walls))))
+    found = found_in(standing, [disc_frame(x, y, box=ROOM["domain"])])
+    assert found.still == pytest.approx(1.0) and found.run_up == pytest.approx(0.0, abs=1e-9)
+    dry = x < 8.0
+    found = found_in(
+        standing, [disc_frame(x[dry], y[dry], box=ROOM["domain"]), disc_frame(x, y, box=ROOM["domain"], time=1.0)]
+    )
+    assert np.isnan(found.still) and np.isnan(found.run_up) and found.highest == pytest.approx(1.0)
 
 
 def test_where_no_wave_can_run_up():

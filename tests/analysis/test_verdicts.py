@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Verdicts on made-up summaries: what claims the title, what nobody asked for, and what makes each answer doubtful."""
+
+# ruff: noqa: E501  (sentences stand whole)
+from __future__ import annotations
+
+from dataclasses import fields
+
+import pytest
+
+from lammps_jump.analysis.quantities import QUANTITIES, main_numbers
+from lammps_jump.analysis.tables.rows import at_gauges
+from lammps_jump.analysis.verdicts import VERDICTS, doubts, headline, is_shown, verdict
+
+STATE = {"discs": 300, "first_discs": 300, "speed": 0.02, "speed_over_root_gd": 0.05, "along": 0.0, "mean_speed": 0.1,
+         "length": 0.6, "height": 0.12, "at_rest": True}  # fmt: skip
+NO_JUMP = {"verdict": "no jump found", "reason": "Fewer than eight bins.", "headline": "No hydraulic jump to compare."}
+JUMP = {"verdict": "jump", "at": "tail water", "belanger_deviation": -0.01, "speed": 1.0, "y2": 3.0}
+HOPPER = {"discharge": 180.0, "slot": 0.1, "gap_x": [0.1], "slot_in_diameters": 10.0, "beverloo": 0.9, "discs": 700,
+          "change": 0.01, "pause": 0.01, "usual_pause": 0.002}  # fmt: skip
+HEAP = {"height": 0.23, "angle": 21.0, "angle_interval": 2.0, "angle_left": 21.0, "angle_right": 21.0, "at_rest": True,
+        "angle_left_interval": 2.0, "angle_right_interval": 2.0, "height_in_diameters": 23.0}  # fmt: skip
+DRUM = {"angle": 24.9, "turns": 0.7, "scatter": 2.0, "froude": 0.02, "filling": 0.4}
+LAYERS = {"velocity": 0.35, "friction": 0.36, "change": 0.01, "layers": 15}
+WAVES = {"period": 4.0, "periods": 4, "height": 0.59, "height_last": 0.4, "gauges": [4.5, 12.0], "heights": [0.59, 0.4]}
+FRONT = {"position": 9.2, "position_99": 9.0, "time": 3.0, "speed": 3.6, "column_base": 2.0, "column_depth": 4.0}
+RUN_UP = {"highest": 1.9, "run_up": 1.0, "diameters": 10.0, "crest": 2.5, "over": 0.0, "over_discs": 0, "wall": "quay"}
+FORCE = {"quay": {"peak": 4690.0, "peak_unfiltered": 5000.0, "stagnation": 1800.0, "hydrostatic": 900.0,
+                  "component": "fx", "peak_time": 5.41}}  # fmt: skip
+ENERGY = {"conservative": True, "max_deviation": 0.004}
+DUMP = {"given": {}, "state": STATE}
+
+
+@pytest.mark.parametrize(
+    ("summary", "said"),
+    [
+        ({"hopper": HOPPER, "heap": HEAP}, "Discs leave at 0.18 t/s per metre through a gap of 0.10 m at x = 0.1 m. A heap of 0.23 m is at rest, its flanks slope at 21 degrees."),
+        ({"drum": DRUM}, "The drum turns, and its surface slopes at 24.9 degrees."),
+        ({"layers": LAYERS}, "The layer flows at 0.35 m/s; its effective friction is 0.36."),
+        ({"layers": LAYERS, "state": STATE}, "The layer rests on its bed."),
+        ({"front": FRONT, "runup": RUN_UP}, "A column collapses: its front runs at 3.6 m/s. The water reaches y = 1.9 m on quay, 1.0 m over the still water; nothing goes over the crest at y = 2.5 m."),
+        ({"runup": {**RUN_UP, "over": 0.2, "highest": 3.0}}, "The water reaches y = 3 m on quay, 1.0 m over the still water; 0.20 m² go over the crest at y = 2.5 m."),
+        ({"force": FORCE}, "The discs push quay with 4.7 kN/m along x at most, at t = 5.41 s."),
+        ({"state": STATE}, "300 discs are at rest; they take 0.60 m along x and 0.12 m in height."),
+        ({"state": {**STATE, "at_rest": False}}, "300 discs still move, at 0.020 m/s in the median; they take 0.60 m along x and 0.12 m in height."),
+        ({"state": {**STATE, "at_rest": False, "speed_over_root_gd": 0.001}}, "300 discs are slow, 0.020 m/s in the median; they take 0.60 m along x and 0.12 m in height."),
+        (DUMP, "A dump of 300 discs, of whose scene nothing is known: they are at rest; they take 0.60 m along x and 0.12 m in height."),
+        ({"state": {**STATE, "speed": None, "at_rest": None}}, "How fast the 300 discs move is not known; they take 0.60 m along x and 0.12 m in height."),
+    ],
+)  # fmt: skip
+def test_a_title_belongs_to_what_is_there(summary, said):
+    assert verdict(summary) == said and headline(summary)
+
+
+@pytest.mark.parametrize(
+    "summary",
+    [
+        {**DUMP, "jump": NO_JUMP},  # nobody asked
+        {"jump": NO_JUMP, "state": STATE},  # no stream flows in
+        {"jump": {**JUMP, "headline": "A jump."}, "inflow": {}, "friction_law": "history", "state": STATE},  # grains
+        {"state": STATE},
+    ],
+)
+def test_no_jump_is_spoken_of_where_none_can_be(summary):
+    assert "jump" not in verdict(summary).lower() + headline(summary).lower() and "at rest" in verdict(summary)
+    asked = "jump" in summary and "given" not in summary
+    assert is_shown("jump", summary) or not asked
+    # what a case asks for and cannot have is told with its reason
+    assert any("hydraulic jump" in text for text in doubts(summary)) is asked
+    assert not any("jump" in line for line in main_numbers(summary) if not asked)
+
+
+def test_a_jump_that_was_asked_for_is_spoken_of():
+    assert verdict({"jump": NO_JUMP, "inflow": {}, "state": STATE}) == "No hydraulic jump."
+    found = {**DUMP, "jump": JUMP}
+    assert verdict(found).startswith("A hydraulic jump.") and is_shown("jump", found)
+    asked = {**DUMP, "given": {"analyses": ["jump"]}, "jump": NO_JUMP}
+    assert is_shown("jump", asked) and not is_shown("jump", {**DUMP, "jump": NO_JUMP})
+
+
+def test_a_front_of_a_dump_is_shown_where_discs_run_as_a_stream():
+    still = {**FRONT, "speed": None, "column_base": None}
+    poured = {**DUMP, "front": still}
+    assert not is_shown("front", poured) and verdict(poured).startswith("A dump of 300 discs")
+    stream = {**poured, "state": {**STATE, "along": 0.09}}
+    assert is_shown("front", stream) and verdict(stream).startswith("The front of the discs is at 9.2 m")
+
+
+def test_water_at_rest_before_a_wall_does_not_strike_it():
+    rests = {"quay": {**FORCE["quay"], "stagnation": 1000.0}}
+    assert verdict({"force": rests, "state": STATE}).startswith("300 discs")
+    assert "push quay" in verdict({"force": rests, "runup": {"wall": "quay"}})  # what climbs it has run against it
+    assert verdict({"force": FORCE, "inflow": {}, "state": STATE}).startswith("300 discs")  # a stream has a mean
+
+
+DOUBTFUL = [
+    ({"hopper": {**HOPPER, "discs": 40}}, "40 discs pass while the flow is on"),
+    ({"hopper": {**HOPPER, "change": -0.3}}, "the discharge changes by 30 % within"),
+    ({"hopper": {**HOPPER, "pause": 0.5}}, "no disc passes for 0.50 s, 250 times"),
+    ({"hopper": {**HOPPER, "no_beverloo": "it is narrow"}}, "no number of Beverloo: it is narrow"),
+    ({"heap": {**HEAP, "at_rest": False}}, "still move"),
+    ({"heap": {**HEAP, "angle_interval": 7.0}}, "± 7.0 degrees"),
+    ({"heap": {**HEAP, "angle_left": 32.0}}, "32 degrees to the left and 21 to the right"),
+    ({"heap": {**HEAP, "height_in_diameters": 6.0}}, "6.0 diameters high"),
+    ({"heap": HEAP, "friction_law": "viscous"}, "no memory"),
+    ({"drum": {**DRUM, "turns": 0.2}}, "0.20 of a turn"),
+    ({"drum": {**DRUM, "scatter": 5.0}}, "swings by 5.0 degrees"),
+    ({"drum": {**DRUM, "froude": 0.5}}, "Froude number is 0.50: the surface is bent"),
+    ({"drum": {**DRUM, "filling": 0.9}}, "fill 90 % of the drum"),
+    ({"layers": {**LAYERS, "change": 0.2}}, "20 % faster"),
+    ({"layers": {**LAYERS, "layers": 5}}, "5 layers hold discs"),
+    ({"jump": {**JUMP, "filling": True}}, "still fills"),
+    ({"jump": {**JUMP, "share_found": 0.5}}, "share of 0.50 of the frames"),
+    ({"jump": {**JUMP, "drift": {"y2": 0.3}}}, "changes by 10 % within"),
+    ({"jump": {**JUMP, "left_out": ["friction"]}}, "leaves out friction"),
+    ({"jump": {**JUMP, "stream": {"at_inlet": True}}}, "compressed up to the inlet"),
+    ({"jump": {**JUMP, "frames_in_window": 5}}, "holds 5 frames"),
+    ({"jump": JUMP, "inflow": {"deviation": -0.2}}, "inflow is 20 % off"),
+    ({"waves": {**WAVES, "periods": 2}}, "2 periods only"),
+    ({"waves": {**WAVES, "height_last": 0.1}}, "lose 83 %"),
+    ({"front": {**FRONT, "position_99": 20.0}}, "end at different places, 9.2 and 20 m"),
+    ({"front": {**FRONT, "gate_open": 2.0}}, "takes 2.0 s to open"),
+    ({"runup": {**RUN_UP, "reaches_crest": True}}, "reaches the crest"),
+    ({"runup": {**RUN_UP, "over": 0.1, "over_discs": 25}}, "scatters by 20 %"),
+    ({"runup": {**RUN_UP, "still_passes": True}}, "still goes over"),
+    ({"runup": {**RUN_UP, "diameters": 1.5}}, "1.5 diameters"),
+    ({"force": {"quay": {**FORCE["quay"], "peak_unfiltered": 14070.0}}}, "3.0 times as high"),
+    ({"force": {**FORCE, "identity": {"x": {"complete": True, "relative": 0.2}}}}, "miss the momentum of the discs by 20 %"),
+    ({"energy": {**ENERGY, "max_deviation": 0.05}}, "changes by 5.0 %"),
+    ({"state": {**STATE, "at_rest": False, "speed_over_root_gd": 0.001}}, "slow, yet"),
+    ({"state": {**STATE, "first_discs": 310}}, "10 of 310 discs have left"),
+    (DUMP, "not in a dump"),
+]  # fmt: skip
+"""A summary for every doubt, and what is said of it."""
+
+
+@pytest.mark.parametrize(("summary", "said"), DOUBTFUL)
+def test_a_doubt_is_told(summary, said):
+    (one,) = doubts(summary)
+    assert said.lower() in one.lower() and one.endswith(".") and one[0] == one[0].upper()
+    assert f"doubtful: {one}" in main_numbers(summary)
+
+
+def test_every_doubt_has_its_summary_and_none_holds_without_a_cause():
+    every = [doubt for one in VERDICTS for doubt in one.doubts]
+    assert sum(any(doubt.found(summary) for summary, _ in DOUBTFUL) for doubt in every) == len(every) == len(DOUBTFUL)
+    sound = {"hopper": HOPPER, "heap": HEAP, "drum": DRUM, "layers": LAYERS, "jump": JUMP, "waves": WAVES}
+    sound |= {"front": FRONT, "runup": RUN_UP, "force": FORCE, "energy": ENERGY, "state": STATE}
+    assert not [doubt.when for doubt in every if doubt.found(sound)]
+
+
+def test_numbers_of_verdicts_are_those_of_the_program():
+    for one in VERDICTS:
+        for key in one.numbers:
+            quantity, *rest = key.split(".")
+            assert rest[-1] in {field.name for field in fields(QUANTITIES[quantity].result)}, key
+
+
+def test_the_gauges_stand_on_the_first_screen():
+    waves = {"gauges": [4.0, 8.0], "means": [0.93, -0.001], "largest": [1.26, 0.0]}
+    assert at_gauges({"waves": waves}) == (
+        "depth at gauges, mean of the window (largest), m: x = 4 m 0.93 (1.26), x = 8 m 0.00 (0.00)"
+    )
+    assert at_gauges({}) == ""
