@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Never, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import yaml
 from pydantic import ValidationError
@@ -97,12 +97,12 @@ class ReadCase:
 
     if not TYPE_CHECKING:
 
-        def __getattr__(self, name: str) -> Never:
+        def __getattr__(self, name: str) -> Any:
             if name in CaseFields.model_fields:
                 raise AttributeError(
                     f"a case has no attribute '{name}': case.fields.{name} reads it, and {HOW_TO_CHANGE}"
                 )
-            raise AttributeError(f"a case has no attribute '{name}'")
+            return object.__getattribute__(self, name)  # raises what is missing, or what a property lacked
 
     @property
     def name(self) -> str:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -27,8 +28,9 @@ from lammps_jump.scene.schedule import Schedule, fitted_step, plan_stations, pla
 from . import checks, walls
 from .derived import skipped
 from .fields import CaseFields, Column
-from .foresight import speeds
-from .foresight.doubts import doubts
+from .foresight import speeds, ways_out
+from .foresight.asked import in_vain, radians_given
+from .foresight.doubts import doubts, drowned
 from .foresight.grains import heap_doubts
 from .packing import TooSoft, arrange, disc_sizes
 from .parts import channel, places
@@ -107,6 +109,12 @@ def build_scene(case: CaseFields, source: CaseSource) -> Scene:
         Where the numbers cannot make a scene: unstable step, discs that overlap or stand in a wall, an inlet in
         a wall, no rows, unknown probes, discs outside the domain; with the place in the file.
     """
+    scene = _scene(case, source)
+    return replace(scene, warnings=(*scene.warnings, *told)) if (told := drowned(case, scene)) else scene
+
+
+def _scene(case: CaseFields, source: CaseSource) -> Scene:
+    """`build_scene`, without the notes that need the whole scene."""
     begun, warnings = _beginning(case, source)
     rows = case.inflow if isinstance(case.inflow, RowsInflow) else None
     inlets, raster, hydrograph = inlet_of(rows, source, begun, case.run.seed) if rows else Inlet()
@@ -138,7 +146,11 @@ def build_scene(case: CaseFields, source: CaseSource) -> Scene:
     names = [wall.name for wall, _ in moving]
     probes, groups = _probes(case, source, names), walls.groups(case, source, moving, own_names)
     asked = {*probes, *(name for _, members in groups for name in members)}
-    kept = [one for one in moving if walls.reachable(one, begun, domain) or one.wall.name in asked]
+    reached = [one for one in moving if walls.reachable(one, begun, domain)]
+    kept = [one for one in moving if one in reached or one.wall.name in asked]
+    notes += ways_out.unguarded(case, begun, inlets, moving, domain, outlets)
+    notes += ways_out.unused(moving, reached, [item.wall.name for item in theirs])
+    notes += in_vain(case, moving) + radians_given(case)
     law, pour = case.contact, case.inflow if isinstance(case.inflow, PourInflow) else None
     rubs = law.friction > 0 or any(own.friction for own in laws.values())
     springs = law.springs if rubs else None

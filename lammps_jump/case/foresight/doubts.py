@@ -6,13 +6,18 @@ from __future__ import annotations
 from math import inf
 
 from lammps_jump.case.design.flow import studied
-from lammps_jump.case.fields import CaseFields
+from lammps_jump.case.design.foot import foot_of
+from lammps_jump.case.fields import CaseFields, Column
 from lammps_jump.case.parts.beds import RoughBed
 from lammps_jump.case.parts.inflow import RowsInflow
 from lammps_jump.physics import jump
-from lammps_jump.scene import InletRow, Wall
+from lammps_jump.scene import InletRow, Scene, Wall
 from lammps_jump.scene.shapes import open_ends
 
+from .asked import empty_window
+
+DROWNED = 1.25
+"""Depth over the sequent depth from which on a jump is drowned for sure; discs hold up to 1.1 (measured)."""
 FASTEST = 1.25
 """Fastest row over the impact speed above which overlaps are doubtful; the 1/7 profile has 1.12."""
 UPSTREAM, DOWNSTREAM = 5.0, 3.5
@@ -33,7 +38,9 @@ def doubts(case: CaseFields, impact_speed: float, inlets: tuple[InletRow, ...]) 
     inlets : tuple of InletRow
     """
     found, window, duration = [], case.analysis.window, case.run.duration
-    if window and window[1] > duration * (1 + 1e-3):
+    if empty := empty_window(case):
+        found += empty
+    elif window and window[1] > duration * (1 + 1e-3):
         found.append(
             f"analysis.window ends at {window[1]:g} s, the run at {duration:g} s; take a window within the run, or "
             "none for its last quarter"
@@ -53,6 +60,50 @@ def doubts(case: CaseFields, impact_speed: float, inlets: tuple[InletRow, ...]) 
     if isinstance(case.inflow, RowsInflow) and case.analysis.jump and case.gravity:
         found += _jump_doubts(case, case.inflow)
     return found
+
+
+def drowned(case: CaseFields, scene: Scene) -> list[str]:
+    """A sentence on a basin whose water is deeper than its stream holds: at the foot of a bed, or on a level bed.
+
+    The sequent depth is that of the stream there. The water is that at the start behind the foot, or what the sill
+    dams: the slow depth with the energy of the sill and of a critical depth upon it.
+    """
+    inflow = case.inflow
+    if not isinstance(inflow, RowsInflow) or not (case.analysis.jump and case.gravity):
+        return []
+    y1, speed = inflow.over(*studied(case))
+    if not y1 or jump.froude(speed, y1, case.gravity) <= 1:
+        return []
+    foot = foot_of(scene, y1, speed, case.gravity)
+    if foot is not None and foot.stream is None:
+        return []
+    at, level = (inflow.x, inflow.y) if foot is None else (foot.x, inflow.y - foot.fall)
+    stream = jump.inflow_theory(y1, speed, case.gravity) if foot is None or foot.stream is None else foot.stream
+    where = "inlet" if foot is None else f"foot of the bed, x = {at:.3g} m,"
+    told = (
+        f"the stream at the {where} has {stream.velocity:.3g} m/s and {stream.depth:.3g} m and holds "
+        f"{stream.belanger_y2:.3g} m"
+    )
+    most = DROWNED * stream.belanger_y2
+    filled = max(
+        (item.y[1] - level for item in case.initial if isinstance(item, Column) and item.x[0] - at < 0.5 * stream.length
+         and item.x[1] > at + stream.length), default=0.0,
+    )  # fmt: skip
+    if foot is not None and filled > most:
+        return [f"the basin is drowned at the start: {told}, the water is {filled:.3g} m deep; start with less"]
+    sills = [
+        y[1] - level
+        for x, y in (wall.extent for wall in case.walls if not isinstance(wall, RoughBed) and _stands(wall))
+        if x[0] > at and y[1] > level
+    ]
+    crest = max(sills, default=0.0) + 1.5 * jump.critical_depth(stream.velocity * stream.depth, case.gravity)
+    most_energy = jump.specific_energy(most, stream.velocity * stream.depth / most, case.gravity)
+    if sills and crest > most_energy:
+        return [
+            f"the sill of {max(sills):.3g} m will drown the jump: {told}, the sill dams more than {most:.3g} m; a sill "
+            f"of {stream.sill:.3g} m holds it"
+        ]
+    return []
 
 
 def _stands(wall: Wall) -> bool:

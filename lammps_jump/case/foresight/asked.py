@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What is asked for and cannot be: analyses without their subject, empty windows, angles that look like radians."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from math import degrees
+
+from lammps_jump.case.fields import CaseFields, Column
+from lammps_jump.case.parts.beds import RoughBed
+from lammps_jump.scene import MovingWall
+from lammps_jump.scene.tracks import Oscillate
+
+from .grains import LEAST_FRICTION
+
+RIGHT_ANGLE = 0.1
+"""Distance in degrees from a multiple of 90 at which a value times 180/pi is taken for a right angle: 3.14 is."""
+OTHER_ANGLE = 0.01
+"""The same for multiples of 15 degrees."""
+
+
+def in_vain(case: CaseFields, walls: Sequence[MovingWall]) -> list[str]:
+    """Sentences on analyses for which the scene has nothing."""
+    asked, ends = case.analysis, [wall for wall in case.walls if not isinstance(wall, RoughBed) and wall.finite]
+    texts = {
+        "drum": (asked.drum, any(motion.kind is not None and motion.kind.turns for _, motion in walls),
+                 "no wall turns, so that there is no drum"),
+        "hopper": (asked.hopper, len(ends) > 1, "there are no two walls that could leave a gap between them"),
+        "jump": (asked.jump, case.inflow is not None and case.inflow.kind == "rows",
+                 "no rows flow in (inflow: {kind: rows, …}), so that no jump can stand"),
+        "front": (bool(asked.front), any(isinstance(item, Column) for item in case.initial),
+                  "no column stands at the start, so that none collapses"),
+        "heap": (asked.heap, case.contact.friction >= LEAST_FRICTION or any((w.friction or 0) > 0 for w in ends),
+                 f"with a friction below {LEAST_FRICTION:g} discs make no heap"),
+    }  # fmt: skip
+    found = {name: (wanted, there, why) for name, (wanted, there, why) in texts.items()}
+    if not case.gravity:
+        found |= {name: (texts[name][0], False, "gravity is 0") for name in ("jump", "front", "heap", "hopper")}
+    return [f"analysis.{name}: {why}; drop it" for name, (wanted, there, why) in found.items() if wanted and not there]
+
+
+def empty_window(case: CaseFields) -> list[str]:
+    """A sentence on a window that holds no frame."""
+    window, duration = case.analysis.window, case.run.duration
+    if not window:
+        return []
+    begin = 0.0 - case.settling[0]
+    if window[0] >= duration * (1 + 1e-3) or window[1] < begin:
+        return [
+            f"analysis.window [{window[0]:g}, {window[1]:g}] s holds no frame of the run, which goes from {begin:g} to "
+            f"{duration:g} s: no mean can be taken; take a window within, or none for the last quarter"
+        ]
+    if window[1] - window[0] < case.output_interval:
+        return [
+            f"analysis.window [{window[0]:g}, {window[1]:g}] s is shorter than the time between frames, "
+            f"{case.output_interval:.3g} s: it may hold none; widen it, or lower run.output_interval"
+        ]
+    return []
+
+
+def radians_given(case: CaseFields) -> list[str]:
+    """Sentences on angles that look like radians: all are in degrees."""
+    return [
+        f"{field}: {value:g} is in degrees; if radians are meant, write {round(degrees(value)):g}"
+        for field, value in _angles(case)
+        if _like_radians(value)
+    ]
+
+
+def _angles(case: CaseFields) -> Iterator[tuple[str, float]]:
+    """Angles of a case with their fields."""
+    yield "slope", case.slope
+    for index, wall in enumerate(case.walls):
+        if isinstance(wall, RoughBed):
+            continue
+        yield f"walls[{index}].angle", getattr(wall, "angle", 0.0)
+        if isinstance(wall.motion, Oscillate):
+            yield f"walls[{index}].motion.phase", wall.motion.phase
+            yield f"walls[{index}].motion.angle", wall.motion.angle
+
+
+def _like_radians(value: float) -> bool:
+    """Whether a number is nearly a right angle in radians, or, with more digits, a multiple of 15 degrees."""
+    if not 0.2 < abs(value) < 6.5 or round(value, 1) == value:
+        return False
+    angle = abs(degrees(value))
+    right, other = 90 * round(angle / 90), 15 * round(angle / 15)
+    return (right > 0 and abs(angle - right) < RIGHT_ANGLE * right / 90) or abs(angle - other) < OTHER_ANGLE
