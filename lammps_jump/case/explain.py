@@ -12,17 +12,19 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
 from lammps_jump.errors import CaseError
-from lammps_jump.quoting import echoed
+from lammps_jump.quoting import echoed, shortened
 
 from .fields import CaseFields
 from .parts import other_words
-from .text import CaseSource, PathKey, nearest
+from .text import CaseSource, PathKey, dotted_path, nearest
 
 UNKNOWN = ("extra_forbidden", "unexpected_keyword_argument")
 """What pydantic calls a key that a model or a dataclass does not have."""
 
 CLOSE = 0.75
 """Likeness of spelling from which a word is taken for a misspelt one, before words of the same meaning elsewhere."""
+MOST_OTHERS = 6
+"""Other problems of a case that a message names."""
 MOST_NAMED = 3
 """Fields of other groups that a message names."""
 SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
@@ -39,8 +41,14 @@ def explain(error: ValidationError, source: CaseSource, model: type[BaseModel] =
     if first["type"] == "union_tag_invalid":
         path += ("kind",)
     path += getattr(first.get("ctx", {}).get("error"), "path", ())  # of a `PlaceError`
-    more = f" ({len(problems) - 1} more after this one)" if len(problems) > 1 else ""
+    more = f" ({len(problems) - 1} more after this one{_others(problems, source)})" if len(problems) > 1 else ""
     return CaseError(f"{source.place(path)}: {_sentence(first, path, model)}{more}")
+
+
+def _others(problems: list[dict], source: CaseSource) -> str:
+    """Where the other problems are, as far as they are few."""
+    paths = dict.fromkeys(dotted_path(_data_path(problem["loc"], source.whole)) for problem in problems[1:])
+    return f": {', '.join(paths)}" if all(paths) and len(paths) <= MOST_OTHERS else ""
 
 
 def _data_path(location: tuple, data: Any) -> PathKey:
@@ -63,7 +71,10 @@ def _sentence(problem: dict, path: PathKey, model: type[BaseModel]) -> str:
     if kind in UNKNOWN:
         return f"unknown field; {_meant(path, _models_at(problem['loc'][:-1], model), model)}"
     if kind == "missing":
-        return "is required and not there; `lammps-jump new hydraulic_jump` shows a whole case"
+        field = _fields(_models_at(problem["loc"][:-1], model)).get(problem["loc"][-1])
+        words = [repr(word) for word in get_args(field.annotation) if isinstance(word, str)] if field else []
+        known = f"allowed is {', '.join(words)}" if words else "`lammps-jump new hydraulic_jump` shows a whole case"
+        return f"is required and not there; {known}"
     if kind.startswith(("greater_than", "less_than")):
         broken = " and ".join(f"{SIGNS[key]} {context[key]}" for key in SIGNS if key in context)
         return f"{echoed(value)} is out of range; allowed is {_limits(problem['loc'], model) or broken}"
@@ -76,6 +87,8 @@ def _sentence(problem: dict, path: PathKey, model: type[BaseModel]) -> str:
     if kind == "string_pattern_mismatch":
         letters = "letters, digits and _" if path[0] == "walls" else "letters, digits, _ . and -"
         return f"{echoed(value)} is not a usable name; {letters} are allowed"
+    if kind in ("tuple_type", "list_type") and isinstance(value, str | int | float):
+        return f"{echoed(value)} is a single value; this field is a list: [{shortened(str(value))}]"
     if kind in ("tuple_type", "list_type", "too_long", "too_short", "missing_argument"):
         written = "point is written [x, y]" if "points" in path else "pair is written [low, high]"
         return f"{echoed(value)} does not fit: {problem['msg'].lower()}; a {written}, a list with dashes"

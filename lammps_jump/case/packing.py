@@ -17,7 +17,15 @@ from .fields import BidisperseSizes, CaseFields, Column, DiscList, Discs, Lattic
 
 
 class TooSoft(ValueError):
-    """Contacts that do not bear a column; the caller knows what makes them stiffer."""
+    """Contacts that do not bear a column; the caller knows what makes them stiffer.
+
+    Attributes
+    ----------
+    factor : float
+        The largest overlap over a tenth of a diameter.
+    """
+
+    factor: float = 1.0
 
 
 def disc_sizes(case: CaseFields) -> Sizes | None:
@@ -83,9 +91,11 @@ def column_positions(column: Column, discs: Discs, gravity: float, contact: Coef
     pressure = discs.density * gravity * (above * d + radius) if column.hydrostatic else 0.0 * above
     deepest = max(vertical.max(initial=0.0), pressure.max(initial=0.0) * d / contact.stiffness)
     if deepest > radius:
-        raise TooSoft(
+        error = TooSoft(
             f"its own weight would press the discs {deepest:.3g} m into each other; allowed is a radius, {radius:g} m"
         )
+        error.factor = 10.0 * deepest / d
+        raise error
     x_rows = []
     for thrust in pressure * d:
         first = x0 + radius - thrust / contact.stiffness_wall
@@ -129,7 +139,8 @@ def arrange(
         if not len(positions):
             raise ValueError(
                 f"not one disc of {discs.diameter:g} m fits into x [{item.x[0]:g}, {item.x[1]:g}], "
-                f"y [{item.y[0]:g}, {item.y[1]:g}]; make the column wider or higher than one diameter"
+                f"y [{item.y[0]:g}, {item.y[1]:g}]; make the column wider or higher than one diameter, or "
+                'take smaller discs (numbers are in m; text may have a unit, "100 mm")'
             )
         velocities = np.tile(np.array(item.velocity, float), (len(positions), 1))
     elif isinstance(item, Lattice):

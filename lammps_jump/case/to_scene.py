@@ -29,7 +29,7 @@ from . import checks, walls
 from .derived import skipped
 from .fields import CaseFields, Column
 from .foresight import speeds, ways_out
-from .foresight.asked import in_vain, radians_given
+from .foresight.asked import in_vain, light, radians_given
 from .foresight.doubts import doubts, drowned
 from .foresight.grains import heap_doubts
 from .packing import TooSoft, arrange, disc_sizes
@@ -150,7 +150,7 @@ def _scene(case: CaseFields, source: CaseSource) -> Scene:
     kept = [one for one in moving if one in reached or one.wall.name in asked]
     notes += ways_out.unguarded(case, begun, inlets, moving, domain, outlets)
     notes += ways_out.unused(moving, reached, [item.wall.name for item in theirs])
-    notes += in_vain(case, moving) + radians_given(case)
+    notes += in_vain(case, moving) + radians_given(case) + light(case)
     law, pour = case.contact, case.inflow if isinstance(case.inflow, PourInflow) else None
     rubs = law.friction > 0 or any(own.friction for own in laws.values())
     springs = law.springs if rubs else None
@@ -303,9 +303,9 @@ def _discs(
         try:
             place, speed = arrange(item, case.discs, case.gravity, coefficients, random, sizes, first)
         except TooSoft as error:
-            raise source.error(
-                f"initial.{index}: {error}: {case.contact.stiffer}, or write hydrostatic: false"
-            ) from None
+            factor = math.sqrt(error.factor)  # of the speed: overlaps by weight go as 1/k
+            enough = case.contact.stiff_for((case.contact.impact_speed or 0.0) * factor, factor)
+            raise source.error(f"initial.{index}: {error}: {enough}") from None
         except ValueError as error:
             raise source.error(f"initial.{index}: {error}") from None
         first += len(place)

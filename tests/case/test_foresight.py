@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """What `check` foresees: edges that discs run over, walls without use, empty windows, analyses in vain, radians."""
 
+import re
+
 import pytest
 import yaml
 from made_up import INPUTS
 
 from lammps_jump.case import load_case
 from lammps_jump.case.templates import scene_names
+from lammps_jump.errors import CaseError
 
 NOTES = {
     "hydraulic_jump": ("equal discs pack into a crystal", "friction 0.1 on this bed makes a heap"),
@@ -170,6 +173,40 @@ def test_a_window_without_frames_is_told(window, words):
 def test_an_angle_in_radians_is_told(value, right):
     (text,) = notes("wave_paddle", **{"walls.paddle.motion.phase": value})
     assert text.startswith(f"walls[1].motion.phase: {value:g} is in degrees") and text.endswith(f"write {right}")
+
+
+def test_a_density_in_grams_is_told():
+    (text,) = notes("quick_jump", **{"discs.density": 2.5})
+    assert text == "discs.density: 2.5 is in kg/m^3; if g/cm^3 are meant, write 2500"
+
+
+def test_each_end_of_a_floor_is_named():
+    case = {
+        "discs": {"diameter": 0.1}, "contact": {"restitution": 0.2, "impact_speed": 8}, "run": {"duration": 30},
+        "walls": [{"name": "bed", "kind": "line", "points": [[-1, 0], [15, 0]]}],
+        "initial": [{"kind": "column", "x": [3, 6], "y": [0, 3], "gate": False}],
+    }  # fmt: skip
+    (text,) = said("nothing holds discs", *load_case(case).scene().warnings)
+    assert re.match(r"nothing holds discs between x = -\S+ and -1\.\d+, between x = 15\S* and \S+ m: they fall", text)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"walls.floor": {"name": "floor", "kind": "plane", "axis": "y", "at": 0}}, "allowed is 'above', 'below'"),
+        ({"discs.diameter": 100}, 'take smaller discs (numbers are in m; text may have a unit, "100 mm")'),
+        ({"probes.forces": "sill"}, "'sill' is a single value; this field is a list: [sill]"),
+        ({"run.dt": 1, "inflow.height": 2}, "(1 more after this one: "),
+        (
+            {"walls.floor": {"name": "floor", "kind": "line", "points": [[22, 0], [-5, 0]]}},
+            "reverse its points if they belong",
+        ),
+    ],
+)
+def test_a_beginners_mistake_is_answered_with_what_to_do(changes, words):
+    with pytest.raises(CaseError) as caught:
+        load_case(INPUTS / "quick_jump.yaml", changes).scene()
+    assert words in str(caught.value)
 
 
 @pytest.mark.parametrize("value", [0, 90, -90, 1, 1.5, 2, 0.5, 5, 6.3, 1.234, 45, 0.26])

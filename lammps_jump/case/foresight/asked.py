@@ -15,6 +15,8 @@ from .grains import LEAST_FRICTION
 
 RIGHT_ANGLE = 0.1
 """Distance in degrees from a multiple of 90 at which a value times 180/pi is taken for a right angle: 3.14 is."""
+LIGHT = 0.5, 23.0
+"""Densities in kg/m^3 that are those of solids and liquids in g/cm^3."""
 OTHER_ANGLE = 0.01
 """The same for multiples of 15 degrees."""
 
@@ -65,6 +67,14 @@ def radians_given(case: CaseFields) -> list[str]:
         for field, value in _angles(case)
         if _like_radians(value)
     ]
+
+
+def light(case: CaseFields) -> list[str]:
+    """A sentence on a density that looks like one in g/cm3."""
+    density = case.discs.density
+    if not LIGHT[0] <= density <= LIGHT[1]:
+        return []
+    return [f"discs.density: {density:g} is in kg/m^3; if g/cm^3 are meant, write {1000 * density:g}"]
 
 
 def _angles(case: CaseFields) -> Iterator[tuple[str, float]]:

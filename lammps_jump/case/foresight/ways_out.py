@@ -31,6 +31,8 @@ STEEPEST = 0.5
 """Largest tangent of the flanks of a heap that is foreseen."""
 ROLLS = 0.1
 """Resistance of discs that roll on others without rolling friction, over their weight."""
+MOST_SPANS = 3
+"""Stretches that a sentence names."""
 BELOW = 4.0
 """Room below the lowest wall or disc in which a fall is seen, in diameters."""
 
@@ -78,13 +80,20 @@ def unguarded(
     time = sqrt(2 * max(0.0, highest - bottom) / (case.gravity * cos(radians(case.slope))))
     if "bottom" in found and not any(one.axis == "y" and one.side == "below" for one in outlets):
         if case.run.duration > 2 * time:
-            low, high = found["bottom"].min(), found["bottom"].max()
             said.append(
-                f"nothing holds discs between x = {low:.3g} and {high:.3g} m: they fall to the lower edge of the "
+                f"nothing holds discs {_spans(found['bottom'])} m: they fall to the lower edge of the "
                 f"domain, y = {bottom:.4g} m, and one that is lost ends the run; add outflow: [{{y_below: …}}] above "
                 "it, or close the floor there"
             )
     return said
+
+
+def _spans(places: np.ndarray) -> str:
+    """Stretches of places in words, m."""
+    places = np.unique(places)
+    breaks = np.flatnonzero(np.diff(places) > 1.5 * np.diff(places).min(initial=np.inf)) + 1
+    parts = [f"between x = {part[0]:.3g} and {part[-1]:.3g}" for part in np.split(places, breaks)]
+    return ", ".join(parts[:MOST_SPANS]) + (", …" if len(parts) > MOST_SPANS else "")
 
 
 def _loose(begun: Beginning) -> int:

@@ -116,11 +116,14 @@ def _check_discs_free_of(
         gap = np.where(gap < -diameters / 2, np.inf, gap)
     depth = diameters / 2 - gap
     worst = int(np.argmax(depth))
+    turned = (
+        "; a line pushes discs on its left: reverse its points if they belong there" if open_ends(wall.faces) else ""
+    )
     if depth[worst] > allowed * (1 + 1e-9):
         raise source.error(
             f"{field}: disc {worst + 1} at ({positions[worst, 0]:g}, {positions[worst, 1]:g}) starts "
             f"{depth[worst]:.3g} m deep in wall '{wall.name}'; allowed is d/n = {allowed:.3g} m; {_less_jitter(case)}"
-            "move the wall or the discs"
+            f"move the wall or the discs{turned}"
         )
 
 

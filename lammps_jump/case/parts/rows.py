@@ -51,7 +51,8 @@ def inlet_of(inflow: RowsInflow, source: CaseSource, begun: Beginning, seed: int
     depth, field = max(graph.depths), "depth" if inflow.table is None else "table"
     if depth < d * (1 - 1e-9):
         raise source.error(
-            f"inflow.{field}: {depth:g} m holds no row of discs of {d:g} m; allowed is one diameter or more"
+            f"inflow.{field}: {depth:g} m holds no row of discs of {d:g} m; allowed is one diameter or more: take "
+            'smaller discs (numbers are in m; text may have a unit, "100 mm") or a deeper inflow'
         )
     count = row_count(depth, begun.mean_square, begun.largest, inflow.spacing)
     if count > MOST_ROWS:
