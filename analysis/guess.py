@@ -146,8 +146,9 @@ def _require_a_plane(frames: Sequence[Frame], diameter: float, path: Path) -> No
         if high - low > diameter:
             raise DumpError(
                 f"{path}: step {frame.step}: z runs from {low:z.6g} to {high:z.6g} m, further than a diameter "
-                f"({diameter:z.6g} m): this is a flow in three dimensions; allowed is one layer of discs. Write a dump "
-                "of a slice one diameter thick ('region … block', 'dump GROUP … custom')."
+                f"({diameter:z.6g} m): this is a flow in three dimensions; allowed is one layer of discs. "
+                f"`lammps-jump slice {path} z={0.5 * (low + high):z.3g}`, or y=… where z is up, writes a slice one "
+                "diameter thick, which can be analysed."
             )
 
 

@@ -12,9 +12,10 @@ import typer
 
 import lammps_jump as lj
 from lammps_jump import dump, runs, studies, sweeps
+from lammps_jump.dump.beside.slices import write_slice
 from lammps_jump.errors import CaseError
 
-from .options import Quiet, Sets, Verbose, diameters, place, places, quantity, told
+from .options import Quiet, Sets, Verbose, diameters, place, places, plane_of, quantity, told
 from .progress import print_summary
 
 app = typer.Typer(rich_markup_mode=None)
@@ -191,6 +192,26 @@ def figures(
     else:
         paths = lj.open_run(folder).figures(ending)
     print(*paths, sep="\n")
+
+
+@app.command("slice")
+def cut(
+    target: Annotated[Path, typer.Argument(help="Dump of a flow in three dimensions.", show_default=False)],
+    plane: Annotated[
+        Any,
+        typer.Argument(
+            parser=plane_of, metavar="AXIS=PLACE", help="Plane of the slice, such as y=0.03, m.", show_default=False
+        ),
+    ],
+    thickness: Annotated[
+        float | None, quantity("m", "Thickness of the slice, m (default: the largest diameter).")
+    ] = None,
+    out: Annotated[Path | None, place("Dump to write (default: <dump>_slice.lammpstrj beside it).")] = None,
+) -> None:
+    """Write the bodies near a plane of a dump of three dimensions as a dump of one layer."""
+    written = out or target.with_name(f"{target.name.split('.')[0]}_slice.lammpstrj")
+    most, thick = write_slice(target, *plane, written, thickness)
+    print(f"{written}: at most {most} bodies, {thick:.4g} m thick; `lammps-jump analyze {written}` analyses it")
 
 
 @app.command()

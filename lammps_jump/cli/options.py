@@ -94,6 +94,17 @@ def places(given: str) -> tuple[float, ...]:
     return found
 
 
+def plane_of(given: str) -> tuple[str, float]:
+    """Axis across a plane and its place along it, m: ``y=0.03``."""
+    axis, _, place = given.partition("=")
+    try:
+        if axis not in ("x", "y", "z"):
+            raise ValueError(f"{given}: no plane")
+        return axis, float(to_si(place, "m"))
+    except ValueError as error:
+        raise typer.BadParameter(f"{error}; write x, y or z and a place, such as y=0.03") from None
+
+
 CaseFile = Annotated[
     Path, typer.Argument(help="Case file (YAML); inputs/ holds one for each scene.", show_default=False)
 ]
