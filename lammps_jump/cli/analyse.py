@@ -210,7 +210,7 @@ def cut(
 ) -> None:
     """Write the bodies near a plane of a dump of three dimensions as a dump of one layer."""
     written = out or target.with_name(f"{target.name.split('.')[0]}_slice.lammpstrj")
-    most, thick = write_slice(target, *plane, written, thickness)
+    most, thick = write_slice(target, plane[0], plane[1], written, thickness)
     print(f"{written}: at most {most} bodies, {thick:.4g} m thick; `lammps-jump analyze {written}` analyses it")
 
 
