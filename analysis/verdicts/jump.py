@@ -28,7 +28,7 @@ def is_asked(summary: Mapping) -> bool:
 def is_spoken_of(summary: Mapping) -> bool:
     """Whether the title may speak of a jump: found, or asked for where a stream flows in; never of grains."""
     jump = part(summary, "jump")
-    if not is_asked(summary) or summary.get("friction_law") == MEMORY:
+    if not is_asked(summary) or not jump.get("verdict") or summary.get("friction_law") == MEMORY:
         return False
     if jump["verdict"] in A_JUMP:
         return True

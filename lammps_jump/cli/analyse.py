@@ -12,7 +12,6 @@ import typer
 
 import lammps_jump as lj
 from lammps_jump import dump, runs, studies, sweeps
-from lammps_jump.dump.beside.slices import write_slice
 from lammps_jump.errors import CaseError
 
 from .options import Quiet, Sets, Verbose, diameters, place, places, plane_of, quantity, told
@@ -210,8 +209,8 @@ def cut(
 ) -> None:
     """Write the bodies near a plane of a dump of three dimensions as a dump of one layer."""
     written = out or target.with_name(f"{target.name.split('.')[0]}_slice.lammpstrj")
-    most, thick = write_slice(target, plane[0], plane[1], written, thickness)
-    print(f"{written}: at most {most} bodies, {thick:.4g} m thick; `lammps-jump analyze {written}` analyses it")
+    most, thick = dump.write_slice(target, plane[0], plane[1], written, thickness)
+    print(f"{written}: at most {most} bodies, {thick:z.4g} m thick; `lammps-jump analyze {written}` analyses it")
 
 
 @app.command()

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
+from .beside.slices import write_slice as write_slice
 from .check import FrameCheck as FrameCheck
 from .check import damages as damages
 from .check import force_troubles as force_troubles
