@@ -115,17 +115,20 @@ def export(
     out = place if out is None else Path(out)
     for name in (name for kind in kinds for pattern in EXPORTS[kind] for name in standing(out, pattern)):
         require_replaceable(out, name)
+    # what is to be written is read first: without it no folder is made
+    profiles = read_netcdf(place / "profiles.nc") if {"csv", "vtk"} & set(kinds) else None
+    dump = read_dump(place) if {"pictures", "vtk"} & set(kinds) else None
     with writes(out):
         out.mkdir(parents=True, exist_ok=True)
     written = []
-    if "csv" in kinds:
+    if profiles is not None and "csv" in kinds:
         with _understood(place / "profiles.nc"):
-            written = write_profiles_csv(read_netcdf(place / "profiles.nc"), out)
-    if "pictures" in kinds:
-        written += write_pictures(read_dump(place), out)
-    if "vtk" in kinds:
+            written = write_profiles_csv(profiles, out)
+    if dump is not None and "pictures" in kinds:
+        written += write_pictures(dump, out)
+    if profiles is not None and dump is not None and "vtk" in kinds:
         with _understood(place / "profiles.nc"):
-            written += _frames_for_paraview(read_dump(place), read_netcdf(place / "profiles.nc"), out, walls_at, room)
+            written += _frames_for_paraview(dump, profiles, out, walls_at, room)
         if (place / "fields.nc").is_file():
             with _understood(place / "fields.nc"):
                 written.append(write_vti(read_netcdf(place / "fields.nc"), out / "fields.vti"))

@@ -32,6 +32,7 @@ from lammps_jump.analysis.report.received import read_player
 from lammps_jump.analysis.tables.rows import tiles, together
 from lammps_jump.analysis.verdicts import verdict
 from lammps_jump.files import PLAYER, write_text
+from lammps_jump.folders import require_no_link
 from lammps_jump.provenance import versions
 from lammps_jump.runs.summary import results_in
 from lammps_jump.units import shown, two_digits
@@ -73,6 +74,7 @@ def table_text(found: Held) -> str:
 def draw(found: Held, ending: str = "png") -> dict[Path, str]:
     """Draw a figure for each axis, lines with bands, and a map for two axes of numbers; the captions by file."""
     study, folder = found.study, found.folder / "figures"
+    require_no_link(folder)
     folder.mkdir(exist_ok=True)
     axes = [axis for axis in study.axes if found.table[axis.name].dtype.kind in "if" and len(axis.values) > 1]
     files = {

@@ -2,6 +2,7 @@
 """The framework of `lammps-jump validate`, on laws that are made here: rows, verdicts, keys, page, errors."""
 
 import json
+import shutil
 import sys
 from math import inf, nan
 
@@ -138,6 +139,12 @@ def test_a_law_is_run_once_and_shown(laws, tmp_path, monkeypatch, capsys):
     assert "Free fall" in page and "A note." in page and "data:image/png" in page
     monkeypatch.setattr("lammps_jump.studies.validation.work.run_member", None)  # nothing is run again
     assert validation.validate(["fall"], out, laws=laws, quick=True)["laws"] == stored["laws"]
+    (tmp_path / "mine").mkdir()
+    shutil.rmtree(out / "figures")
+    (out / "figures").symlink_to(tmp_path / "mine")
+    with pytest.raises(SetupError, match="figures: is a link"):
+        validation.validate(["fall"], out, laws=laws, quick=True)
+    assert not [*(tmp_path / "mine").iterdir()]
 
 
 def test_what_fails_is_told_and_tried_again(laws, tmp_path, monkeypatch, capsys):

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 from lammps_jump import load_case
 from lammps_jump.analysis.draw.style import save
 from lammps_jump.files import plain, text_of, write_json
+from lammps_jump.folders import require_no_link
 from lammps_jump.identity import short_hash
 from lammps_jump.provenance import machine, usable_cores
 from lammps_jump.sweeps import Pool, Start, Store, SweepProgress, all_versions, plan
@@ -168,6 +169,7 @@ def outcome(law: Law, pieces: Sequence[Piece], store: Store, figure: Path) -> di
     rows: list[Row] = []
     if all(found.values()):
         rows = list(law.rows(found))
+        require_no_link(figure.parent)
         figure.parent.mkdir(parents=True, exist_ok=True)
         save(law.figure(found), figure)
     return {
