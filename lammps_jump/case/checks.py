@@ -10,6 +10,7 @@ from collections.abc import Iterable
 from math import pi, radians, tan
 
 from lammps_jump.physics import contact
+from lammps_jump.physics.hydrograph import TRAVEL
 from lammps_jump.physics.inlet import LEAST_GAP, REFUSAL_GAP
 from lammps_jump.physics.slip import FRICTION_LAWS, slip_warnings, spring_warnings
 from lammps_jump.scene import Beginning, InletRow, Interval, Sizes, Wall
@@ -194,6 +195,10 @@ def _against_inflow(case: CaseFields) -> list[str]:
     return notes
 
 
+LEAP = 1.75
+"""Growth of an inflow's speed while the stream runs `TRAVEL` depths from which on discs are refused (measured)."""
+
+
 def check_sizes(case: CaseFields, source: CaseSource, sizes: Sizes | None) -> list[str]:
     """Refuse a law that discs of several sizes do not have; return notes on what sizes mean for the scene."""
     friction = case.contact.friction
@@ -219,8 +224,22 @@ def check_sizes(case: CaseFields, source: CaseSource, sizes: Sizes | None) -> li
                 f"friction {friction:g} on this bed makes a heap that runs upstream, not a level jump: the bed holds a "
                 f"sloping surface; for a hydraulic jump take contact.friction up to {LEVEL_FRICTION:g}"
             )
-    notes += _against_inflow(case)
+    notes += [*_against_inflow(case), *_leaping(case)]
     return notes + _sinking(case, sizes)
+
+
+def _leaping(case: CaseFields) -> list[str]:
+    """A note on an inflow whose speed grows so fast that the flow backs up to the inlet."""
+    if not isinstance(case.inflow, RowsInflow) or not case.inflow.table:
+        return []
+    ratio, time = case.inflow.hydrograph.leap
+    if ratio < LEAP:
+        return []
+    return [
+        f"inflow.table: from t = {time:g} s on the speed grows {ratio:.3g}-fold within {TRAVEL:g} depths of its way: "
+        "fast discs run into slow ones, the flow backs up, and discs may be refused at the inlet (0.6 % where a speed "
+        f"doubled so, 6 % where it grew fourfold); let it grow less than {LEAP:g}-fold over that way"
+    ]
 
 
 def _sinking(case: CaseFields, sizes: Sizes | None) -> list[str]:

@@ -18,8 +18,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .inlet import LEAST_GAP, row_count
+from .inlet import LEAST_GAP, REFUSAL_GAP, row_count
 
+TRAVEL = 10.0
+"""Depths that the stream runs in the time over which `Hydrograph.leap` looks at its speed."""
 HALVINGS = 60
 """Of an interval of time, to find when a volume has come in: what is left is round-off."""
 
@@ -58,6 +60,31 @@ class Hydrograph:
         found[0, 1:] = np.cumsum(np.diff(t) * 0.5 * (h[1:] + h[:-1]))
         found[1, 1:] = np.cumsum(np.diff(t) * _parabola(h[:-1], h[1:], u[:-1], u[1:]))
         return found[0], found[1]
+
+    @property
+    def rise(self) -> float:
+        """Largest ratio of a speed to a lower one before it; 1 where the speed never grows."""
+        speeds = np.array(self.speeds)
+        return float(np.max(speeds / np.minimum.accumulate(speeds)))
+
+    @property
+    def leap(self) -> tuple[float, float]:
+        """Largest ratio of a speed to that `TRAVEL` depths of the stream before, and the time of the lower one, s."""
+        depth = max(self.depths)
+        found = [
+            (float(self.speed(time + TRAVEL * depth / speed)) / speed, time)
+            for time, speed in zip(self.times, self.speeds, strict=True)
+        ]
+        return max(found, key=lambda one: one[0])
+
+    def least_gap(self, asked: float) -> float:
+        """Least distance of followers in a row, in largest diameters: `asked`, or more where the speed grows.
+
+        Fast discs run into slower ones before them and push them. Where equal masses of speeds v and r v have met they
+        run at v (1 + r)/2. A disc of speed r v finds its place free behind them if a row leaves it
+        2 r/(1 + r) times the room that it needs.
+        """
+        return max(asked, REFUSAL_GAP * 2.0 * self.rise / (1.0 + self.rise))
 
     def integrals(self, time: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
         """Integrals of depth (m s) and of discharge (m^2) from the first row to a time (s, one or many)."""
@@ -108,9 +135,10 @@ def entries_of_rows(
 ) -> list[RowEntries]:
     """Entries of each row from t = 0 on, from the bed upward; arguments as of `inlet.plan_rows`.
 
-    Row i of K has the speed u K w_i with w_i in the ratio of (i + 1/2)^(1/7), as in a steady inflow. With each disc
-    less than K a / h apart, discs of a row keep the least gap while the speed does not grow.
+    Row i of K has the speed u K w_i with w_i in the ratio of (i + 1/2)^(1/7), as in a steady inflow. Discs of a row are
+    K a / h apart when they enter, `Hydrograph.least_gap` or more.
     """
+    least_gap = graph.least_gap(least_gap)
     ends = _pieces(graph, duration, mean_square / (least_gap * largest))
     middle = graph.depth(0.5 * (ends[1:] + ends[:-1]))
     rows = np.array([row_count(h, mean_square, largest, least_gap) if h > 0 else 0 for h in middle])

@@ -3,10 +3,10 @@
 
 import numpy as np
 import pytest
-from made_up import INPUTS
+from made_up import INPUTS, native_frames
 from scipy.integrate import quad
 
-from lammps_jump.case import load_case
+from lammps_jump.case import load_case, parse_case
 from lammps_jump.case.case import ReadCase
 from lammps_jump.engines.choice import choose
 from lammps_jump.errors import CaseError, SetupError
@@ -127,3 +127,54 @@ def test_check_tells_the_window_and_the_quarters():
     dry = flood("inflow.table=[[0, 0.6, 10], [0.9, 0, 10]]")
     assert "froude" not in dry.check().numbers
     assert any("no disc flows in during the window" in text for text in dry.scene().warnings)
+
+
+SPEEDING = """\
+name: speeding
+discs: {diameter: 0.1}
+contact: {restitution: 0.5, impact_speed: 10}
+domain: {x: [-1, 40], y: [-1, 4]}
+walls: [{name: floor, kind: plane, axis: y, at: 0, side: above}]
+inflow: {kind: rows, table: TABLE, profile: PROFILE}
+run: {duration: 2, output_interval: 0.1}
+engine: {name: native}
+"""
+
+
+def speeding(table, profile="power_law"):
+    return parse_case(SPEEDING.replace("TABLE", str(table)).replace("PROFILE", profile), "speeding.yaml")
+
+
+@pytest.mark.parametrize("profile", ["power_law", pytest.param("uniform", marks=pytest.mark.long)])
+def test_an_inflow_that_speeds_up_is_delivered(profile):
+    """13 of 599 discs were refused, 2.4 % of the discharge: the rows stood as in a steady inflow."""
+    scene = speeding([[0, 0.5, 4], [2, 0.5, 8]], profile).scene()
+    asked = scene.hydrograph.means(0.0, 2.0)[1] * 2.0 / scene.mean_square
+    entered = list(native_frames(scene))[-1].ids.max()
+    assert entered == sum(len(row.turns) for row in scene.inlets)
+    assert entered == pytest.approx(asked, rel=5e-3)
+    assert not [text for text in scene.warnings if "inflow.table" in text]
+
+
+def test_rows_stand_wider_where_the_speed_grows():
+    """2 r/(1 + r) of the room that a disc needs; where it never grows they are those of a steady inflow."""
+    growing, falling = Hydrograph((0, 2), (0.5, 0.5), (4, 8)), Hydrograph((0, 2), (0.5, 0.5), (8, 4))
+    assert growing.rise == 2 and growing.least_gap(1.1) == pytest.approx(1.05 * 4 / 3)
+    assert falling.rise == 1 and falling.least_gap(1.1) == 1.1 and growing.least_gap(3.0) == 3.0
+    assert Hydrograph((0, 1, 2), (1, 1, 1), (4, 2, 6)).rise == 3
+    rows = [len(speeding([[0, 0.5, a], [2, 0.5, b]]).scene().inlets) for a, b in ((4, 8), (8, 4), (4, 4))]
+    assert rows == [7, 6, 6]
+
+
+@pytest.mark.parametrize(
+    ("table", "ratio"),
+    [
+        ([[0, 0.5, 4], [1, 0.5, 4], [1.5, 0.5, 8]], 2.0),
+        ([[0, 0.5, 2], [1, 0.5, 2], [3, 0.5, 8]], 4.0),
+        ([[0, 0.5, 4], [2, 0.5, 8]], None),
+        ([[0, 0.5, 8], [0.1, 0.5, 2]], None),
+    ],
+)
+def test_a_speed_that_leaps_is_told_before_the_run(table, ratio):
+    said = [text for text in speeding(table).scene().warnings if "inflow.table" in text]
+    assert [f"grows {ratio:g}-fold" in text and "refused" in text for text in said] == [True] * (ratio is not None)

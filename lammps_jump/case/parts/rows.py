@@ -54,7 +54,7 @@ def inlet_of(inflow: RowsInflow, source: CaseSource, begun: Beginning, seed: int
             f"inflow.{field}: {depth:g} m holds no row of discs of {d:g} m; allowed is one diameter or more: take "
             'smaller discs (numbers are in m; text may have a unit, "100 mm") or a deeper inflow'
         )
-    count = row_count(depth, begun.mean_square, begun.largest, inflow.spacing)
+    count = row_count(depth, begun.mean_square, begun.largest, graph.least_gap(inflow.spacing))
     if count > MOST_ROWS:
         raise source.error(
             f"inflow.{field}: {depth:g} m holds {count} rows of discs of {d:g} m; allowed are {MOST_ROWS}: take larger "
