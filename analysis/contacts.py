@@ -6,24 +6,37 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache, wraps
+from math import nan
 from typing import NamedTuple, ParamSpec, TypeVar
 
 import numpy as np
-from numba import njit
+from numpy.ctypeslib import ndpointer
 
+from lammps_jump.core.library import INTEGER, INTEGERS, REAL, REALS, function
 from lammps_jump.dump.frame import Frame
 from lammps_jump.errors import DumpError
-from lammps_jump.physics.law import contact_force, normal_force, stored_energy, watching_law
 from lammps_jump.physics.slip import FRICTION_LAWS
-from lammps_jump.scene.faces import MOST
-from lammps_jump.scene.faces import touching as touching_faces
 from lammps_jump.scene.motion import Placed
-from lammps_jump.scene.near import Grid, grid_of, list_near
+from lammps_jump.scene.near import Grid, grid_of
 from lammps_jump.scene.walls import Wall
 
 from .beds.images import fixed_discs
 from .cell_grid import close_pairs
 from .flow import Flow
+
+FACE = np.dtype([("codes", np.int64, 8), ("shape", float, 15)])
+"""A face as the core has it; see `lammps_jump.scene.chains.Faces`."""
+
+_touch_wall = function(
+    "jump_touch_wall", INTEGER, REALS, REALS, REALS, ndpointer(FACE), INTEGER, REALS, INTEGERS, INTEGERS, INTEGERS,
+    INTEGERS, REALS, INTEGER, result=INTEGER,
+)  # fmt: skip
+_normal_forces = function("jump_normal_forces", INTEGER, REALS, REALS, REALS, REALS, REAL, REALS)
+_elastic_sum = function("jump_elastic_sum", INTEGER, REALS, REALS, REAL, result=REAL)
+_whole_forces = function(
+    "jump_whole_forces", INTEGER, INTEGERS, INTEGERS, REALS, INTEGER, REALS, INTEGER, REAL, REAL, REALS, REALS
+)
+_thrust = function("jump_thrust", INTEGER, REALS, INTEGERS, INTEGERS, REALS, REAL, REAL, INTEGER, REALS)
 
 Asked = ParamSpec("Asked")
 Answer = TypeVar("Answer")
@@ -100,6 +113,14 @@ def _grid(wall: Wall, reach: float) -> Grid:
     return grid_of(wall.faces, 2 * reach, reach)
 
 
+@lru_cache
+def _faces(wall: Wall) -> np.ndarray:
+    """Faces of a wall as the core has them."""
+    found = np.empty(len(wall.faces.codes), FACE)
+    found["codes"], found["shape"] = wall.faces.codes, wall.faces.shape
+    return found
+
+
 @once_a_frame
 def walls_of(frame: Frame, flow: Flow) -> tuple[Wall, ...]:
     """Walls that are there at a frame, where they are."""
@@ -114,15 +135,17 @@ def wall_contacts(frame: Frame, wall: Wall, flow: Flow) -> Touching:
     """
     law, moving = flow.scene.wall_law(wall.name), wall if isinstance(wall, Placed) else None
     body, places = (moving.body, moving.inward(frame.x, frame.y)) if moving else (wall, (frame.x, frame.y))
-    faces = body.faces
-    x, y, radius = (np.array(values, float) for values in (*places, flow.radii(frame)))
+    x, y, radius = (np.ascontiguousarray(values, float) for values in (*places, flow.radii(frame)))
+    wall_faces = _faces(body)
     grid = _grid(body, max(0.5 * flow.scene.largest, flow.largest_radius(frame)))
-    rows = np.empty(frame.n, np.int64), np.empty(frame.n, np.int8), np.zeros(frame.n + 1, np.int64)
-    count, room = -1, 2 * frame.n + len(faces.codes)
-    while count < 0:
-        near, index, found = np.empty(room, np.int64), np.empty(room, np.int64), np.empty((room, 3))
-        count = _touch_wall(x, y, radius, faces.codes, faces.shape, faces.deep, grid, *rows, near, index, found)
-        room *= 2
+    count, room = 0, -1
+    while count > room:
+        room = max(count, 2 * frame.n)
+        index, found = np.empty(room, np.int64), np.empty((room, 3))
+        count = _touch_wall(
+            frame.n, x, y, radius, wall_faces, body.faces.deep[0], grid.place[0], grid.cells[0], grid.start, grid.faces,
+            index, found, room,
+        )  # fmt: skip
     index, (distance, nx, ny), rate = index[:count], found[:count].T, (np.zeros(count), np.zeros(count))
     if moving:
         nx, ny = moving.turned(nx, ny)
@@ -133,27 +156,6 @@ def wall_contacts(frame: Frame, wall: Wall, flow: Flow) -> Touching:
         np.full(count, law.stiffness), law.gamma_tangential * size, np.full(count, law.friction), *rate,
         np.full(count, -1 - flow.number_of(wall)),
     )  # fmt: skip
-
-
-def _touch_wall_py(x, y, radius, codes, shape, deep, grid, discs, plain, last, near, index, found):
-    """Contacts of discs with one wall: their number, or -1 where `near` is too short.
-
-    Contact k is of disc ``index[k]``; ``found[k]`` takes its signed distance (m) and normal. `discs`, `plain`, `last`
-    and `near` are room for `list_near`.
-    """
-    rows, count = list_near(x.size, x, y, 0, codes, shape, deep, grid, discs, plain, last, near, 0, 0)
-    if count < 0:
-        return -1
-    kept, which = np.empty((MOST, 4)), np.empty(MOST, np.int64)
-    number = 0
-    for row in range(rows):
-        i = discs[row]
-        own = touching_faces(codes, shape, deep[0], near, last[row], last[row + 1], x[i], y[i], radius[i], kept, which)
-        for k in range(own):
-            index[number] = i
-            found[number, 0], found[number, 1], found[number, 2] = kept[k, 0], kept[k, 1], kept[k, 2]
-            number += 1
-    return number
 
 
 @once_a_frame
@@ -241,11 +243,13 @@ def find_contacts(frame: Frame, flow: Flow, *, damping: bool = True) -> Contacts
     return Contacts(start, np.where(is_wall[:, None], start - to_wall, end), normal, overlap, force, is_wall)
 
 
-def _normal_forces_py(overlap, opening, stiffness, damping, touch):
-    """Normal force of each contact, N/m; parameters of `law.normal_force`, all but `touch` of shape (n,)."""
-    force = np.empty_like(overlap)
-    for k in range(overlap.size):
-        force[k] = normal_force(overlap[k], opening[k], stiffness[k], damping[k], touch)[0]
+def normal_forces(
+    overlap: np.ndarray, opening: np.ndarray, stiffness: np.ndarray, dashpot: np.ndarray, touch: float | None
+) -> np.ndarray:
+    """Normal force of each contact, N/m: spring and dashpot; `touch` is the width of a soft start, m."""
+    force = np.empty(len(overlap))
+    arrays = (np.ascontiguousarray(values, float) for values in (overlap, opening, stiffness, dashpot))
+    _normal_forces(len(force), *arrays, nan if touch is None else touch, force)
     return force
 
 
@@ -269,16 +273,20 @@ def whole_forces(
     scene, zero = flow.scene, np.zeros(frame.n + 1)
     # behind the discs stands one that never moves: the walls, whose own velocity stands with the contact
     u, v, rim = (np.append(values, 0.0) for values in (frame.vx, frame.vy, zero[1:])) if velocity else (zero,) * 3
-    friction = contacts.friction if velocity and scene.rubs and scene.springs is None else None
-    if not velocity:
-        contacts = contacts._replace(wall_u=np.zeros(len(contacts.first)), wall_v=np.zeros(len(contacts.first)))
-    if friction is not None and scene.rotation and "omegaz" in frame.columns:
+    rubs = velocity and scene.rubs and scene.springs is None
+    still = np.zeros(len(contacts.first))
+    wall_u, wall_v = (contacts.wall_u, contacts.wall_v) if velocity else (still, still)
+    if rubs and scene.rotation and "omegaz" in frame.columns:
         rim = np.append(frame.column("omegaz") * flow.radii(frame), 0.0)
-    slope = None
+    slope = nan
     ramp = FRICTION_LAWS[scene.friction_law].ramp
-    if friction is not None and ramp is not None:
+    if rubs and ramp is not None:
         slope = 1.0 / max(ramp * float(np.sqrt(np.max(u**2 + v**2))), 1e-300)
-    computed = _whole_forces(u, v, rim, contacts, friction, slope, flow.touch_width)
+    ends = (contacts.first.astype(np.int64), contacts.second.astype(np.int64))
+    laws = np.array([*contacts[2:9], wall_u, wall_v], float)
+    computed = np.empty_like(still), np.empty_like(still)
+    touch = nan if flow.touch_width is None else flow.touch_width
+    _whole_forces(len(still), *ends, np.array([u, v, rim]), len(u), laws, rubs, slope, touch, *computed)
     if flow.written is None or not velocity:
         return computed
     written = flow.written.forces(frame.step, frame.ids[contacts.second], contacts.partner)
@@ -287,52 +295,25 @@ def whole_forces(
     return fx, fy
 
 
-def _whole_forces_py(u, v, rim, contacts, friction, slope, touch):
-    """Force of each contact on its second disc; `rim` is radius times spin of each disc, m/s.
-
-    `friction` is None where nothing rubs, else that of the contacts.
-    """
-    first, second, nx, ny, overlap, dashpot, stiffness, ramp, _, wall_u, wall_v, _ = contacts
-    fx, fy = np.empty_like(overlap), np.empty_like(overlap)
-    rub = None if friction is None else 0.0
-    for k in range(overlap.size):
-        i, j = first[k], second[k]
-        slip = u[j] - u[i] - wall_u[k], v[j] - v[i] - wall_v[k]
-        numbers = stiffness[k], dashpot[k], ramp[k]
-        if friction is not None:
-            rub = friction[k]
-        whole = contact_force(overlap[k], (nx[k], ny[k]), slip, rim[i] + rim[j], numbers, rub, slope, touch)
-        fx[k], fy[k] = whole[0], whole[1]
-    return fx, fy
-
-
-def _elastic_py(overlap, stiffness, touch):
+def elastic_energy(contacts: Touching, flow: Flow) -> float:
     """Elastic energy of contacts, J/m."""
-    energy = 0.0
-    for k in range(overlap.size):
-        energy += stiffness[k] * stored_energy(overlap[k], touch)
-    return energy
+    touch = nan if flow.touch_width is None else flow.touch_width
+    overlap, stiffness = (np.ascontiguousarray(part, float) for part in (contacts.overlap, contacts.stiffness))
+    return _elastic_sum(len(overlap), overlap, stiffness, touch)
 
 
-def _thrust_py(x, first, second, fx, low, bin_width, thrust):
-    """Add the thrust of pairs along x to `thrust`; `fx` is the force on the second disc of each, N/m.
+def thrust_of(x: np.ndarray, contacts: Touching, fx: np.ndarray, edges: np.ndarray) -> np.ndarray:
+    """Thrust of pairs along x in bins of equal width, N/m; `fx` is the force on the second disc of each.
 
-    thrust[b] gains the mean over the planes x = const of bin b of the force that the discs left of the plane exert on
-    those right of it. Each contact acts through the planes between the two centres: it counts with the share of its
-    x-extent that lies in the bin over the bin's width (method of planes, averaged).
+    It is the mean, over the planes x = const of a bin, of the force that the discs left of the plane exert on those
+    right of it. A contact acts through the planes between the two centres: it counts with the share of its x-extent
+    that lies in the bin over the bin's width (method of planes, averaged).
     """
-    bins = thrust.size
-    for p in range(first.size):
-        i, j = first[p], second[p]
-        push = fx[p] if x[j] > x[i] else -fx[p]
-        left = min(x[i], x[j])
-        right = max(x[i], x[j])
-        b = max(int(np.floor((left - low) / bin_width)), 0)
-        while b < bins and low + b * bin_width < right:
-            inside = min(right, low + (b + 1) * bin_width) - max(left, low + b * bin_width)
-            if inside > 0.0:
-                thrust[b] += push * inside / bin_width
-            b += 1
+    thrust = np.zeros(len(edges) - 1)
+    low, width = float(edges[0]), float(edges[-1] - edges[0]) / len(thrust)
+    ends = contacts.first.astype(np.int64), contacts.second.astype(np.int64)
+    _thrust(len(fx), np.array(x, float), *ends, np.ascontiguousarray(fx), low, width, len(thrust), thrust)
+    return thrust
 
 
 @dataclass(frozen=True)
@@ -371,13 +352,10 @@ def pair_sums(frame: Frame, flow: Flow, edges: np.ndarray | None = None) -> Pair
     PairSums
     """
     pairs = touching_pairs(frame, flow)
-    thrust = np.zeros(0 if edges is None else len(edges) - 1)
+    thrust = np.zeros(0)
     if edges is not None:
-        fx, _ = whole_forces(frame, flow, pairs)
-        width = float(edges[-1] - edges[0]) / len(thrust)
-        _thrust(np.array(frame.x, float), pairs.first, pairs.second, fx, float(edges[0]), width, thrust)
-    energy = _elastic(pairs.overlap, pairs.stiffness, flow.touch_width)
-    return PairSums(float(energy), len(pairs.first), thrust)
+        thrust = thrust_of(frame.x, pairs, whole_forces(frame, flow, pairs)[0], edges)
+    return PairSums(elastic_energy(pairs, flow), len(pairs.first), thrust)
 
 
 @dataclass(frozen=True)
@@ -414,9 +392,8 @@ def wall_sums(frame: Frame, wall: Wall, flow: Flow, *, velocity: bool = True) ->
     """
     found = wall_contacts(frame, wall, flow)
     fx, fy = whole_forces(frame, flow, found, velocity=velocity)
-    energy = _elastic(found.overlap, found.stiffness, flow.touch_width)
     sideways = bool(np.any(np.abs(found.nx) > 1e-9))
-    return WallSums(float(energy), (float(fx.sum()), float(fy.sum())), found.second, fx, fy, sideways)
+    return WallSums(elastic_energy(found, flow), (float(fx.sum()), float(fy.sum())), found.second, fx, fy, sideways)
 
 
 @dataclass(frozen=True)
@@ -463,10 +440,3 @@ class ContactCollector:
         bins = np.array(self._bins).reshape(len(self._bins), 2, -1)
         self._bins.clear()
         return ContactSeries(bins[:, 0], bins[:, 1])
-
-
-normal_forces = watching_law(njit(cache=True)(_normal_forces_py))
-_whole_forces = watching_law(njit(cache=True)(_whole_forces_py))
-_elastic = watching_law(njit(cache=True)(_elastic_py))
-_thrust = njit(cache=True)(_thrust_py)
-_touch_wall = watching_law(njit(cache=True)(_touch_wall_py), list_near)

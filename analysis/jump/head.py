@@ -12,14 +12,13 @@ from math import nan
 
 import numpy as np
 import xarray as xr
-from numba import njit
 
 from lammps_jump.analysis.contacts import touching
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.profiles import bin_edges
 from lammps_jump.analysis.statistics import Mean, as_fields, mean_of
+from lammps_jump.core.library import INTEGER, INTEGERS, REAL, REALS, function
 from lammps_jump.dump.frame import Frame
-from lammps_jump.physics.law import normal_force, stored_energy, watching_law
 from lammps_jump.units import Estimates, estimate, number
 
 from .frame import along_stream, growth_rate, move_along
@@ -31,6 +30,13 @@ FIELDS = ("mass", "discharge", "momentum", "energy", "flux", "power", "thrust", 
 """Sums over the discs and contacts of a bin, over its width and the density."""
 ODD = ("discharge", "flux", "power", "elastic_flux")
 """Those that change their sign with the direction of x."""
+
+
+_contact_fields = function(
+    "jump_contact_fields", INTEGER, INTEGERS, INTEGERS, REALS, REALS, INTEGER, REALS, REAL, INTEGER, REAL, REAL,
+    INTEGER, REALS,
+)  # fmt: skip
+"""Adds power, thrust, elastic energy, its flux and dissipation of contacts to rows 5 to 9 of the fields."""
 
 
 class EnergyFluxes:
@@ -65,10 +71,14 @@ class EnergyFluxes:
         for row, amount in enumerate((np.ones_like(u), u, u * u, energy, energy * u)):
             fields[row] = np.bincount(place[inside], (mass * amount)[inside], bins)
         # behind the discs stands one that never moves: the walls
-        u, v, kick = (np.append(values, 0.0) for values in (u, v, 0.5 * flow.time_step / mass))
-        weight = np.append(np.multiply.outer(flow.scene.gravity, mass), np.zeros((2, 1)), axis=1)
-        contacts = touching(frame, flow)
-        _contact_fields(x, u, v, kick, weight, *contacts[:7], flow.touch_width, self.rounds, low, width, fields)
+        weight = np.multiply.outer(flow.scene.gravity, mass)
+        state = np.pad([u, v, 0.5 * flow.time_step / mass, *weight], [(0, 0), (0, 1)])
+        first, second, *laws = touching(frame, flow)[:7]
+        ends, touch = (first.astype(np.int64), second.astype(np.int64)), flow.touch_width
+        _contact_fields(
+            len(first), *ends, x, state, frame.n + 1, np.array(laws, float), nan if touch is None else touch,
+            self.rounds, low, width, bins, fields,
+        )  # fmt: skip
         self._times.append(time)
         self._kept.append(fields / (width * flow.scene.density))
 
@@ -80,58 +90,6 @@ class EnergyFluxes:
         middles = 0.5 * (self.edges[1:] + self.edges[:-1])
         data = {name: (("time", "x"), kept[:, k]) for k, name in enumerate(FIELDS)}
         return xr.Dataset(data, {"time": self._times, "x": middles})
-
-
-def _contact_fields_py(
-    x, u, v, kick, weight, first, second, ex, ey, overlap, dashpot, stiffness, touch, rounds, low, width, fields
-):
-    """Add power, thrust, elastic energy, its flux and dissipation of the contacts to rows 5 to 9 of `fields`.
-
-    A pair counts half at either disc; its force acts through the planes between the centres.
-    """
-    walls, bins = x.size, fields.shape[1]
-    hu, hv = u, v
-    for _ in range(rounds):
-        fx, fy = weight[0].copy(), weight[1].copy()
-        for k in range(first.size):
-            i, j = first[k], second[k]
-            opening = (hu[j] - hu[i]) * ex[k] + (hv[j] - hv[i]) * ey[k]
-            force = normal_force(overlap[k], opening, stiffness[k], dashpot[k], touch)[0]
-            fx[j] += force * ex[k]
-            fy[j] += force * ey[k]
-            fx[i] -= force * ex[k]
-            fy[i] -= force * ey[k]
-        hu, hv = u - kick * fx, v - kick * fy
-    for k in range(first.size):
-        i, j = first[k], second[k]
-        before = (hu[j] - hu[i]) * ex[k] + (hv[j] - hv[i]) * ey[k]
-        force, dash = normal_force(overlap[k], before, stiffness[k], dashpot[k], touch)
-        opening = (u[j] - u[i]) * ex[k] + (v[j] - v[i]) * ey[k]
-        share = 1.0 if i == walls else 0.5
-        energy = share * stiffness[k] * stored_energy(overlap[k], touch)
-        for disc in (i, j):
-            b = int(np.floor((x[disc] - low) / width)) if disc < walls else -1
-            if 0 <= b < bins:
-                fields[7, b] += energy
-                fields[8, b] += energy * u[disc]
-                fields[9, b] -= share * dash * opening
-        if i == walls:
-            continue
-        # what the discs left of a plane do to those right of it
-        mu, mv = 0.5 * (u[i] + u[j]), 0.5 * (v[i] + v[j])
-        push = force * abs(ex[k])
-        power = force * (ex[k] * mu + ey[k] * mv) * (1.0 if ex[k] > 0 else -1.0)
-        left, right = min(x[i], x[j]), max(x[i], x[j])
-        b = max(int(np.floor((left - low) / width)), 0)
-        while b < bins and low + b * width < right:
-            inside = min(right, low + (b + 1) * width) - max(left, low + b * width)
-            if inside > 0.0:
-                fields[5, b] += power * inside
-                fields[6, b] += push * inside
-            b += 1
-
-
-_contact_fields = watching_law(njit(cache=True)(_contact_fields_py))
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from made_up import collected, disc_frame, flow_context, numbers
 
-from lammps_jump.analysis import contacts
 from lammps_jump.analysis.contacts import ContactCollector, find_contacts, pair_sums, wall_sums
 from lammps_jump.analysis.energy import (
     EnergyLedger,
@@ -85,18 +84,6 @@ def test_pairs_of_a_cloud_against_all_pairs(scale):
     sums = pair_sums(frame(x, y), context())
     assert sums.contacts == int((overlap > 0).sum())
     assert sums.energy == pytest.approx(0.5 * K * float((overlap**2).sum()), rel=1e-10, abs=1e-12)
-
-
-def test_kernel_without_jit_gives_the_same(monkeypatch):
-    rng = np.random.default_rng(4)
-    x, y, vx, vy = rng.uniform(0, 1, (4, 60))
-    cloud, edges = frame(x, y, vx, vy), np.linspace(0, 1, 6)
-    fast = pair_sums(cloud, context(dashpot=10.0), edges)
-    for name in ("_whole_forces", "_elastic", "_thrust"):
-        monkeypatch.setattr(contacts, name, getattr(contacts, f"{name}_py"))
-    slow = pair_sums(cloud, context(dashpot=10.0), edges)
-    assert (slow.energy, slow.contacts) == (pytest.approx(fast.energy, rel=1e-12), fast.contacts)
-    assert slow.thrust == pytest.approx(fast.thrust, rel=1e-9)
 
 
 @settings(max_examples=40)
