@@ -31,6 +31,8 @@ STILL = 0.02
 """Below this share of sqrt(g s) discs stand, and no stream runs."""
 SAME = 0.1
 """Share by which the discharges at two stations may differ: what is stored between them is no loss."""
+EVERY_WAY = 10.0
+"""Kinetic energy over that of the mean velocity from which on discs move every way, as in a pour, and are no stream."""
 FEWEST = 4
 """Bins of a stream."""
 COLUMNS = ("x", "bed", "depth", "discharge", "velocity_head", "head")
@@ -115,6 +117,9 @@ def line_of(profiles: xr.Dataset, flow: Flow) -> GradeLine | str:
         height = (across * (bed + centre + 0.5 * np.minimum(s, h)) - along * x) * s
         level = np.where(stream, height.mean(axis=0) / depth, nan)
         kinetic = np.where(stream, e.mean(axis=0) / discharge / g, nan)
+        uniform = (discharge / depth) ** 2 / (2.0 * g)
+        if np.median(kinetic[stream]) > EVERY_WAY * np.median(uniform[stream]):
+            return "discs move every way in the window, and not along the bed"
         series = level + kinetic + (height - level * s) / depth + (e / g - kinetic * q) / discharge
     return GradeLine(x, bed, depth, discharge, level, kinetic, level + kinetic, series, towards)
 

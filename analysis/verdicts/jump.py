@@ -22,13 +22,13 @@ def is_asked(summary: Mapping) -> bool:
     """Whether page and screen show what was looked for: a case asked for a jump, or one was found in a dump."""
     jump = part(summary, "jump")
     found = jump.get("verdict") in (*A_JUMP, AT_SILL)
-    return bool(jump) and (found or asked_of_a_dump("jump", summary))
+    return bool(jump.get("verdict")) and (found or asked_of_a_dump("jump", summary))
 
 
 def is_spoken_of(summary: Mapping) -> bool:
     """Whether the title may speak of a jump: found, or asked for where a stream flows in; never of grains."""
     jump = part(summary, "jump")
-    if not is_asked(summary) or not jump.get("verdict") or summary.get("friction_law") == MEMORY:
+    if not is_asked(summary) or summary.get("friction_law") == MEMORY:
         return False
     if jump["verdict"] in A_JUMP:
         return True

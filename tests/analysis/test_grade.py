@@ -88,6 +88,12 @@ def test_where_no_stream_runs_there_is_no_grade_line(speed):
     assert grade.figures(found, None) == {} and grade.tables(found) == {}
 
 
+def test_a_pour_is_no_stream():
+    """Discs that fall at 4 m/s and drift at 0.5 m/s."""
+    found = grade_of(stream([(0.0, 20.0, 5, 0.0, 0.5, -4.0)]))
+    assert found.line is None and found.reason == "discs move every way in the window, and not along the bed"
+
+
 def test_an_unsteady_stream_has_an_error():
     found = grade_of(stream([(0.0, 10.0, 5, 0.0, 4.0, 0.0), (10.0, 20.0, 10, 0.0, 2.0, 0.0)], 64,
                             lambda k: 1 + 0.1 * np.sin(k)), window=(0.0, 10.0))  # fmt: skip
