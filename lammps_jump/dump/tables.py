@@ -47,7 +47,9 @@ class Table:
         """A column, NaN where a cell is empty; one that is not there, a text or a number too large is an error."""
         if self.heads.count(name) != 1:
             many = "more than one" if name in self.heads else "no"
-            raise self.error(f"{self.place}: {many} column {shortened(name)}; there are {', '.join(self.heads)}")
+            raise self.error(
+                f"{self.place}: {many} column {shortened(name)}; there are {shortened(', '.join(self.heads))}"
+            )
         k = self.heads.index(name)
         return np.array([self._number(line, name, cells[k]) for line, cells in self.rows], float)
 

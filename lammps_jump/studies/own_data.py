@@ -103,7 +103,7 @@ def _of_profiles(results: Results, axis: str, name: str) -> tuple[np.ndarray, np
     found = results.dataset()
     known = [str(key) for key in found if found[key].dims == ("x",) and found[key].dtype.kind in "fiu"]
     if column not in known or axis != "x" or "x" not in found.coords:
-        raise CaseError(f"{name} against {axis}: profiles.nc has, against x: {', '.join(known)}")
+        raise CaseError(f"{name} against {axis}: profiles.nc has, against x: {shortened(', '.join(known))}")
     x, y = np.array(found["x"], float), np.array(found[column], float)
     if max(np.abs(np.nan_to_num(x)).max(), np.abs(np.nan_to_num(y)).max()) > LARGEST:
         raise DumpError(f"{path}: {column}: a number beyond {LARGEST:zg}; analyse the run again")
@@ -118,7 +118,7 @@ def _of_table(results: Results, name: str, axis: str, column: str) -> tuple[np.n
     found = results.table(name)
     for one in (axis, column):
         if one not in found.heads:
-            raise CaseError(f"{name}.csv has no column {shortened(one)}; there are {', '.join(found.heads)}")
+            raise CaseError(f"{name}.csv has no column {shortened(one)}; there are {shortened(', '.join(found.heads))}")
     return found.numbers(axis), found.numbers(column)
 
 
@@ -141,7 +141,7 @@ def measured_of(path: Path, columns: Mapping[str, str]) -> dict[str, np.ndarray]
         if heads.count(name) != 1:
             apart = "; put commas between the columns" if any(sign in heads[0] for sign in ";\t") else ""
             many = "no column" if name not in heads else "more than one column"
-            raise CaseError(f"{path} has {many} {name}; there are {', '.join(heads)}{apart}")
+            raise CaseError(f"{path} has {many} {name}; there are {shortened(', '.join(heads))}{apart}")
         found[name] = np.array([finite(path, line, name, cells[heads.index(name)]) for line, cells in table.rows])
     return found
 

@@ -184,6 +184,7 @@ def test_profiles_that_were_changed_are_not_exported(tmp_path):
         ("gauges.csv", b"time,depth_5\n0," + 200_000 * b"9" + b"\n", "field larger than field limit"),
         ("gauges.csv", b"time,time,depth_5\n0,1,2\n", "more than one column time"),
         ("gauges.csv", b"", "has 0 rows"),
+        ("gauges.csv", 100_000 * b"[" + b"\n1\n", f"no column time; there are {199 * '['}\N{HORIZONTAL ELLIPSIS}"),
         ("profiles.nc", b"garbage", "cannot be read"),
         ("profiles.nc", b"", "cannot be read"),
         ("profiles.nc", b"CDF\x02" + 60 * b"\xff", "cannot be read"),
