@@ -13,7 +13,7 @@ from lammps_jump.physics import contact
 from lammps_jump.physics.hydrograph import TRAVEL
 from lammps_jump.physics.inlet import LEAST_GAP, REFUSAL_GAP
 from lammps_jump.physics.slip import FRICTION_LAWS, slip_warnings, spring_warnings
-from lammps_jump.scene import Beginning, InletRow, Interval, Sizes, Wall
+from lammps_jump.scene import Beginning, InletRow, Interval, Scene, Sizes, Wall
 from lammps_jump.scene.schedule import MOST_BINS, MOST_FRAMES, told, told_of_window
 
 from .fields import CaseFields, Column
@@ -30,6 +30,10 @@ CONTRADICTION = 0.2
 """Share by which depth or velocity of a column at the inlet may differ from the inflow's before a note says so."""
 LEVEL_FRICTION = 0.02
 """Largest friction, less the slope of the bed, at which the tail water of a jump became nearly level (measured)."""
+
+TWIN_SECONDS = 5e-5
+"""Processor time of the twin for a step of a disc that lies on others (measured: docs/kernels.md), s."""
+MOST_TWIN_HOURS = 2
 
 
 def check_size(
@@ -141,6 +145,22 @@ def check_pour(case: CaseFields, source: CaseSource, domain: tuple[Interval, Int
         raise source.error(
             f"inflow.volume_fraction: {pour.volume_fraction:g} of the region is {held:.3g} discs; allowed is one disc "
             "or more: raise it or widen inflow.x or inflow.y"
+        )
+
+
+def twin_seconds(scene: Scene) -> float:
+    """Time that a run takes on the twin, about, s."""
+    return TWIN_SECONDS * scene.steps * scene.expected_discs
+
+
+def check_time(case: CaseFields, source: CaseSource, scene: Scene) -> None:
+    """Refuse what would take hours on the twin."""
+    hours = twin_seconds(scene) / 3600
+    if case.engine.name == "twin" and hours > MOST_TWIN_HOURS:
+        raise source.error(
+            f"engine.name: twin: {scene.steps} steps of up to {scene.expected_discs} discs take about {hours:.0f} h in "
+            f"plain Python; allowed are {MOST_TWIN_HOURS}: lower run.duration or the number of discs, or use "
+            "engine.name: native"
         )
 
 

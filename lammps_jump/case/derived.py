@@ -15,6 +15,7 @@ from lammps_jump.physics.slip import springs_stable_fraction
 from lammps_jump.scene import Beginning, Scene, Wall
 from lammps_jump.units import numbers_of
 
+from .checks import twin_seconds
 from .design.flow import Row, flow_rows
 from .fields import CaseFields
 from .foresight import speeds
@@ -42,7 +43,10 @@ class Derived:
         """Groups of (key, label, value, unit)."""
         case, scene = self.fields, self.scene
         contact_rows = _contact_rows(scene) + _expected_rows(case, scene)
-        return [("contact", contact_rows), ("time", _time_rows(scene)), ("flow", flow_rows(case, scene))]
+        time_rows = _time_rows(scene)
+        if case.engine.name == "twin":
+            time_rows.append(("twin_seconds", "run on the twin takes about", twin_seconds(scene), "s"))
+        return [("contact", contact_rows), ("time", time_rows), ("flow", flow_rows(case, scene))]
 
     @property
     def theory(self) -> dict[str, float | int | str | None] | None:

@@ -297,7 +297,7 @@ MOST_THREADS = 64
 class Engine(Strict):
     """Engine, kernel, ranks and threads."""
 
-    name: Literal["lammps", "native"] = "lammps"
+    name: Literal["lammps", "native", "twin"] = "lammps"
     kernel: Literal["auto", "stock", "compiled"] = "auto"
     ranks: Annotated[int | Literal["auto"], BeforeValidator(no_truth)] = 1
     threads: Annotated[int | Literal["auto"], BeforeValidator(no_truth)] = "auto"

@@ -39,7 +39,7 @@ from .parts.inflow import PourInflow, RowsInflow
 from .parts.rows import Inlet, inlet_of
 from .text import CaseSource
 
-INTEGRATORS = {"lammps": "velocity_verlet", "native": "leapfrog_extrapolated"}
+INTEGRATORS = {"lammps": "velocity_verlet"} | dict.fromkeys(("native", "twin"), "leapfrog_extrapolated")
 """What ``run.integrator: auto`` means, by engine."""
 MAX_SPEED_MARGIN = 2.0
 """Ratio of the speed at which a disc could jump over an outlet to the largest speed that the case implies."""
@@ -156,7 +156,7 @@ def _scene(case: CaseFields, source: CaseSource) -> Scene:
     springs = law.springs if rubs else None
     sharp = law.touch == "sharp"
     _, impact_speed, _ = _stiffness(case)
-    return Scene(
+    scene = Scene(
         **(vars(begun) | {"overlap_limit": begun.overlap_limit * walls.own_overlap(begun, laws)}),
         name=case.name,
         description=case.description,
@@ -164,7 +164,7 @@ def _scene(case: CaseFields, source: CaseSource) -> Scene:
         gravity=_gravity(case),
         friction_law=law.friction_law,
         springs=springs,
-        contact_output=springs is not None and (case.engine.name == "native" or case.analysis.looks_at_contacts),
+        contact_output=springs is not None and (case.engine.name != "lammps" or case.analysis.looks_at_contacts),
         rotation=law.rotation and rubs,
         integrator=_integrator(case),
         domain=domain,
@@ -188,6 +188,8 @@ def _scene(case: CaseFields, source: CaseSource) -> Scene:
         warnings=(*warnings, *checks.check_stop(case), *doubts(case, impact_speed, inlets), *notes),
         adapted=checks.adapted(case, begun, inlets),
     )
+    checks.check_time(case, source, scene)
+    return scene
 
 
 def _own_laws(case: CaseFields, begun: Beginning, given: tuple[walls.CaseWall, ...]) -> dict[str, contact.WallLaw]:

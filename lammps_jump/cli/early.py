@@ -33,7 +33,8 @@ def start_early(words: list[str]) -> None:
         return
     path = Path(words[1]) / "case.yaml" if words[0] == "run" else Path(words[1])
     try:
-        native = "native" in words or re.search(rb"(?m)^ *name: *native", read_file(path, 1_000_000)) is not None
+        named = re.search(rb"(?m)^ *name: *(native|twin)", read_file(path, 1_000_000))
+        own = next((name for name in ("native", "twin") if name in words), named and named[1].decode())
     except (OSError, ValueError):
         return  # the command says what is wrong
-    engines.prepare_worker("native" if native else "lammps")
+    engines.prepare_worker(own or "lammps")

@@ -117,7 +117,7 @@ Sets = Annotated[
     ),
 ]
 Out = Annotated[Path | None, place("Folder for the results (default: runs/<stem of the case file>,<changes>).")]
-EngineName = Annotated[str | None, typer.Option("--engine", help="lammps or native.")]
+EngineName = Annotated[str | None, typer.Option("--engine", help="lammps, native or twin.")]
 Kernel = Annotated[str | None, typer.Option("--kernel", help="auto, stock or compiled (LAMMPS only).")]
 Ranks = Annotated[str | None, typer.Option("--ranks", help="Number of MPI ranks, or auto.")]
 Accuracy = Annotated[

@@ -135,6 +135,7 @@ def cross_validate(
     out: Annotated[Path | None, options.results_place("Folder (default: runs/<name>_cross_validation).")] = None,
     members: Annotated[int | None, typer.Option(help="Runs in each ensemble (default 6, quick 3).")] = None,
     kernel: Annotated[str, typer.Option(help="LAMMPS kernel of the ensembles: auto, stock or compiled.")] = "auto",
+    engine: Annotated[str, typer.Option(help="Compared with LAMMPS: native or twin.")] = "native",
     quick: Annotated[bool, typer.Option("--quick", help="Fewer members, no comparison of laws.")] = False,
     set_: options.Sets = None,
     quiet: options.Quiet = False,
@@ -142,7 +143,7 @@ def cross_validate(
     """Compare LAMMPS with the native engine; exit status 1 if they differ where they must agree."""
     study = studies.cross_validation
     read, say = lj.load_case(case, set_), options.sayer(quiet)
-    report = study.cross_validate(read, out=out, members=members, kernel=kernel, quick=quick, say=say)
+    report = study.cross_validate(read, out=out, members=members, kernel=kernel, engine=engine, quick=quick, say=say)
     if not quiet or not report["passed"]:
         print(study.verdict_text(report))
         print(f"look at {(out or study.default_folder(report['name'])) / study.REPORT_FILE}")

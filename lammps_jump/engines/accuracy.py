@@ -154,7 +154,7 @@ def fits(row: Calibrated, case: CaseFields, usable: set[str]) -> bool:
     The calibration is without friction, so it shows nothing about a step at which friction reverses the slip.
     """
     engine, law = case.engine, case.contact
-    if row.kernel not in usable or (engine.name == "native") != (row.kernel == "native"):
+    if row.kernel not in usable or (engine.name != "lammps") != (row.kernel == "native"):
         return False
     if engine.name == "lammps" and engine.kernel not in ("auto", row.kernel):
         return False

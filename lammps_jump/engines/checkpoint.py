@@ -277,7 +277,7 @@ def _checked(path: Path) -> Checkpoint:
     except ValidationError as error:
         first = error.errors()[0]
         raise ValueError(f"{'.'.join(map(str, first['loc']))}: {first['msg']}".lstrip(": ")) from None
-    kinds = ("npz",) if found.result.engine == "native" else ("npz", "restart")
+    kinds = ("npz", "restart") if found.result.engine == "lammps" else ("npz",)
     if set(found.state) != {f"checkpoint-{found.step}.{kind}" for kind in kinds} or found.result.steps != found.step:
         raise ValueError(f"state: it is not that of step {found.step}")
     if found.result.kernel not in KERNELS:

@@ -49,7 +49,7 @@ def prepare_worker(engine: str = "lammps") -> None:
 
     Parameters
     ----------
-    engine : {'lammps', 'native'}
+    engine : {'lammps', 'native', 'twin'}
     """
     if not _idle.get(engine):
         _idle.setdefault(engine, []).append(Child(engine))
@@ -60,7 +60,7 @@ class Child:
 
     Parameters
     ----------
-    engine : {'lammps', 'native'}
+    engine : {'lammps', 'native', 'twin'}
     ranks : int
     job_file : str
         File of the one job of several ranks.

@@ -32,7 +32,7 @@ def choose(engine: str, kernel: str, ranks: int | str, scene: Scene) -> tuple[Se
 
     Parameters
     ----------
-    engine : {'lammps', 'native'}
+    engine : {'lammps', 'native', 'twin'}
     kernel : {'auto', 'stock', 'compiled'}
         LAMMPS only. ``auto`` is the compiled kernel. Where that cannot be used it is stock, and where stock lacks
         something the native engine, as where both kernels do.
@@ -47,6 +47,8 @@ def choose(engine: str, kernel: str, ranks: int | str, scene: Scene) -> tuple[Se
     SetupError
         LAMMPS is not installed, or the kernel that is asked for cannot be used or lacks something.
     """
+    if engine == "twin":
+        return Setting("twin", NATIVE_KERNELS["twin"]), []
     if engine == "native":
         return _native(), []
     if kernel not in KERNELS:
@@ -79,7 +81,10 @@ def choose(engine: str, kernel: str, ranks: int | str, scene: Scene) -> tuple[Se
 def _native(*, scripts: bool = False) -> Setting:
     """The setting of the native engine; SetupError where the core is not there."""
     if core() is None:
-        raise SetupError(f"the native engine needs the core, C++ that is compiled once: {why_absent()}")
+        raise SetupError(
+            f"the native engine needs the core, C++ that is compiled once: {why_absent()}; `--engine twin` needs none, "
+            "and is slow"
+        )
     return Setting("native", NATIVE_KERNELS["native"], scripts=scripts)
 
 
@@ -94,7 +99,7 @@ def choose_threads(wanted: int | str, setting: Setting) -> tuple[Setting, list[s
     setting : Setting
     """
     if setting.kernel != "compiled":
-        which = setting.engine if setting.engine == "native" else f"kernel {setting.kernel}"
+        which = setting.engine if setting.engine != "lammps" else f"kernel {setting.kernel}"
         return setting, [] if wanted in ("auto", 1) else [f"engine.threads: {which} runs on one thread"]
     if wanted != "auto":
         return replace(setting, threads=str(wanted)), []

@@ -90,7 +90,7 @@ def write_inputs(job: Job) -> None:
     with writable(job.folder):
         job.folder.mkdir(parents=True, exist_ok=True)
         options = {"dump_format": setting.dump_format, "header": setting.header}
-        if setting.engine == "native":
+        if setting.engine != "lammps":
             if setting.scripts and resume is None:
                 write_script(scene, job.folder, kernel="compiled", **options)
             return
@@ -125,9 +125,10 @@ def _without_result(job: Job, child: Child) -> RunResult:
         if child.asked:
             reason = "it was ended by force, so its state was not saved"
             ended = interruption(scene, last.step, job.folder, again=again, reason=reason)
+        how = "interrupted" if child.asked else "failed"
         found = RunResult(
-            engine="native", kernel="core", status="interrupted" if child.asked else "failed", message=ended,
-            steps=last.step, disc_steps=0.0, inserted=last.discs, present=last.discs, removed=0, lost=0, seconds=0.0,
+            engine=job.setting.engine, kernel=job.setting.kernel, status=how, message=ended, steps=last.step,
+            disc_steps=0.0, inserted=last.discs, present=last.discs, removed=0, lost=0, seconds=0.0,
         )  # fmt: skip
     killed = status == -signal.SIGKILL or any(KILLED in line for line in child.output)
     if found.status != "failed" or not outside or (again is None and not killed):

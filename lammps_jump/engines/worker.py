@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Child process in which an engine runs: ``python -m lammps_jump.engines.worker ENGINE [JOB]``.
 
-ENGINE, 'lammps' or 'native', is loaded at once, before there is a job. Under ``mpiexec``, JOB names a file that every
-rank reads. Else jobs come one after another over standard input, a line of base64 each. Standard input also brings
-``stop N`` (end job N in order). Its end means that the parent is gone: the worker saves the run and ends.
+ENGINE, 'lammps', 'native' or 'twin', is loaded at once, before there is a job. Under ``mpiexec``, JOB names a file
+that every rank reads. Else jobs come one after another over standard input, a line of base64 each. Standard input also
+brings ``stop N`` (end job N in order). Its end means that the parent is gone: the worker saves the run and ends.
 
 Lines of standard output that begin with `MARK` are messages in JSON; other lines are output of the engine.
 """
@@ -105,7 +105,7 @@ def _load(engine: str) -> None:
     with suppress(JumpError):
         if engine == "lammps":
             lammps.load_lammps()
-        importlib.import_module({"lammps": ".lammps.drive", "native": ".native.engine"}[engine], __package__)
+        importlib.import_module(".lammps.drive" if engine == "lammps" else ".native.engine", __package__)
 
 
 def _serve(job: Job) -> None:

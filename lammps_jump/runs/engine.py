@@ -23,8 +23,8 @@ def choose_setting(case: ReadCase) -> tuple[ReadCase, Setting, tuple[str, ...]]:
     """
     case, chosen = with_accuracy(case)
     engine = case.fields.engine
-    if engine.name == "native" and engine.ranks not in (1, "auto"):
-        raise case.source.error(f"engine.ranks: {engine.ranks} ranks; the native engine runs on one core")
+    if engine.name != "lammps" and engine.ranks not in (1, "auto"):
+        raise case.source.error(f"engine.ranks: {engine.ranks} ranks; the engine {engine.name} runs on one core")
     setting, notes = choose(engine.name, engine.kernel, engine.ranks, case.scene())
     setting, more = choose_threads(engine.threads, setting)
     asked = case.fields.run

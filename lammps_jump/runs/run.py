@@ -74,7 +74,7 @@ def run(
         Called with a `Progress` about twice a second.
     should_stop : callable, optional
         Called as often; True ends the run as an interruption does.
-    engine : {'lammps', 'native'}, optional
+    engine : {'lammps', 'native', 'twin'}, optional
     kernel : {'auto', 'stock', 'compiled'}, optional
     ranks : int or 'auto', optional
         In place of the case's own.

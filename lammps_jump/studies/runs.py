@@ -5,20 +5,20 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import replace
+from math import inf
 from pathlib import Path
 from statistics import median
 from typing import TypeVar
 
 from lammps_jump.dump import Frame, read_dump
-from lammps_jump.engines import RunResult, Setting, plugin, run
+from lammps_jump.engines import NATIVE_KERNELS, RunResult, Setting, plugin, run
 from lammps_jump.engines.native import run_native
 from lammps_jump.errors import RunError, RunInterrupted
 from lammps_jump.scene import Scene
 
 KERNELS = {
     **{kernel: {"engine.name": "lammps", "engine.kernel": kernel} for kernel in ("stock", "compiled")},
-    "native": {"engine.name": "native", "engine.kernel": "auto"},
+    **{name: {"engine.name": name, "engine.kernel": "auto"} for name in NATIVE_KERNELS},
 }
 """Values of a case that select a kernel, by its name."""
 
@@ -35,7 +35,7 @@ def execute(
     ----------
     scene : Scene
     folder : Path
-    kernel : {'stock', 'compiled', 'native'}
+    kernel : {'stock', 'compiled', 'native', 'twin'}
     dump_format : {'text', 'gz', 'binary'}
     script : str, optional
         Text that replaces the script of the stock kernel.
@@ -50,9 +50,9 @@ def execute(
     RunInterrupted
         The user ended the run.
     """
-    if kernel == "native":
-        warm_up(scene)
-        result = run_native(scene, folder, dump_format=dump_format)
+    if kernel in NATIVE_KERNELS:
+        setting = Setting(kernel, NATIVE_KERNELS[kernel], dump_format=dump_format, checkpoint_interval=inf)
+        result = run_native(scene, folder, setting)
     else:
         library = plugin.plugin_path() if kernel == "compiled" else None
         setting = Setting(kernel=kernel, plugin=library, dump_format=dump_format, script=script)
@@ -78,18 +78,6 @@ def run_frames(
             raise RunError(f"{kernel}, {scene.name}: {result.message}")
         frames = read_dump(Path(folder)) if result.status == "complete" else []
         return result, [frame.sorted() for frame in frames]
-
-
-_WARM: set[tuple[object, ...]] = set()
-
-
-def warm_up(scene: Scene) -> None:
-    """Compile the native loops for this kind of scene once, so that no timing holds a compilation."""
-    c = scene.coefficients
-    kind = (scene.integrator, scene.rotation, scene.friction_law, c.friction > 0, scene.touch, bool(scene.probes))
-    if kind not in _WARM:
-        run_native(replace(scene, steps=2, output_steps=2, probe_steps=1), None)
-        _WARM.add(kind)
 
 
 def in_turn(items: Sequence[Item], rounds: int, make: Callable[[Item, int], Found]) -> dict[Item, list[Found]]:

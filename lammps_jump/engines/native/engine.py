@@ -18,8 +18,16 @@ from lammps_jump.dump.write import run_writer
 from lammps_jump.engines import step_hook
 from lammps_jump.engines.checkpoint import Checkpoint, CheckpointWriter, cut_back, remove_checkpoint
 from lammps_jump.engines.interrupts import counted_interrupts, save_request
-from lammps_jump.engines.result import REPORT_SECONDS, Progress, ProgressCallback, RunResult, interruption
+from lammps_jump.engines.result import (
+    NATIVE_KERNELS,
+    REPORT_SECONDS,
+    Progress,
+    ProgressCallback,
+    RunResult,
+    interruption,
+)
 from lammps_jump.engines.setting import Setting
+from lammps_jump.engines.twin import Twin
 from lammps_jump.errors import RunError
 from lammps_jump.files import CONTACTS_FILE, DUMP_NAMES, POSES
 from lammps_jump.provenance import versions
@@ -125,17 +133,19 @@ class _Part:
     """
 
     def __init__(self, scene: Scene, folder: Path | None, setting: Setting, resume: Checkpoint | None):
+        self.engine = setting.engine
+        loops = Twin() if setting.engine == "twin" else None
         self.scene, self.folder = scene, None if folder is None else Path(folder)
         self.earlier: RunResult | None = resume.result if resume else None
         self.saved: float | None = resume.time if resume else None
         if resume is not None:
             cut_back(self.folder, resume)
             (name,) = resume.state
-            self.simulation = load_state(scene, self.folder / name, ledger=setting.ledger)
+            self.simulation = load_state(scene, self.folder / name, ledger=setting.ledger, loops=loops)
         elif setting.cell_size is None:
-            self.simulation = NativeSimulation(scene, ledger=setting.ledger)
+            self.simulation = NativeSimulation(scene, ledger=setting.ledger, loops=loops)
         else:
-            self.simulation = CellSimulation(scene, cell_size=setting.cell_size, ledger=setting.ledger)
+            self.simulation = CellSimulation(scene, cell_size=setting.cell_size, ledger=setting.ledger, loops=loops)
         self.writer = None
         self.contacts: ContactWriter | None = None
         self.poses: PoseWriter | None = None
@@ -235,8 +245,8 @@ class _Part:
             writing += earlier.breakdown.get("output") or 0.0
             processor += earlier.cpu_seconds
         return RunResult(
-            engine="native",
-            kernel="core",
+            engine=self.engine,
+            kernel=NATIVE_KERNELS[self.engine],
             status=status,
             message=message,
             steps=simulation.step,

@@ -19,6 +19,7 @@ from lammps_jump.errors import ResumeError
 from lammps_jump.files import read_arrays, write_arrays
 from lammps_jump.scene.scene import Scene
 
+from .arrays import Loops
 from .ledger import Energy
 from .simulation import NativeSimulation
 
@@ -74,8 +75,8 @@ def _moves(simulation: NativeSimulation) -> dict[str, np.ndarray]:
     return {} if moves is None else {"moves_pushed": moves.pushed, "moves_listed": moves.listed}
 
 
-def load_state(scene: Scene, path: Path, *, ledger: bool = True) -> NativeSimulation:
-    """The simulation that `save_state` wrote, made from the same scene with the same `ledger`.
+def load_state(scene: Scene, path: Path, *, ledger: bool = True, loops: Loops | None = None) -> NativeSimulation:
+    """The simulation that `save_state` wrote, made from the same scene with the same `ledger`; `loops` as there.
 
     Raises
     ------
@@ -83,13 +84,13 @@ def load_state(scene: Scene, path: Path, *, ledger: bool = True) -> NativeSimula
         The file is no such state: it was damaged, or made up.
     """
     try:
-        return _loaded(scene, path, ledger)
+        return _loaded(scene, path, ledger, loops)
     except (OSError, ValueError, LookupError, TypeError, AttributeError, MemoryError, BadZipFile) as error:
         raise ResumeError(f"{path}: is no state that a run has saved ({error}); start a new run") from None
 
 
-def _loaded(scene: Scene, path: Path, ledger: bool) -> NativeSimulation:
-    simulation = NativeSimulation(scene, ledger=ledger)
+def _loaded(scene: Scene, path: Path, ledger: bool, loops: Loops | None) -> NativeSimulation:
+    simulation = NativeSimulation(scene, ledger=ledger, loops=loops)
     stored = read_arrays(path)
     plain = json.loads(str(stored["plain"]))
     if not (type(plain["n"]) is int and 0 <= 8 * plain["n"] <= path.stat().st_size):

@@ -10,9 +10,6 @@ from lammps_jump.physics.slots import end_step
 
 from . import contact, lists, sums
 
-SECONDS_PER_DISC_STEP = 1e-4
-"""Of a disc that touches others, on a core of 2020."""
-
 
 class Twin:
     """The loops of the twin; each is described in `Loops`."""

@@ -23,7 +23,12 @@ from .quantities import Comparison, Curve, relative_size
 from .statistics import DECIDES, Difference
 from .trajectories import AGREEMENT, CONTACT_STEPS, DeterministicCheck, Divergence, Growth
 
-SHOWN = {"lammps_stock": "LAMMPS (stock)", "lammps_compiled": "LAMMPS (compiled kernel)", "native": "native engine"}
+SHOWN = {
+    "lammps_stock": "LAMMPS (stock)",
+    "lammps_compiled": "LAMMPS (compiled kernel)",
+    "native": "native engine",
+    "twin": "twin",
+}
 DIVERGENCE = "How the engines part, disc by disc"
 LAW_FIGURES = ("What the choice of law, integrator and correction changes", "Depth profiles of the laws")
 DEPTH = "mass_depth profile"

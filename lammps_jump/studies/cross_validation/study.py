@@ -35,7 +35,7 @@ from .scenes import friction_scene, micro_scenes
 from .statistics import CONFIDENCE, FAMILY_ERROR
 from .trajectories import CONTACT_STEPS, DeterministicCheck, Divergence, Growth
 
-LABELS = {"stock": "lammps_stock", "compiled": "lammps_compiled", "native": "native"}
+LABELS = {"stock": "lammps_stock", "compiled": "lammps_compiled", "native": "native", "twin": "twin"}
 """Name of an ensemble in tables, by kernel."""
 
 
@@ -131,6 +131,7 @@ def cross_validate(
     members: int | None = None,
     quick: bool = False,
     kernel: str = "auto",
+    engine: str = "native",
     say: Say = print,
 ) -> dict:
     """Compare the engines on a case and leave ``cross_validation.json``, figures and a report in a folder.
@@ -146,6 +147,8 @@ def cross_validate(
         Fewer members, a shorter divergence run, no comparison of laws.
     kernel : {'auto', 'stock', 'compiled'}
         LAMMPS kernel of the ensembles. The disc-by-disc part uses every kernel that runs here.
+    engine : {'native', 'twin'}
+        What LAMMPS' ensemble is compared with. The disc-by-disc part and the comparison of laws are of the native one.
     say : callable
         Takes a line of what was found.
 
@@ -165,7 +168,7 @@ def cross_validate(
     with Pool(usable_cores()) as pool:
         study = _prepare(case, out, kernel, members, quick, pool, say)
         divergence = _disc_by_disc(study, QUICK_DIVERGENCE_WORK if quick else DIVERGENCE_WORK)
-        found = study.compare(study.run(study.case, study.kernel), study.run(study.case, "native"))
+        found = study.compare(study.run(study.case, study.kernel), study.run(study.case, engine))
         for row in found.quantities:
             say(f"  {row['name']}: {row['text']}")
         if not quick:

@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The twin and the core, which share no line, on random states: every slot of the law, walls, motions, lists, sums."""
+
+from __future__ import annotations
+
+from ctypes import c_void_p
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lammps_jump.core.library import INTEGER, INTEGERS, REAL, REALS, function
+from lammps_jump.engines.native import NativeSimulation
+from lammps_jump.engines.native.bound import Core, records_of
+from lammps_jump.engines.native.cells import CellSimulation
+from lammps_jump.engines.twin import Twin
+from lammps_jump.physics.slip import Rolling, Springs
+from lammps_jump.scene import Block, Box, Motion, MovingWall, handmade_scene
+from lammps_jump.scene.chains import lay
+from lammps_jump.scene.faces import MOST, foot_at, touching
+from lammps_jump.scene.scene import Fixed, Stations
+from lammps_jump.scene.sizes import Sizes
+from lammps_jump.scene.tracks import Loaded, Oscillate, Rotate
+from lammps_jump.scene.walls import Circle, Line
+
+core_touching = function("jump_touching", c_void_p, INTEGER, INTEGERS, INTEGER, REALS, REALS, INTEGERS, result=INTEGER)
+core_foot = function("jump_foot_at", c_void_p, REAL, REAL, result=REAL)
+SPIN = {"friction": 0.4, "rotation": True}
+EXTRAPOLATED = {"integrator": "leapfrog_extrapolated"}
+ROLLING = Springs(rolling=Rolling(0.2, 0.5, 0.3))
+LAWS = {
+    "frictionless": {"friction": 0.0},
+    "viscous": {"friction": 0.4},
+    "viscous, spin": SPIN | EXTRAPOLATED,
+    "sign": {"friction": 0.4, "friction_law": "sign"},
+    "sign, spin": SPIN | EXTRAPOLATED | {"friction_law": "sign"},
+    "springs": {"friction": 0.4, "friction_law": "history", "springs": Springs()},
+    "rolling": SPIN | {"friction_law": "history", "springs": ROLLING},
+    "smooth": {"friction": 0.0, "touch": "smooth", "touch_width": 2e-3} | EXTRAPOLATED,
+    "smooth, spin": SPIN | {"touch": "smooth", "touch_width": 2e-3},
+}
+WALLS = {
+    "box": [(Box("box", (-0.47, 0.47), (-0.28, 0.47)), None)],
+    "joints": [
+        (
+            Line("line", points=((-0.52, 0.6), (-0.48, -0.2), (-0.4, -0.29), (0.1, -0.28), (0.45, -0.26), (0.49, 0.6))),
+            None,
+        )
+    ],
+    "arcs": [(Circle("drum", (0.0, 0.0), 0.625, discs="inside"), Rotate(rate=200.0))],
+    "moving": [
+        (Block("arm", (-0.3, 0.2), (-0.8, -0.28)), Oscillate(amplitude=(0.1, 0.05), period=0.1)),
+        (Block("lid", (-0.6, 0.6), (0.48, 0.6)), Loaded(mass=20.0, force=(0.0, -200.0))),
+    ],
+}
+STEPS = 25
+"""Few enough that collisions do not amplify the last digits: these differ, because sums have another order."""
+CLOSE = 1e-9
+
+
+def state_of(seed, law, walls, *, sized=False, fixed=False, stations=False):
+    """A scene of discs that overlap a little, move and turn at random."""
+    rng = np.random.default_rng(seed)
+    grid = np.array([(0.19 * i, 0.19 * j) for i in range(-2, 3) for j in range(-1, 3)])
+    places = grid + rng.normal(0.0, 0.005, grid.shape)
+    others = {"sizes": Sizes((1.0,), (0.17,), (0.21,), seed=1 + seed % 100)} if sized else {}
+    if fixed:
+        others["fixed"] = Fixed(1, 3)
+    if stations:
+        others["stations"] = Stations((-0.2, 0.2), 1.0, 0, STEPS - 5)
+    scene = handmade_scene(
+        places,
+        rng.normal(0.0, 1.0, places.shape),
+        (),
+        diameter=0.19,
+        impact_speed=8.0,
+        overlap_limit=0.0,
+        **others,
+        **LAWS[law],
+    )
+    moving = [
+        MovingWall(wall, Motion(kind=kind, about=(0.0, 0.0), time_step=scene.time_step)) for wall, kind in WALLS[walls]
+    ]
+    return replace(scene, walls=tuple(moving))
+
+
+def close(one, two, what=""):
+    """Equal to round-off of the largest."""
+    one, two = np.asarray(one, float), np.asarray(two, float)
+    scale = max(np.abs(one).max(initial=0.0), 1e-12)
+    assert one.shape == two.shape, what
+    assert np.abs(one - two).max(initial=0.0) <= CLOSE * scale, what
+
+
+def same(core, twin):
+    """All that a simulation hands out, and what its discs remember."""
+    assert np.array_equal(core.ids, twin.ids)
+    assert np.array_equal(core.discs.ids[: core.discs.n], twin.discs.ids[: twin.discs.n])  # their order in memory
+    for name in core.discs.columns:
+        a, b = (getattr(one.discs, name)[: one.discs.n] for one in (core, twin))
+        close(a, b, name)
+    close(core.walls.sums, twin.walls.sums, "sums on walls")
+    if core.walls.moves is not None:
+        close(core.walls.moves.pushed, twin.walls.moves.pushed, "lids")
+    a, b = core.ledger, twin.ledger
+    scale = abs(a["throughput"]) + abs(a["kinetic"])
+    assert b == pytest.approx(a, abs=CLOSE * scale, nan_ok=True)
+    for one, two in zip(core.contacts(), twin.contacts(), strict=True):
+        close(one, two, "contacts")
+    close(core.stations.sums, twin.stations.sums, "stations")
+
+
+def both(scene, engine=NativeSimulation, **options):
+    """The two after some steps."""
+    found = []
+    for loops in (Core(), Twin()):
+        simulation = engine(scene, loops=loops, **options)
+        simulation.run(STEPS)
+        found.append(simulation)
+    return found
+
+
+@pytest.mark.parametrize("walls", WALLS)
+@pytest.mark.parametrize("law", LAWS)
+def test_core_and_twin_agree(law, walls):
+    sized = (list(LAWS).index(law) + list(WALLS).index(walls)) % 2 == 0
+    core, twin = both(state_of(3, law, walls, sized=sized))
+    other = core.contacts()[0][:, 1]
+    assert np.count_nonzero(other > 0) > 5 and np.count_nonzero(other < 0) > 0
+    same(core, twin)
+
+
+@pytest.mark.parametrize("law", ["viscous, spin", "rolling"])
+def test_fixed_discs(law):
+    same(*both(state_of(5, law, "box", sized=True, fixed=True)))
+
+
+@pytest.mark.parametrize("law", ["frictionless", "sign, spin", "rolling"])
+def test_stations(law):
+    core, twin = both(state_of(6, law, "box", sized=True, stations=True))
+    assert np.count_nonzero(core.stations.sums) >= 5
+    same(core, twin)
+
+
+@pytest.mark.parametrize("sized", [False, True])
+def test_search_of_the_thesis(sized):
+    same(*both(state_of(7, "viscous, spin", "box", sized=sized), CellSimulation, cell_size=0.25))
+
+
+@given(
+    seed=st.integers(0, 10**6), law=st.sampled_from(list(LAWS)), walls=st.sampled_from(list(WALLS)), sized=st.booleans()
+)
+def test_random_states(seed, law, walls, sized):
+    same(*both(state_of(seed, law, walls, sized=sized)))
+
+
+@given(seed=st.integers(0, 10**6))
+def test_faces_of_random_chains(seed):
+    """Which faces push, from where, and the foot: the rule of the core and that of the specification, bit for bit."""
+    rng = np.random.default_rng(seed)
+    angles = np.pi / 3 * (np.arange(6) + rng.uniform(0.1, 0.9, 6))  # seen from the middle, it goes round once
+    points = tuple(
+        (float(np.cos(a) * r), float(np.sin(a) * r)) for a, r in zip(angles, rng.uniform(0.5, 1.5, 6), strict=True)
+    )
+    wall = Line("line", points=points)
+    faces = lay([(wall.chains(), False), (Circle("c", (0.3, 0.1), 0.8, discs="outside").chains(), False)])
+    near = np.arange(len(faces.codes))
+    records = records_of(faces)
+    for x, y, radius in rng.uniform((-1.6, -1.6, 0.05), (1.6, 1.6, 0.4), (40, 3)):
+        for first, last in zip(faces.first, faces.first[1:], strict=False):
+            found, which = np.zeros((MOST, 4)), np.zeros(MOST, np.int64)
+            count = touching(faces.codes, faces.shape, 0, near, first, last, x, y, radius, found, which)
+            theirs, faces_of = np.zeros((MOST, 4)), np.zeros(MOST, np.int64)
+            there = core_touching(
+                records.ctypes.data, 0, near[first:last], last - first, np.array([x, y, radius]), theirs, faces_of
+            )
+            assert there == count
+            assert np.array_equal(theirs[:count, :3], found[:count, :3])
+            assert np.array_equal(faces_of[:count], which[:count])
+            for f in which[:count]:
+                foot = core_foot(records[int(f) : int(f) + 1].ctypes.data, x, y)
+                assert foot == foot_at(faces.codes, faces.shape, int(f), x, y)
