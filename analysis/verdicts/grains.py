@@ -8,9 +8,7 @@ from collections.abc import Mapping
 
 from lammps_jump.analysis.report.headline import FELL
 
-from .kinds import Doubt, Verdict, above, at, below, part, place, reason, shown
-
-MEMORY = "history"
+from .kinds import Doubt, Verdict, above, at, below, of_grains, part, place, reason, shown
 
 
 def _outlet(summary: Mapping) -> str:
@@ -119,8 +117,7 @@ def _unlike(summary: Mapping) -> str:
 
 
 def _creeps(summary: Mapping) -> str:
-    law = summary.get("friction_law")
-    if "friction_law" not in summary or law == MEMORY:
+    if "friction_law" not in summary or of_grains(summary):
         return ""
     return "friction has no memory (contact.friction_law: history): a heap creeps and flattens"
 

@@ -9,11 +9,9 @@ from math import floor, log10
 
 from lammps_jump.analysis.report.headline import A_JUMP, AT_SILL, WITH
 
-from .kinds import Doubt, Verdict, above, asked_of_a_dump, at, below, part, shown
+from .kinds import Doubt, Verdict, above, asked_of_a_dump, at, below, of_grains, part, shown
 from .water import collapsed
 
-MEMORY = "history"
-"""Friction law of grains: springs with memory, which carry slopes at rest."""
 SWALLOWED = "no jump found"
 """Verdict that says nothing where no stream flows in."""
 
@@ -28,7 +26,7 @@ def is_asked(summary: Mapping) -> bool:
 def is_spoken_of(summary: Mapping) -> bool:
     """Whether the title may speak of a jump: found, or asked for where a stream flows in; never of grains."""
     jump = part(summary, "jump")
-    if not is_asked(summary) or summary.get("friction_law") == MEMORY:
+    if not is_asked(summary) or of_grains(summary):
         return False
     if jump["verdict"] in A_JUMP:
         return True
@@ -126,7 +124,7 @@ def _frames(summary: Mapping) -> str:
 def _unanswered(summary: Mapping) -> str:
     if not is_asked(summary) or is_spoken_of(summary) or collapsed(part(summary, "front")):
         return ""
-    if summary.get("friction_law") == MEMORY:
+    if of_grains(summary):
         return "these are grains, whose friction has memory: no relation for water applies to them"
     return f"none: {part(summary, 'jump').get('reason') or 'no stream flows in'}"
 

@@ -6,6 +6,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
+from lammps_jump.physics.slip import FRICTION_LAWS
+
 Said = Callable[[Mapping], str]
 """Makes a sentence of a summary; empty where there is nothing to be said."""
 
@@ -76,6 +78,12 @@ def part(summary: Mapping, key: str) -> Mapping[str, Any]:
 def asked_of_a_dump(quantity: str, summary: Mapping) -> bool:
     """Whether a quantity was asked for, where the summary is that of a dump; of a run what is there was asked for."""
     return "given" not in summary or quantity in (summary["given"].get("analyses") or ())
+
+
+def of_grains(summary: Mapping) -> bool:
+    """Whether friction has a memory: contacts carry slopes at rest, as those of grains do and of water do not."""
+    law = FRICTION_LAWS.get(summary.get("friction_law") or "")
+    return law is not None and law.remembers
 
 
 def reason(quantity: str) -> Said:
