@@ -21,7 +21,7 @@ from lammps_jump.analysis.draw.chart import PLACE, Chart, Drawings, Line, Panel
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.profiles import window_of, within
-from lammps_jump.analysis.report.page import Section, Table, Text, cut
+from lammps_jump.analysis.report.page import Section, Table, Text, cut, heading
 from lammps_jump.analysis.statistics import as_fields, mean_of
 from lammps_jump.units import Estimates, estimate, number, numbers_of
 
@@ -217,7 +217,7 @@ def section(found: Mapping) -> Section:
     if found.get("head_upstream") is None:
         return Section("Energy grade line", [Text(found.get("reason") or "", "small")])
     numbers = numbers_of(Station)
-    heads = [f"{numbers[key].meaning} [{numbers[key].unit}]" for key in (*COLUMNS, "lost")]
+    heads = [heading(numbers[key].meaning, numbers[key].unit) for key in (*COLUMNS, "lost")]
     rows = [(*(station[key] for key in COLUMNS), cut(station, "lost")) for station in found["stations"]]
     text = "Head lost is given where the discharges of two stations are within 10 % of each other."
     return Section(
