@@ -41,8 +41,6 @@ MOST_FILES = 12
 LARGE_FILES: dict[str, int] = {}
 """Files over `LARGEST_FILE`, with their lines of code today."""
 LONG_CALLS = {
-    "lammps_jump/studies/fluid/loops.py:_advance_py": 10,
-    "lammps_jump/studies/fluid/loops.py:_forces_py": 10,
     "lammps_jump/scene/faces.py:_behind_py": 10,
     "lammps_jump/scene/faces.py:_select_py": 10,
     "lammps_jump/scene/faces.py:_touching_py": 11,

@@ -125,7 +125,7 @@ class Cell:
         """
         discs, c = self.discs, self.discs.coefficients
         unit = discs.root_time
-        law = sqrt(c.mass) / (0.5 * discs.diameter) * c.damping_by_root_mass
+        dashpot = sqrt(c.mass) / (0.5 * discs.diameter) * c.damping_by_root_mass
         square = (0.5 * discs.diameter) ** 2
         spins = discs.rotation and c.friction > 0
         gain = 0.0
@@ -133,16 +133,15 @@ class Cell:
             gain = FOLLOW * abs(rate) * c.stiffness / pressure if rate else haste / (SLOWNESS * unit)
         control = loops.Control(
             rate, pressure or 0.0, gain, CAP / unit, c.time_step,
-            SKIN * discs.diameter, c.stiffness, law, c.tangential_ratio * law if c.friction else 0.0, c.mass / square,
-            square**2 / (c.inertia * square) if spins else 0.0,
+            SKIN * discs.diameter, c.stiffness, dashpot, c.tangential_ratio * dashpot if c.friction else 0.0,
+            c.mass / square, square**2 / (c.inertia * square) if spins else 0.0,
         )  # fmt: skip
         record = np.empty((rows, 6))
         slope = 1.0 / discs.slip_speed if discs.slip_speed else None
         every = max(1, round(time / rows / c.time_step))
         friction = c.friction if c.friction else None
-        fits = loops.advance(
-            self.swarm, self.box, control, self._pairs, record, every, friction, slope, discs.touch, self._memory
-        )
+        law = friction, slope, discs.touch
+        fits = loops.advance(self.swarm, self.box, control, self._pairs, record, every, law, self._memory)
         if not fits or not np.isfinite(record).all():
             raise RunError(
                 f"the box of {self.swarm.x.size} discs at {pressure or 0.0:z.3g} Pa has blown up: lower "

@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+/* A box of discs without walls: periodic along x and y, sheared as Lees & Edwards (1972) do, at a held pressure.
+
+   studies/fluid/loops.py has the equations. Time levels are those of LAMMPS: x_n, v_(n-1/2), F_n between steps, and the
+   dashpot sees v_(n-1/2). The image of a disc one height further up stands `offset` further along x and is faster by rate
+   times height. */
+
+#include "kinds.h"
+
+#include <algorithm>
+#include <numeric>
+#include <vector>
+
+/** Slots of the discs and numbers of their springs, as of `jump_state`. */
+struct jump_springs {
+  int64_t slots;
+  const int64_t *ids;
+  int64_t *partner, *full;
+  double *sigma, *spring, *roll;
+  int8_t *used;
+  double time_step, ratio, damping, rolling_k, rolling_damping, rolling_friction;
+};
+
+JUMP_SIZE(jump_springs)
+
+namespace jump {
+namespace {
+
+/** The discs: place, velocity, spin, force, torque, radius; way against the shear since the list. */
+struct Swarm {
+  int64_t n;
+  double *x, *y, *vx, *vy, *omega, *fx, *fy, *torque, *radius, *way;
+};
+
+/** Numbers of the box, and what is imposed, in the order of Python. */
+struct Box {
+  double lx, ly, offset, strain, pressure;
+};
+struct Control {
+  double rate, pressure, gain, cap, time_step, skin, stiffness, damping, tangential, mass, turn;
+};
+
+/** Two discs of the list, and the image of the second: boxes up, and along. */
+struct Listed {
+  int32_t i, j, level, column;
+};
+
+/** Sums over a step, times the area: stress, and energy of the motion against the shear. */
+struct Sums {
+  double xx = 0.0, yy = 0.0, xy = 0.0;
+};
+
+/** Puts every disc into the box, with the velocity of its image there; no way since the list. */
+void wrap(const Swarm &s, Box &box, double rate)
+{
+  for (int64_t i = 0; i < s.n; i++) {
+    const double level = std::floor(s.y[i] / box.ly);
+    s.y[i] -= level * box.ly;
+    s.vx[i] -= level * rate * box.ly;
+    s.x[i] -= level * box.offset;
+    s.x[i] -= box.lx * std::floor(s.x[i] / box.lx);
+    s.way[2 * i] = s.way[2 * i + 1] = 0.0;
+  }
+  box.offset -= box.lx * std::floor(box.offset / box.lx);
+}
+
+/** Lists all pairs closer than the skin, surface to surface; their number, or -1 where there is no room.
+
+    Discs are taken by their height, each with those above it, so that the box must be higher than twice the reach. */
+int64_t list(const Swarm &s, const Box &box, double skin, Listed *pairs, int64_t room)
+{
+  std::vector<int64_t> order(s.n);
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int64_t a, int64_t b) { return s.y[a] < s.y[b]; });
+  const double widest = *std::max_element(s.radius, s.radius + s.n) + skin;
+  int64_t count = 0;
+  for (int64_t first = 0; first < s.n; first++) {
+    const int64_t i = order[first];
+    const double reach = s.radius[i] + skin;
+    if (count + s.n > room) return -1;
+    for (int64_t further = first + 1; further < first + s.n; further++) {
+      const int64_t level = further / s.n, j = order[further % s.n];
+      const double dy = s.y[i] - s.y[j] - (double) level * box.ly;
+      if (dy < -(s.radius[i] + widest)) break;
+      double dx = s.x[i] - s.x[j] - (double) level * box.offset;
+      const double column = std::nearbyint(dx / box.lx), far = reach + s.radius[j];
+      dx -= column * box.lx;
+      if (dx * dx + dy * dy < far * far) pairs[count++] = {(int32_t) i, (int32_t) j, (int32_t) level, (int32_t) column};
+    }
+  }
+  return count;
+}
+
+/** Forces and torques of all listed pairs; adds the contacts' part of the stress. `state` holds law and memory. */
+void forces(const Swarm &s, const Box &box, double rate, const jump_state &state, const Listed *pairs, int64_t count, Sums &sums)
+{
+  std::fill(s.fx, s.fx + s.n, 0.0);
+  std::fill(s.fy, s.fy + s.n, 0.0);
+  std::fill(s.torque, s.torque + s.n, 0.0);
+  const double speed = rate * box.ly;
+  const Seen seen{s.vx, s.vy, s.omega};
+  with_law(state, state.sign, [&](const auto &law, auto sizes, auto spin) {
+    using Friction = typename std::decay_t<decltype(law)>::Friction;
+    constexpr bool SPIN = decltype(spin)::value;
+    if constexpr (decltype(sizes)::value && SPIN == Friction::RUBS) {
+      for (const Listed *p = pairs; p < pairs + count; p++) {
+        const int64_t i = p->i, j = p->j;
+        const double dx = s.x[i] - s.x[j] - p->level * box.offset - p->column * box.lx;
+        const double dy = s.y[i] - s.y[j] - p->level * box.ly, r2 = dx * dx + dy * dy, a = s.radius[i], b = s.radius[j];
+        if (r2 >= (a + b) * (a + b)) continue;
+        Pair<double> pair = pair_of<true, SPIN>(state, seen, i, j, dx, dy, r2, a, b);
+        pair.vx -= p->level * speed;
+        Stretch<double> held{};
+        PairForce<double> out;
+        if constexpr (Friction::REMEMBERS) {
+          const PairMemory memory(state, i, j);
+          held = memory.begin();
+          out = pair_contact<true, SPIN>(law, numbers_of_pair(state), state.rolling, pair, held);
+          memory.end(held);
+        } else {
+          out = pair_contact<true, SPIN>(law, numbers_of_pair(state), Rolling{}, pair, held);
+        }
+        s.fx[i] += out.fx;
+        s.fy[i] += out.fy;
+        s.fx[j] -= out.fx;
+        s.fy[j] -= out.fy;
+        if constexpr (SPIN) {
+          s.torque[i] += out.on_a;
+          s.torque[j] += out.on_b;
+        }
+        sums.xx += out.fx * dx;
+        sums.yy += out.fy * dy;
+        sums.xy += out.fx * dy;
+      }
+    }
+  });
+}
+
+/** Empties the slots whose contacts have ended. */
+void end_step(const jump_springs &of, int64_t n)
+{
+  for (int64_t at = 0; at < n * of.slots; at++) {
+    if (!of.used[at]) {
+      of.partner[at] = 0;
+      of.sigma[at] = of.spring[at] = of.roll[at] = 0.0;
+    }
+    of.used[at] = 0;
+  }
+}
+
+/** Kick and drift of all discs; the largest way against the shear, squared, m^2. */
+double move(const Swarm &s, const Box &box, const Control &c, Sums &kinetic)
+{
+  const double dt = c.time_step, kick = dt / c.mass, middle = 0.5 * box.ly;
+  double far = 0.0;
+  for (int64_t i = 0; i < s.n; i++) {
+    const double square = s.radius[i] * s.radius[i], mass = c.mass * square;
+    s.vx[i] += kick / square * s.fx[i];
+    s.vy[i] += kick / square * s.fy[i];
+    s.omega[i] += dt * c.turn / (square * square) * s.torque[i];
+    const double ux = s.vx[i] - c.rate * (s.y[i] - middle), uy = s.vy[i];
+    kinetic.xx += mass * ux * ux;
+    kinetic.yy += mass * uy * uy;
+    kinetic.xy += mass * ux * uy;
+    s.x[i] += dt * s.vx[i];
+    s.y[i] += dt * s.vy[i];
+    double *const way = s.way + 2 * i;
+    way[0] += dt * ux;
+    way[1] += dt * uy;
+    far = most(far, way[0] * way[0] + way[1] * way[1]);
+  }
+  return far;
+}
+
+/** Twice the mean, by mass, of vx sin(2 pi x / length), m/s: the height of a standing wave. */
+double mode(const Swarm &s, const Box &box)
+{
+  const double wave = 2.0 * PI / box.lx;
+  double total = 0.0, mass = 0.0;
+  for (int64_t i = 0; i < s.n; i++) {
+    const double square = s.radius[i] * s.radius[i];
+    total += square * s.vx[i] * std::sin(wave * s.x[i]);
+    mass += square;
+  }
+  return 2.0 * total / mass;
+}
+
+/** Law and memory of the discs, as the contacts of the core read them. */
+jump_state state_of(const Swarm &s, const Control &c, const double *law, const jump_springs *springs)
+{
+  jump_state state{};
+  state.n = s.n;
+  state.radius = s.radius;
+  state.omega = s.omega;
+  state.stiffness = c.stiffness;
+  state.damping = c.damping;
+  state.tangential = c.tangential;
+  state.friction = law[0];
+  state.sign = law[1];
+  state.touch = law[2];
+  if (springs) {
+    state.ids = springs->ids;
+    state.slots = springs->slots;
+    state.partner = springs->partner;
+    state.full = springs->full;
+    state.sigma = springs->sigma;
+    state.spring = springs->spring;
+    state.roll = springs->roll;
+    state.used = springs->used;
+    state.memory_step = springs->time_step;
+    state.spring_ratio = springs->ratio;
+    state.spring_damping = springs->damping;
+    state.rolling = {springs->rolling_k, springs->rolling_damping, springs->rolling_friction};
+  }
+  return state;
+}
+
+}    // namespace
+}    // namespace jump
+
+using namespace jump;
+
+/** Steps of kick, drift and forces, `every` for each row of `record`, which takes their means: stress (Pa), area (m^2),
+    energy of the motion against the shear (J per m), and the height of the first mode at its end (m/s).
+
+    discs: ten arrays of n, the last of 2 n, in the order of `Swarm`. law: friction, slope, touch, NaN where there is none.
+    Returns 0 where there is no room for the pairs. */
+JUMP_API int64_t jump_shear(int64_t n, double *const *discs, double *box_numbers, const double *control, const double *law,
+                            const jump_springs *springs, int32_t *listed, int64_t room, double *record, int64_t rows,
+                            int64_t every)
+{
+  const Swarm s{n, discs[0], discs[1], discs[2], discs[3], discs[4], discs[5], discs[6], discs[7], discs[8], discs[9]};
+  Box &box = *reinterpret_cast<Box *>(box_numbers);
+  const Control &c = *reinterpret_cast<const Control *>(control);
+  Listed *const pairs = reinterpret_cast<Listed *>(listed);
+  const jump_state state = state_of(s, c, law, springs);
+  const double dt = c.time_step, widest = 2.0 * *std::max_element(s.radius, s.radius + n) + c.skin;
+  double bent = HUGE_VAL, grown = 0.0;    // the first step lists
+  int64_t count = 0;
+  for (double *row = record; row < record + 6 * rows; row += 6) {
+    std::fill(row, row + 6, 0.0);
+    for (int64_t step = 0; step < every; step++) {
+      const double ly = box.ly;
+      double grow = 0.0;
+      if (c.gain > 0.0) grow = least(most(c.gain * (box.pressure - c.pressure) / c.stiffness, -c.cap), c.cap) * dt;
+      Sums sums;
+      const double far = move(s, box, c, sums);
+      const double kinetic = 0.5 * (sums.xx + sums.yy);
+      box.strain += c.rate * dt;
+      box.offset += c.rate * ly * dt;
+      bent += c.rate * dt;
+      grown += grow;
+      if (grow != 0.0) {
+        for (int64_t i = 0; i < n; i++) {
+          s.x[i] *= 1.0 + grow;
+          s.y[i] *= 1.0 + grow;
+        }
+        box.lx *= 1.0 + grow;
+        box.ly *= 1.0 + grow;
+        box.offset *= 1.0 + grow;
+      }
+      if (!(2.0 * std::sqrt(far) + (std::fabs(bent) + std::fabs(grown)) * widest <= c.skin)) {
+        wrap(s, box, c.rate);
+        count = list(s, box, c.skin, pairs, room);
+        if (count < 0) return 0;
+        bent = grown = 0.0;
+      }
+      forces(s, box, c.rate, state, pairs, count, sums);
+      if (springs) end_step(*springs, n);
+      const double area = box.lx * box.ly, parts = area * (double) every;
+      box.pressure = 0.5 * (sums.xx + sums.yy) / area;
+      row[0] += sums.xx / parts;
+      row[1] += sums.yy / parts;
+      row[2] += sums.xy / parts;
+      row[3] += area / (double) every;
+      row[4] += kinetic / (double) every;
+    }
+    row[5] = mode(s, box);
+  }
+  return 1;
+}
