@@ -3,14 +3,13 @@
 
 import gc
 import os
-import runpy
 import signal
 import sys
 from pathlib import Path
 
 HERE = Path(__file__).parent
 CACHES = HERE.parent / ".pytest_cache" / "caches"
-for variable, folder in (("NUMBA_CACHE_DIR", "numba"), ("XDG_CACHE_HOME", "xdg"), ("MPLCONFIGDIR", "matplotlib")):
+for variable, folder in (("XDG_CACHE_HOME", "xdg"), ("MPLCONFIGDIR", "matplotlib")):
     os.environ[variable] = str(CACHES / folder)
     (CACHES / folder).mkdir(parents=True, exist_ok=True)
 os.environ.pop("LAMMPS_JUMP_CACHE", None)
@@ -20,7 +19,6 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command line does: 
 os.environ["LAMMPS_JUMP_THREADS"] = "1"  # the workers of the tests are as many as the cores
 # engines run in processes of their own, which find the hook on their path
 os.environ["PYTHONPATH"] = os.pathsep.join([str(HERE / "hook"), *filter(None, [os.environ.get("PYTHONPATH")])])
-runpy.run_path(str(HERE / "hook" / "sitecustomize.py"))
 
 import fault_table  # noqa: E402
 import pytest  # noqa: E402

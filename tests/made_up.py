@@ -214,7 +214,7 @@ def troubles(folder: Path, run: lj.Run) -> list[str]:
 def engine_setting(engine: str, **options) -> Setting:
     """Setting of 'native', 'compiled' or 'stock', with a binary dump; skips where the plugin cannot be had."""
     kinds = {
-        "native": lambda: {"engine": "native", "kernel": "numba"},
+        "native": lambda: {"engine": "native", "kernel": "core"},
         "compiled": lambda: {"kernel": "compiled", "plugin": plugin_or_skip()},
         "stock": lambda: {"kernel": "stock"},
     }

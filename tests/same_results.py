@@ -171,7 +171,7 @@ def run_entry(program: list[str], commands: list[list[str]], folder: Path) -> No
     shutil.copytree(INPUTS, folder / "inputs")
     (folder / "mistake.yaml").write_text(MISTAKE)
     (folder / "screen").mkdir()
-    one = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL", "NUMBA")}
+    one = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL")}
     environment = {**os.environ, **one, "MPLBACKEND": "Agg", "COLUMNS": "120", "NO_COLOR": "1", "TERM": "dumb"}
     for number, words in enumerate(commands):
         done = subprocess.run(

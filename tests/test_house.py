@@ -41,14 +41,13 @@ MOST_FILES = 12
 LARGE_FILES: dict[str, int] = {}
 """Files over `LARGEST_FILE`, with their lines of code today."""
 LONG_CALLS = {
-    "lammps_jump/scene/faces.py:_behind_py": 10,
-    "lammps_jump/scene/faces.py:_select_py": 10,
-    "lammps_jump/scene/faces.py:_touching_py": 11,
-    "lammps_jump/scene/near.py:_list_near_py": 14,
-    "lammps_jump/scene/near.py:_mark_cells_py": 11,
+    "lammps_jump/scene/faces.py:_behind": 10,
+    "lammps_jump/scene/faces.py:_select": 10,
+    "lammps_jump/scene/faces.py:touching": 11,
+    "lammps_jump/scene/near.py:list_near": 14,
+    "lammps_jump/scene/near.py:_mark_cells": 11,
 }
-"""Jitted loops over `MOST_PARAMETERS`, with their parameters today: numba keeps a branch on a field of a tuple, and
-drops one on an argument that is None."""
+"""Loops of the twin over `MOST_PARAMETERS`, with their parameters today."""
 FULL_FOLDERS: dict[str, int] = {}
 """Folders over `MOST_FILES`, with their files today."""
 PRIVATE_NAMES: set[tuple[str, str]] = set()
@@ -234,7 +233,7 @@ def test_what_lies_at_the_root():
     entries = {path.name for path in (ROOT / "lammps_jump").iterdir() if path.name != "__pycache__"}
     folders = {name for name in entries if (ROOT / "lammps_jump" / name).is_dir()}
     assert entries - folders - {"py.typed", "__init__.pyi"} <= AT_THE_ROOT
-    # a folder that was moved away may still hold what Python and numba have cached in it
+    # a folder that was moved away may still hold what Python has cached in it
     assert {name for name in folders if list((ROOT / "lammps_jump" / name).glob("*.*"))} <= set(FLOORS)
 
 
@@ -385,14 +384,6 @@ def test_functions_have_few_parameters():
         if parameters(node) > MOST_PARAMETERS
     }
     shrinks(counts, LONG_CALLS)
-    jitted = {
-        getattr(node.args[0], "id", "")
-        for tree in trees().values()
-        for node in ast.walk(tree)
-        if isinstance(node, ast.Call) and node.args
-        if getattr(getattr(node.func, "func", node.func), "id", "") in ("njit", "_compiled")
-    }
-    assert {name.partition(":")[2] for name in LONG_CALLS} <= jitted
 
 
 def test_how_parameters_are_counted():

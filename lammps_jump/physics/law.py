@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Contact law of two discs, or of a disc and a wall: normal force, friction, stored energy (thesis 3.11, 4.18-4.21).
 
-Plain functions of one contact, compiled at the end of the file. The loops of the native engine and of the analysis call
-them. The plugin holds its own copy (``contact_law.h``), which tests compare with these.
+Plain functions of one contact, which the twin calls. The core and the plugin hold their own copies (``core/law.h``,
+``contact_law.h``), which tests compare with these.
 
 `touch` is the width s (m) of a smooth touch, or None for a sharp one. With overlap delta and stiffness k, the spring of
 a smooth touch is k delta^2/(2 s) below delta = s and k (delta - s/2) beyond. Its dashpot is c F / sqrt(2 k E), where F
@@ -13,12 +13,9 @@ in docs/kernels.md).
 from __future__ import annotations
 
 from math import sqrt
-from pathlib import Path
-
-from numba import njit
 
 
-def _normal_force_py(overlap, opening, stiffness, damping, touch):
+def normal_force(overlap, opening, stiffness, damping, touch):
     """Normal force and its dashpot part, N per m of width, positive where they push apart; tensile tail kept (3.11).
 
     Parameters
@@ -43,7 +40,7 @@ def _normal_force_py(overlap, opening, stiffness, damping, touch):
     return stiffness * beyond + dashpot, dashpot
 
 
-def _friction_force_py(normal, slip, friction, damping, slope):
+def friction_force(normal, slip, friction, damping, slope):
     """Friction, N per m of width, against the slip; at most friction abs(normal) (Coulomb).
 
     Parameters
@@ -65,7 +62,7 @@ def _friction_force_py(normal, slip, friction, damping, slope):
     return -bound * min(max(slip * slope, -1.0), 1.0)
 
 
-def _slider_py(stretch, slip, bound, stiffness, damping):
+def slider(stretch, slip, bound, stiffness, damping):
     """Force of a spring and dashpot that slides at a bound, N per m of width, and the stretch that is left, m.
 
     The force is that of Cundall & Strack (1979); where it slides the spring keeps what the bound leaves of it (Luding
@@ -89,7 +86,7 @@ def _slider_py(stretch, slip, bound, stiffness, damping):
     return force, stretch
 
 
-def _stored_energy_py(overlap, touch):
+def stored_energy(overlap, touch):
     """Elastic energy over stiffness, m^2: integral of the spring's force over the overlap (thesis 4.28).
 
     delta^2/2; with a smooth touch delta^3/(6 s) below delta = s and (delta^2 - s delta + s^2/3)/2 beyond.
@@ -101,7 +98,7 @@ def _stored_energy_py(overlap, touch):
     return 0.5 * (overlap * overlap - touch * overlap + touch * touch / 3.0)
 
 
-def _contact_force_py(overlap, normal, slip, rim, numbers, friction, slope, touch):
+def contact_force(overlap, normal, slip, rim, numbers, friction, slope, touch):
     """The whole force of one contact on a disc: (fx, fy, tangential, dashpot), N per m of width.
 
     The tangential force acts along (-ny, nx); the dashpot is part of the normal force, along the normal.
@@ -133,40 +130,3 @@ def _contact_force_py(overlap, normal, slip, rim, numbers, friction, slope, touc
         fx -= rub * ny
         fy += rub * nx
     return fx, fy, rub, dashpot
-
-
-normal_force = njit(cache=True)(_normal_force_py)
-slider = njit(cache=True)(_slider_py)
-friction_force = njit(cache=True)(_friction_force_py)
-stored_energy = njit(cache=True)(_stored_energy_py)
-contact_force = njit(cache=True, inline="always")(_contact_force_py)
-
-
-def watching(dispatcher, *others):
-    """The same compiled function, with a disk cache that also expires when other files change.
-
-    numba compares the date of a function's own file only. Machine code that holds other functions inline, or their
-    constants, would otherwise outlive a change there.
-
-    Parameters
-    ----------
-    dispatcher : compiled function
-    others : compiled functions or Path
-        Functions of other files that it calls, and files whose constants it holds.
-    """
-    file = dispatcher._cache._cache_file
-    file._source_stamp = (file._source_stamp, *map(_stamp, others))
-    return dispatcher
-
-
-def _stamp(other):
-    """What changes with the source of a compiled function, or with a file."""
-    if isinstance(other, Path):
-        status = other.stat()
-        return status.st_mtime, status.st_size
-    return other._cache._cache_file._source_stamp
-
-
-def watching_law(dispatcher, *others):
-    """`watching` of this file, and of `others`."""
-    return watching(dispatcher, normal_force, *others)

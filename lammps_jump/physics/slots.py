@@ -11,7 +11,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 FULL = -1
 """What `slot_of` returns where a disc has no slot left."""
@@ -37,7 +36,7 @@ class Slots(NamedTuple):
     used: np.ndarray
 
 
-def _slot_of_py(slots, i, partner, foot, limit, around):
+def slot_of(slots, i, partner, foot, limit, around):
     """Slot of a contact of disc i in this step: that of its partner, or an empty one with springs at 0.
 
     Returns `FULL` where there is neither; nothing is then changed.
@@ -79,7 +78,7 @@ def _slot_of_py(slots, i, partner, foot, limit, around):
     return best
 
 
-def _held_py(slots, i, partner, foot, limit, around):
+def held(slots, i, partner, foot, limit, around):
     """Slot in which disc i remembers a contact, as `slot_of` finds it, or `FULL`; nothing is changed."""
     best, least = FULL, limit
     for s in range(slots.partner.shape[1]):
@@ -95,7 +94,7 @@ def _held_py(slots, i, partner, foot, limit, around):
     return best
 
 
-def _end_step_py(slots, n):
+def end_step(slots, n):
     """Empty the slots of the first n discs whose contacts have ended."""
     for i in range(n):
         for s in range(slots.partner.shape[1]):
@@ -103,8 +102,3 @@ def _end_step_py(slots, n):
                 slots.partner[i, s] = 0
                 slots.sigma[i, s] = slots.spring[i, s] = slots.roll[i, s] = 0.0
             slots.used[i, s] = 0
-
-
-held = njit(cache=True, inline="always")(_held_py)
-slot_of = njit(cache=True, inline="always")(_slot_of_py)
-end_step = njit(cache=True)(_end_step_py)

@@ -8,18 +8,12 @@ with it each one of another run, or of the same run whose tangent differs by mor
 push already. The energy of a contact without friction is then k/2 times the sum over runs of the squared overlap, and
 continuous. Planes and boxes push from any depth, each face on its own.
 
-Plain loops over float64 arrays, compiled at the end of the file. The plugin holds its own copy (``faces.h``); tests
-compare the two. This module and `near` are those of `scene` that import numba.
+Plain loops, which the twin calls. The core and the plugin hold their own copies (``faces.h``); tests compare them.
 """
 
 from __future__ import annotations
 
 from math import atan2, floor, inf, pi, sqrt
-from pathlib import Path
-
-from numba import njit
-
-from lammps_jump.physics.law import watching
 
 from .chains import (
     AFTER,
@@ -63,7 +57,7 @@ NOWHERE, INSIDE, BEGIN, END = range(4)
 """Where the foot of a candidate lies; `NOWHERE`: no candidate."""
 
 
-def _ends_py(codes, shape, f, px, py):
+def _ends(codes, shape, f, px, py):
     """Whether the foot of a point lies at or before the start of a face, and at or behind its end."""
     before = codes[f, AT_START] != ENDLESS
     if before:
@@ -74,7 +68,7 @@ def _ends_py(codes, shape, f, px, py):
     return before, behind
 
 
-def _at_joint_py(shape, f, end, front, px, py):
+def _at_joint(shape, f, end, front, px, py):
     """Signed distance of a point to one end of a face, and the unit vector from there; the face's normal on the end."""
     if end:
         vx, vy, tx, ty = shape[f, X1], shape[f, Y1], shape[f, TX1], shape[f, TY1]
@@ -89,14 +83,14 @@ def _at_joint_py(shape, f, end, front, px, py):
     return -r, -dx / r, -dy / r
 
 
-def _in_front_py(shape, f, end, px, py):
+def _in_front(shape, f, end, px, py):
     """Whether a point lies in front of the line that touches a face at one end."""
     if end:
         return shape[f, TX1] * (py - shape[f, Y1]) - shape[f, TY1] * (px - shape[f, X1]) >= 0.0
     return shape[f, TX0] * (py - shape[f, Y0]) - shape[f, TY0] * (px - shape[f, X0]) >= 0.0
 
 
-def _candidate_py(codes, shape, f, px, py):
+def _candidate(codes, shape, f, px, py):
     """Candidate of a face for a point: (place of the foot, signed distance in m, normal).
 
     The distance is negative behind the face. A joint counts once, at the end of the face before it.
@@ -129,7 +123,7 @@ def _candidate_py(codes, shape, f, px, py):
     return NOWHERE, inf, 0.0, 0.0
 
 
-def _tangent_py(codes, shape, f, place, nx, ny):
+def _tangent(codes, shape, f, place, nx, ny):
     """Angle of the wall's tangent at a candidate, rad, unwrapped along the chain."""
     phi = shape[f, PHI]
     if place == INSIDE and codes[f, KIND] != ARC:
@@ -144,7 +138,7 @@ def _tangent_py(codes, shape, f, place, nx, ny):
     return phi + angle
 
 
-def _apart_py(codes, shape, f, g, one, two):
+def _apart(codes, shape, f, g, one, two):
     """Whether contacts of faces f and g, with these tangent angles, push each on its own."""
     if codes[f, RUN] != codes[g, RUN]:
         return True
@@ -155,7 +149,7 @@ def _apart_py(codes, shape, f, g, one, two):
     return turn > SAME_TURN
 
 
-def _touching_py(codes, shape, deep, near, first, last, px, py, radius, found, which):
+def touching(codes, shape, deep, near, first, last, px, py, radius, found, which):
     """Contacts of a disc with one wall; returns their number.
 
     Parameters
@@ -222,7 +216,7 @@ def _touching_py(codes, shape, deep, near, first, last, px, py, radius, found, w
     return _select(codes, shape, near, first, last, px, py, radius, found, which)
 
 
-def _out_of_reach_py(codes, shape, f, px, py, front, behind):
+def _out_of_reach(codes, shape, f, px, py, front, behind):
     """Whether a point is further in front of or behind the line of a straight face than this (m): no contact then."""
     if codes[f, KIND] != SEGMENT:
         return False
@@ -230,7 +224,7 @@ def _out_of_reach_py(codes, shape, f, px, py, front, behind):
     return line >= front or line <= behind
 
 
-def _behind_py(codes, shape, near, first, last, px, py, radius, found, which):
+def _behind(codes, shape, near, first, last, px, py, radius, found, which):
     """Contacts of a disc with a wall that pushes from any depth: each face on its own."""
     kept = 0
     for p in range(first, last):
@@ -245,7 +239,7 @@ def _behind_py(codes, shape, near, first, last, px, py, radius, found, which):
     return kept
 
 
-def _select_py(codes, shape, near, first, last, px, py, radius, found, which):
+def _select(codes, shape, near, first, last, px, py, radius, found, which):
     """Contacts of a disc that several candidates touch, in front: the deepest, then those that push on their own."""
     kept = 0
     while kept < MOST:
@@ -271,7 +265,7 @@ def _select_py(codes, shape, near, first, last, px, py, radius, found, which):
     return kept
 
 
-def _foot_at_py(codes, shape, f, px, py):
+def foot_at(codes, shape, f, px, py):
     """Arc length of the foot of a point on a face, m, counted along the chain from its start.
 
     It names a place of the wall whatever the faces: a contact that goes on over a joint changes it by its way alone.
@@ -289,31 +283,10 @@ def _foot_at_py(codes, shape, f, px, py):
     return shape[f, ARC_LENGTH] + abs(rho) * atan2(tx * dx + ty * dy, out)
 
 
-def _away_py(codes, shape, f, px, py):
+def away(codes, shape, f, px, py):
     """Distance of a point to a face, m; negative behind it, where its foot is inside."""
     before, behind = _ends(codes, shape, f, px, py)
     if not before and not behind:
         return _candidate(codes, shape, f, px, py)[1]
     first = _at_joint(shape, f, False, True, px, py)[0] if before else inf
     return min(first, _at_joint(shape, f, True, True, px, py)[0] if behind else inf)
-
-
-def _compiled(function, **options):
-    """The compiled function; its cache on the disk expires when a constant of ``chains.py`` changes."""
-    return watching(njit(cache=True, **options)(function), Path(__file__).with_name("chains.py"))
-
-
-_ends = _compiled(_ends_py)
-_at_joint = _compiled(_at_joint_py)
-_in_front = _compiled(_in_front_py)
-_candidate = _compiled(_candidate_py)
-_tangent = _compiled(_tangent_py)
-_apart = _compiled(_apart_py)
-_out_of_reach = _compiled(_out_of_reach_py)
-_behind = _compiled(_behind_py)
-foot_at = _compiled(_foot_at_py)
-away = _compiled(_away_py)
-_select = _compiled(_select_py)
-touching = _compiled(_touching_py)
-# for the one loop that calls it at each step: the call takes a quarter of the time
-touching_inline = _compiled(_touching_py, inline="always")

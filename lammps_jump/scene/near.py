@@ -1,20 +1,16 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Which discs are near a wall, and which of its faces are near each: cells that list faces, and lists of discs.
 
-Plain loops over float64 arrays, compiled at the end of the file. The plugin holds its own copy (``faces.h``).
+Plain loops; the core and the plugin hold their own copies (``near.h``, ``faces.h``).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from math import inf, sqrt
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
-
-from lammps_jump.physics.law import watching
 
 from .chains import AT_END, AT_START, ENDLESS, KIND, SEGMENT, TX0, TX1, TY0, TY1, X0, X1, Y0, Y1, Faces, boxes
 from .faces import away
@@ -51,7 +47,7 @@ class Grid(NamedTuple):
     reach: float
 
 
-def _plain_py(codes, shape, f, px, py, margin):
+def _plain(codes, shape, f, px, py, margin):
     """Whether a point is beside a straight face and a margin (m) from its ends: its line is then enough."""
     if codes[f, KIND] != SEGMENT:
         return False
@@ -63,7 +59,7 @@ def _plain_py(codes, shape, f, px, py, margin):
     return start and end
 
 
-def _mark_cells_py(codes, shape, box, begin, end, place, columns, rows, reach, start, listed):
+def _mark_cells(codes, shape, box, begin, end, place, columns, rows, reach, start, listed):
     """Count the faces near each cell of one wall in ``start[cell + 1]``; with room in `listed`, list them from there.
 
     Listing moves ``start[cell + 1]`` from the first to behind the last face of the cell.
@@ -157,7 +153,7 @@ def mark_cells(
     _mark_cells(faces.codes, faces.shape, box, *ends, place, columns, rows, reach, start, listed)
 
 
-def _list_near_py(n, x, y, wall, codes, shape, deep, grid, discs, plain, last, near, row, count):
+def list_near(n, x, y, wall, codes, shape, deep, grid, discs, plain, last, near, row, count):
     """List the discs near one wall, in its own frame, and the faces near each; returns (rows, faces), or -1: too short.
 
     Row r of the list is disc ``discs[r]`` with the faces ``near[last[r]:last[r + 1]]``. It goes on from row `row` and
@@ -192,13 +188,3 @@ def _list_near_py(n, x, y, wall, codes, shape, deep, grid, discs, plain, last, n
             row += 1
             last[row] = count
     return row, count
-
-
-def _compiled(function):
-    """The compiled function; its cache on the disk expires when a constant of ``chains.py`` or the rule changes."""
-    return watching(njit(cache=True)(function), Path(__file__).with_name("chains.py"), away)
-
-
-_plain = _compiled(_plain_py)
-_mark_cells = _compiled(_mark_cells_py)
-list_near = _compiled(_list_near_py)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What tests do at a step of an engine, set by the environment; and compiled code that all processes share.
+"""What tests do at a step of an engine, set by the environment.
 
-Python runs this file when it starts with this folder on its path, as all processes do that tests start. `conftest` runs
-it for the processes of the tests themselves. The program itself reads none of these variables.
+Python runs this file when it starts with this folder on its path, as all processes do that tests start. The program
+itself reads none of these variables.
 
 JUMP_TEST_SIGNAL : ``NUMBER@STEP@WHO``; the engine's process sends this signal at the first step from STEP on, and waits
     until it is asked to end. WHO is the process that gets it: ``first``, the ``engine`` itself, or ``all``.
@@ -12,12 +12,8 @@ JUMP_TEST_FULL : ``FIRST-LAST``; files of the engine's process cannot grow in th
 JUMP_TEST_PROCESS : the first process; set here.
 """
 
-import fcntl
-import importlib.util
 import os
 import resource
-import sys
-import threading
 import time
 
 signal_at, sleep = os.environ.get("JUMP_TEST_SIGNAL"), float(os.environ.get("JUMP_TEST_SLEEP", 0))
@@ -47,51 +43,3 @@ if signal_at or sleep or save_at or full:
                 stop_request.wait(LIMIT)
 
     step_hook.at_step = at_step
-
-
-threads, holding = threading.RLock(), []
-
-
-def one_at_a_time(compile_or_load):
-    """The method of a jitted function, while no other process is in it; it calls itself for functions inside."""
-
-    def call(function, signature):
-        with threads:
-            if holding:
-                return compile_or_load(function, signature)
-            with open(os.path.join(os.environ["NUMBA_CACHE_DIR"], "lock"), "w") as file:
-                fcntl.flock(file, fcntl.LOCK_EX)
-                holding.append(file)
-                try:
-                    return compile_or_load(function, signature)
-                finally:
-                    holding.clear()
-
-    return call
-
-
-class CompiledOnce:
-    """Puts a lock around the look into the cache, the compilation and the way into the cache, all in one.
-
-    Each function is compiled by one process, while the others wait and then load it. Without the lock every process
-    compiles on its own, and two can take each other's code.
-    """
-
-    def find_spec(self, name, path=None, target=None):
-        if name != "numba.core.dispatcher":
-            return None
-        sys.meta_path.remove(self)
-        spec = importlib.util.find_spec(name)
-        execute = spec.loader.exec_module
-
-        def exec_module(module):
-            execute(module)
-            module.Dispatcher.compile = one_at_a_time(module.Dispatcher.compile)
-
-        spec.loader.exec_module = exec_module
-        return spec
-
-
-# a worker of pytest runs this file twice: as it starts, and by `conftest`
-if "NUMBA_CACHE_DIR" in os.environ and "CompiledOnce" not in {type(finder).__name__ for finder in sys.meta_path}:
-    sys.meta_path.insert(0, CompiledOnce())

@@ -11,7 +11,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lammps_jump.engines.native import loops
 from lammps_jump.physics import law
 from lammps_jump.physics.contact import SMOOTH_SHARE, damping_ratio, lagged_correction, lagged_restitution
 from lammps_jump.physics.slip import SIGN_RAMP
@@ -24,15 +23,15 @@ widths = st.floats(1e-3, 1e3)
 
 
 def spring(overlap, width):
-    return law.normal_force.py_func(overlap, 0.0, 1.0, 0.0, width)[0]
+    return law.normal_force(overlap, 0.0, 1.0, 0.0, width)[0]
 
 
 def energy(overlap, width):
-    return law.stored_energy.py_func(overlap, width)
+    return law.stored_energy(overlap, width)
 
 
 def dashpot_share(overlap, width):
-    return -law.normal_force.py_func(overlap, 1.0, 1.0, 1.0, width)[1]
+    return -law.normal_force(overlap, 1.0, 1.0, 1.0, width)[1]
 
 
 def restitution(xi, h, width, speed, phase):
@@ -45,7 +44,7 @@ def restitution(xi, h, width, speed, phase):
     for _ in range(LIMIT):
         half = v + 0.5 * h * force
         overlap += h * half
-        force = -law.normal_force.py_func(overlap, -half, 1.0, 2.0 * xi, width)[0] if overlap > 0.0 else 0.0
+        force = -law.normal_force(overlap, -half, 1.0, 2.0 * xi, width)[0] if overlap > 0.0 else 0.0
         v = half + 0.5 * h * force
         if overlap <= 0.0 and v < 0.0:
             return -v / speed
@@ -139,11 +138,3 @@ def test_the_table_of_the_documentation(e, f, w):
 def test_constants_of_the_plugin_are_those_of_the_package():
     header = (PACKAGE / "engines" / "plugin" / "contact_law.h").read_text()
     assert float(re.search(r"SIGN_RAMP = ([\d.e-]+);", header)[1]) == SIGN_RAMP
-
-
-def test_compiled_loops_expire_with_the_law():
-    """Else a changed law would go on in machine code of before."""
-    stamp = law.normal_force._cache._cache_file._source_stamp
-    assert stamp == law.normal_force._cache._impl.locator.get_source_stamp()
-    for compiled in (loops.advance, loops.elastic):
-        assert stamp in compiled._cache._cache_file._source_stamp

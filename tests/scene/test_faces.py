@@ -2,14 +2,10 @@
 """faces.py: which faces of a wall push a disc, and from where."""
 
 from math import acos, asin, cos, hypot, pi, radians, sin, tan
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from lammps_jump.scene import chains as shapes
-from lammps_jump.scene import faces as rule
-from lammps_jump.scene import near
 from lammps_jump.scene.chains import Chain, circle, lay
 from lammps_jump.scene.faces import MOST, foot_at, touching
 from lammps_jump.scene.near import grid_of, list_near
@@ -179,13 +175,3 @@ def test_two_walls_that_meet_flush_are_found():
     assert flush(left.faces, step.faces) is None  # their undersides are no matter
     assert flush(left.faces, Block("apart", (0.1, 1.0), (-1.0, 0.0)).faces) is None
     assert flush(left.faces, Plane("ground", "y", 0.0, "above").faces) is None
-
-
-def test_what_is_compiled_expires_with_the_constants_of_chains():
-    """numba watches a function's own file alone, and compiles constants of other files into it."""
-    status = Path(shapes.__file__).stat()
-    compiled = [value for file in (rule, near) for value in vars(file).values() if hasattr(value, "py_func")]
-    assert touching in compiled and list_near in compiled and len(compiled) > 10
-    for function in compiled:
-        assert (status.st_mtime, status.st_size) in function._cache._cache_file._source_stamp, function
-    assert rule.away._cache._cache_file._source_stamp in list_near._cache._cache_file._source_stamp

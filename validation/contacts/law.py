@@ -32,7 +32,7 @@ def points(quick: bool) -> list[Point]:
     found = []
     for kernel in usable_kernels()[0]:
         if quick and kernel == "native":
-            continue  # numba compiles its loops for each law of friction, 20 s each
+            continue  # the two fast ones are enough
         on = {"kernel": kernel}
         for e in (0.6,) if quick else RESTITUTIONS:
             given = {**on, "restitution": e, "fraction": 0.01}
