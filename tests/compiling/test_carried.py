@@ -10,8 +10,10 @@ import shutil
 
 import pytest
 
-from lammps_jump.compiling import build, carried
+from lammps_jump.compiling import availability as availability_of
+from lammps_jump.compiling import build, carried, library_path
 from lammps_jump.compiling.cache import RECORD, cache_folder
+from lammps_jump.core import CORE
 from lammps_jump.engines.plugin import PLUGIN, availability, plugin_path
 from lammps_jump.errors import SetupError
 
@@ -47,6 +49,23 @@ def test_a_carried_library_is_tried_once_and_kept_without_a_compiler(carry, plug
     assert path.read_bytes() == plugin.read_bytes() and path.is_relative_to(cache_folder())
     monkeypatch.setattr(build, "check_loads", pytest.fail)
     assert plugin_path() == path == availability().path
+
+
+def test_a_carried_core_serves_without_a_compiler(compiled_core, tmp_path, monkeypatch):
+    code = library_path(CORE).read_bytes()
+    place = tmp_path / "carried" / "x86-64" / CORE.library
+    place.parent.mkdir(parents=True)
+    place.write_bytes(code)
+    record = {**carried.needs(CORE), "sha256": hashlib.sha256(code).hexdigest()}
+    assert set(record) == {"machine", "sources", "sha256"}  # it depends on no wheel
+    place.with_name(RECORD).write_text(json.dumps(record))
+    for module in (build, carried):
+        monkeypatch.setattr(module, "carried_folder", lambda _: tmp_path / "carried")
+    monkeypatch.setenv("LAMMPS_JUMP_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setenv("CXX", "no-such-compiler")
+    path = library_path(CORE)
+    assert path.read_bytes() == code and path.is_relative_to(cache_folder())
+    assert availability_of(CORE).path == path
 
 
 @pytest.mark.lammps
