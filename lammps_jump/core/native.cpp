@@ -7,25 +7,33 @@
 
 #include "kinds.h"
 
+#include <algorithm>
 #include <initializer_list>
 
 namespace jump {
 
+constexpr int CHAINS = 4;    // sums and maxima that run beside each other: the ledger's last digits are those of this order
+
 double slope_of(const jump_state &s, const Seen &seen)
 {
-  double fastest = 0.0;
-  for (int64_t i = 0; i < s.n; i++) {
-    const double square = seen.vx[i] * seen.vx[i] + seen.vy[i] * seen.vy[i];
-    fastest = square > fastest ? square : fastest;
-  }
+  double most_of[CHAINS] = {};
+  const double *const __restrict vx = seen.vx, *const __restrict vy = seen.vy;
+  const auto see = [&](int64_t i, int chain) {
+    most_of[chain] = most(vx[i] * vx[i] + vy[i] * vy[i], most_of[chain]);
+  };
+  int64_t i = 0;
+  for (; i + CHAINS <= s.n; i += CHAINS)
+    for (int chain = 0; chain < CHAINS; chain++) see(i + chain, chain);
+  for (; i < s.n; i++) see(i, 0);
+  const double fastest = most(most(most_of[0], most_of[1]), most(most_of[2], most_of[3]));
   const double eps = s.sign * std::sqrt(fastest);
   return eps > 1e-300 ? 1.0 / eps : 1e300;    // nothing moves: the limit of the law, sat -> sign
 }
 
 /** Add the forces of all touching pairs of the half list. */
-template <bool SIZES, bool SPIN, class Law> static void pair_forces(const jump_state &s, const Law &law)
+template <bool SIZES, bool SPIN, bool LEDGER, class Law> static void pair_forces(const jump_state &s, const Law &law)
 {
-  constexpr bool RUBS = Law::Friction::RUBS, MEMORY = Law::Friction::REMEMBERS;
+  constexpr bool SLIDES = LEDGER && Law::Friction::RUBS, MEMORY = Law::Friction::REMEMBERS;
   const Seen seen = seen_by(s);
   const Numbers<double> of = numbers_of_pair(s);
   const Rolling rolling = s.rolling;
@@ -33,7 +41,8 @@ template <bool SIZES, bool SPIN, class Law> static void pair_forces(const jump_s
   const double *const __restrict x = s.x, *const __restrict y = s.y, *const __restrict radius = s.radius;
   double *const __restrict fx = s.fx, *const __restrict fy = s.fy, *const __restrict torque = s.torque;
   const int32_t *const __restrict neighbours = s.neighbours;
-  const bool ledger = s.dash_x, slides = RUBS && s.slide_x;
+  double *const __restrict dash_x = s.dash_x, *const __restrict dash_y = s.dash_y;
+  double *const __restrict slide_x = s.slide_x, *const __restrict slide_y = s.slide_y;
   for (int64_t row = 0; row < s.rows; row++) {
     const int64_t i = s.owner ? s.owner[row] : row;
     const double xi = s.shift ? x[i] + s.shift[row] : x[i], yi = y[i], a = SIZES ? radius[i] : half;
@@ -58,18 +67,18 @@ template <bool SIZES, bool SPIN, class Law> static void pair_forces(const jump_s
         turn += out.on_a;
         torque[j] += out.on_b;
       }
-      if (slides) {
+      if constexpr (SLIDES) {
         slid_x -= out.rub * out.ny;
         slid_y += out.rub * out.nx;
-        s.slide_x[j] += out.rub * out.ny;
-        s.slide_y[j] -= out.rub * out.nx;
+        slide_x[j] += out.rub * out.ny;
+        slide_y[j] -= out.rub * out.nx;
       }
-      if (ledger) {
+      if constexpr (LEDGER) {
         const double ex = out.dashpot * out.nx, ey = out.dashpot * out.ny;
         lost_x += ex;
         lost_y += ey;
-        s.dash_x[j] -= ex;
-        s.dash_y[j] -= ey;
+        dash_x[j] -= ex;
+        dash_y[j] -= ey;
       }
       sum_x += out.fx;
       sum_y += out.fy;
@@ -79,13 +88,13 @@ template <bool SIZES, bool SPIN, class Law> static void pair_forces(const jump_s
     fx[i] += sum_x;
     fy[i] += sum_y;
     if constexpr (SPIN) torque[i] += turn;
-    if (ledger) {
-      s.dash_x[i] += lost_x;
-      s.dash_y[i] += lost_y;
+    if constexpr (LEDGER) {
+      dash_x[i] += lost_x;
+      dash_y[i] += lost_y;
     }
-    if (slides) {
-      s.slide_x[i] += slid_x;
-      s.slide_y[i] += slid_y;
+    if constexpr (SLIDES) {
+      slide_x[i] += slid_x;
+      slide_y[i] += slid_y;
     }
   }
 }
@@ -193,7 +202,8 @@ static void forces(const jump_state &s)
   const double slope = has(s.sign) ? slope_of(s, seen_by(s)) : 0.0;
   if (s.moving) s.work[3] = s.work[4] = s.work[5] = 0.0;
   with_law(s, slope, [&](const auto &law, auto sizes, auto spin) {
-    pair_forces<sizes.value, spin.value>(s, law);
+    if (s.dash_x) pair_forces<sizes.value, spin.value, true>(s, law);
+    else pair_forces<sizes.value, spin.value, false>(s, law);
     for (int64_t wall = 0; wall < s.walls; wall++) wall_forces<sizes.value, spin.value>(s, law, wall);
   });
   if (s.moving)
@@ -202,55 +212,62 @@ static void forces(const jump_state &s)
   if (s.partner && s.memory_step > 0.0) end_step(s);
 }
 
-constexpr int CHAINS = 4;    // sums that run beside each other: the ledger's last digits are those of this order
-
-static double sum_of(const double (&part)[CHAINS]) { return (part[0] + part[1]) + (part[2] + part[3]); }
-
-/** Sum of p . (v + half f / R^2) over the discs; takes p to zero for the next step. */
-static double power(const jump_state &s, double *px, double *py, double half)
+/** Sum of term(i) over the discs. */
+template <class Term> static double sum_over(int64_t n, const Term &term)
 {
   double part[CHAINS] = {};
-  const auto add = [&](int64_t i, int chain) {
-    const double kick = s.radius ? half / (s.radius[i] * s.radius[i]) : half;
-    part[chain] += px[i] * (s.vx[i] + kick * s.fx[i]) + py[i] * (s.vy[i] + kick * s.fy[i]);
-    px[i] = py[i] = 0.0;
-  };
   int64_t i = 0;
-  for (; i + CHAINS <= s.n; i += CHAINS)
-    for (int chain = 0; chain < CHAINS; chain++) add(i + chain, chain);
-  for (; i < s.n; i++) add(i, 0);
-  return sum_of(part);
+  for (; i + CHAINS <= n; i += CHAINS)
+    for (int chain = 0; chain < CHAINS; chain++) part[chain] += term(i + chain);
+  for (; i < n; i++) part[0] += term(i);
+  return (part[0] + part[1]) + (part[2] + part[3]);
+}
+
+/** Sum of p . (v + half f / R^2) over the discs; takes p to zero for the next step. */
+template <bool SIZES> static double power(const jump_state &s, double *__restrict px, double *__restrict py, double half)
+{
+  const double *const __restrict vx = s.vx, *const __restrict vy = s.vy, *const __restrict fx = s.fx;
+  const double *const __restrict fy = s.fy, *const __restrict radius = s.radius;
+  const double sum = sum_over(s.n, [=](int64_t i) {
+    const double kick = SIZES ? half / (radius[i] * radius[i]) : half;
+    return px[i] * (vx[i] + kick * fx[i]) + py[i] * (vy[i] + kick * fy[i]);
+  });
+  std::fill_n(px, s.n, 0.0);
+  std::fill_n(py, s.n, 0.0);
+  return sum;
 }
 
 static double fourth(double radius) { return (radius * radius) * (radius * radius); }
 
 /** Sum of torque (omega + half torque / R^4) over the discs. */
-static double power_of_torque(const jump_state &s, double half)
+template <bool SIZES> static double power_of_torque(const jump_state &s, double half)
 {
-  double part[CHAINS] = {};
-  for (int64_t i = 0; i < s.n; i++)
-    part[i % CHAINS] += s.torque[i] * (s.omega[i] + (s.radius ? half / fourth(s.radius[i]) : half) * s.torque[i]);
-  return sum_of(part);
+  const double *const __restrict torque = s.torque, *const __restrict omega = s.omega, *const __restrict radius = s.radius;
+  return sum_over(s.n, [=](int64_t i) {
+    return torque[i] * (omega[i] + (SIZES ? half / fourth(radius[i]) : half) * torque[i]);
+  });
 }
 
 /** The work of dashpots and friction over the whole kick, dt F . v_n: v_n is the mean of the velocities around the kick. */
-static void book(const jump_state &s, double kick)
+template <bool SIZES> static void book(const jump_state &s, double kick)
 {
   const double dt = s.time_step;
-  s.work[0] -= dt * power(s, s.dash_x, s.dash_y, 0.5 * kick);
+  s.work[0] -= dt * power<SIZES>(s, s.dash_x, s.dash_y, 0.5 * kick);
   if (!s.slide_x) return;
-  s.work[1] -= dt * power(s, s.slide_x, s.slide_y, 0.5 * kick);
-  if (s.omega) s.work[1] -= dt * power_of_torque(s, 0.5 * dt / s.inertia);
+  s.work[1] -= dt * power<SIZES>(s, s.slide_x, s.slide_y, 0.5 * kick);
+  if (s.omega) s.work[1] -= dt * power_of_torque<SIZES>(s, 0.5 * dt / s.inertia);
 }
 
-static void kick_spin(const jump_state &s)
+template <bool SIZES, bool EXTRA> static void kick_spin(const jump_state &s)
 {
   const double turn = s.time_step / s.inertia;
-  for (int64_t i = 0; i < s.n; i++) {
-    const double old = s.omega[i], now = old + (s.radius ? turn / fourth(s.radius[i]) : turn) * s.torque[i];
-    s.omega[i] = now;
-    s.torque[i] = 0.0;
-    if (s.uomega) s.uomega[i] = 1.5 * now - 0.5 * old;
+  double *const __restrict omega = s.omega, *const __restrict torque = s.torque, *const __restrict uomega = s.uomega;
+  const double *const __restrict radius = s.radius;
+  for (int64_t i = 0, n = s.n; i < n; i++) {
+    const double old = omega[i], now = old + (SIZES ? turn / fourth(radius[i]) : turn) * torque[i];
+    omega[i] = now;
+    torque[i] = 0.0;
+    if constexpr (EXTRA) uomega[i] = 1.5 * now - 0.5 * old;
   }
 }
 
@@ -285,13 +302,18 @@ template <bool SIZES, bool EXTRA> static int64_t kick_drift(const jump_state &s,
   return moved;
 }
 
-static int64_t drift(const jump_state &s)
+template <bool SIZES, bool EXTRA> static int64_t drift_kind(const jump_state &s)
 {
   const double kick = s.time_step / s.mass;
-  if (s.dash_x) book(s, kick);
-  if (s.omega) kick_spin(s);
-  if (s.radius) return s.ux ? kick_drift<true, true>(s, kick) : kick_drift<true, false>(s, kick);
-  return s.ux ? kick_drift<false, true>(s, kick) : kick_drift<false, false>(s, kick);
+  if (s.dash_x) book<SIZES>(s, kick);
+  if (s.omega) kick_spin<SIZES, EXTRA>(s);
+  return kick_drift<SIZES, EXTRA>(s, kick);
+}
+
+static int64_t drift(const jump_state &s)
+{
+  if (s.radius) return s.ux ? drift_kind<true, true>(s) : drift_kind<true, false>(s);
+  return s.ux ? drift_kind<false, true>(s) : drift_kind<false, false>(s);
 }
 
 /** Put the moving walls where they are at a step; true where one has gone over half the skin since it was listed. */

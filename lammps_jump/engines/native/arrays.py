@@ -277,14 +277,11 @@ class Loops(Protocol):
     def between(self, state: State, stations: Stations, sums: np.ndarray) -> None:
         """Add a step to the sums between stations (`ledger.StationLedger`)."""
 
-    def extent(self, n: int, x: np.ndarray, y: np.ndarray, domain: np.ndarray) -> Box:
+    def extent(self, n: int, x: np.ndarray, y: np.ndarray, domain: tuple[float, ...]) -> Box:
         """Smallest box around n discs, and the index of one outside the domain or not a number, or -1."""
 
-    def sort(self, n: int, x: np.ndarray, y: np.ndarray, cells: Cells, discs: Any) -> None:
-        """Sort discs by cell: fills ``cell_start``, ``cell`` and ``order`` of the discs."""
-
-    def permute(self, n: int, source: np.ndarray, place: np.ndarray, scratch: np.ndarray) -> None:
-        """``source[place[i]] = source[i]`` for i < n, through `scratch`."""
+    def sort(self, discs: Any, cells: Cells) -> None:
+        """Sort discs by cell: fills ``cell_start``, ``cell`` and ``order`` of the discs, and moves their columns."""
 
     def pair_list(self, discs: Any, reach: float, rows: int) -> int:
         """Half list of pairs closer than the reach (m); its length, or -1 where `neighbours` is short.

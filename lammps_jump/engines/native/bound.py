@@ -15,7 +15,7 @@ from lammps_jump.scene.near import Grid as NearGrid
 
 from .arrays import Box, Cells, Constants, Memory, Moves, Near, Seen, State, Stations
 
-ARRAY, MAYBE = c_void_p, c_void_p
+ARRAY = c_void_p
 FACE = np.dtype([("codes", np.int64, 8), ("shape", float, 15)])
 """A row of `Faces` as the core has it."""
 
@@ -24,7 +24,8 @@ MOVES = "track first moving centre now listed far lid pushed clock"
 MEMORY = "chain around full"
 
 
-def _fields(kind: Any, names: str) -> list[tuple[str, Any]]:
+def fields(kind: Any, names: str) -> list[tuple[str, Any]]:
+    """Fields of a struct that have one kind."""
     return [(name, kind) for name in names.split()]
 
 
@@ -32,24 +33,24 @@ class jump_state(Struct):
     """State of the engine, in the order of ``native.h``."""
 
     _fields_: ClassVar = [
-        *_fields(c_int64, "n"),
-        *_fields(c_void_p, DISCS),
-        *_fields(c_int64, "rows"),
-        *_fields(c_void_p, "owner shift start neighbours"),
-        *_fields(c_int64, "room"),
-        *_fields(c_double, "grid_x grid_y grid_inverse"),
-        *_fields(c_int64, "grid_columns grid_rows"),
-        *_fields(c_void_p, "grid_first grid_used"),
-        *_fields(c_int64, "walls"),
-        *_fields(c_void_p, "faces deep numbers about near_rows near_discs near_plain near_last near_faces wall_sum"),
-        *_fields(c_void_p, "track track_first moving centre placed listed far lid pushed clock"),
-        *_fields(c_double, "diameter stiffness damping tangential"),
-        *_fields(c_double, "time_step mass inertia weight_x weight_y reach2"),
-        *_fields(c_double, "friction sign touch"),
-        *_fields(c_int64, "slots"),
-        *_fields(c_void_p, "partner sigma spring roll used chain around full"),
-        *_fields(c_double, "memory_step spring_ratio spring_damping rolling_k rolling_damping rolling_friction"),
-        *_fields(c_void_p, "rolling_at work"),
+        *fields(c_int64, "n"),
+        *fields(c_void_p, DISCS),
+        *fields(c_int64, "rows"),
+        *fields(c_void_p, "owner shift start neighbours"),
+        *fields(c_int64, "room"),
+        *fields(c_double, "grid_x grid_y grid_inverse"),
+        *fields(c_int64, "grid_columns grid_rows"),
+        *fields(c_void_p, "grid_first grid_used"),
+        *fields(c_int64, "walls"),
+        *fields(c_void_p, "faces deep numbers about near_rows near_discs near_plain near_last near_faces wall_sum"),
+        *fields(c_void_p, "track track_first moving centre placed listed far lid pushed clock"),
+        *fields(c_double, "diameter stiffness damping tangential"),
+        *fields(c_double, "time_step mass inertia weight_x weight_y reach2"),
+        *fields(c_double, "friction sign touch"),
+        *fields(c_int64, "slots"),
+        *fields(c_void_p, "partner sigma spring roll used chain around full"),
+        *fields(c_double, "memory_step spring_ratio spring_damping rolling_k rolling_damping rolling_friction"),
+        *fields(c_void_p, "rolling_at work"),
     ]
 
 
@@ -57,22 +58,22 @@ class jump_grid(Struct):
     """Cells that find the faces of one wall."""
 
     _fields_: ClassVar = [
-        *_fields(c_void_p, "faces box start listed"),
-        *_fields(c_int64, "deep columns rows first_cell"),
-        *_fields(c_double, "xlo xhi ylo yhi left low inverse reach"),
+        *fields(c_void_p, "faces box start listed"),
+        *fields(c_int64, "deep columns rows first_cell"),
+        *fields(c_double, "xlo xhi ylo yhi left low inverse reach"),
     ]
 
 
 class jump_stations(Struct):
     """As `Stations`."""
 
-    _fields_: ClassVar = [*_fields(c_double, "left width speed"), *_fields(c_int64, "moved pushed")]
+    _fields_: ClassVar = [*fields(c_double, "left width speed"), *fields(c_int64, "moved pushed")]
 
 
 class jump_seen(Struct):
     """Velocities and spins."""
 
-    _fields_: ClassVar = _fields(c_void_p, "vx vy spin")
+    _fields_: ClassVar = fields(c_void_p, "vx vy spin")
 
 
 STATE, GRID = POINTER(jump_state), POINTER(jump_grid)
@@ -85,24 +86,16 @@ _contacts = function(
 )
 _give_sizes = function("jump_give_sizes", STATE, INTEGER, REALS, result=REAL)
 _between = function("jump_between", STATE, POINTER(jump_stations), REALS)
-_extent = function("jump_extent", INTEGER, REALS, REALS, REALS, REALS, result=INTEGER)
-_sort = function("jump_sort", INTEGER, REALS, REALS, REALS, INTEGERS, INTEGERS, INTEGERS, INTEGERS)
-_permute = function("jump_permute", INTEGER, INTEGER, ARRAY, INTEGERS, ARRAY)
-_pair_list = function(
-    "jump_pair_list", INTEGER, REALS, REALS, MAYBE, REAL, INTEGER, INTEGERS, INTEGERS, INTEGERS, ARRAY, INTEGER,
-    result=INTEGER,
-)  # fmt: skip
-_image_rows = function(
-    "jump_image_rows", INTEGER, REALS, REALS, MAYBE, REALS, INTEGERS, ARRAY, INTEGER, ARRAY, REALS, ARRAY,
-    result=INTEGER,
-)  # fmt: skip
-_list_near = function(
-    "jump_list_near", GRID, INTEGER, REALS, REALS, ARRAY, ARRAY, INTEGERS, INTEGERS, INTEGERS, INTEGERS
-)
-_mark_cells = function("jump_mark_cells", GRID, INTEGER, INTEGER, INTEGERS, MAYBE)
+_extent = function("jump_extent", INTEGER, *[ARRAY] * 4, result=INTEGER)
+_sort = function("jump_sort", INTEGER, *[ARRAY] * 7)
+_permute = function("jump_permute", INTEGER, INTEGER, *[ARRAY] * 3)
+_pair_list = function("jump_pair_list", INTEGER, *[ARRAY] * 3, REAL, INTEGER, *[ARRAY] * 4, INTEGER, result=INTEGER)
+_image_rows = function("jump_image_rows", INTEGER, *[ARRAY] * 6, INTEGER, *[ARRAY] * 3, result=INTEGER)
+_list_near = function("jump_list_near", GRID, INTEGER, *[ARRAY] * 8)
+_mark_cells = function("jump_mark_cells", GRID, INTEGER, INTEGER, INTEGERS, ARRAY)
 
 
-def _at(array: np.ndarray | None) -> int | None:
+def address(array: np.ndarray | None) -> int | None:
     """Address of an array, which must be contiguous."""
     if array is None:
         return None
@@ -118,6 +111,13 @@ def records_of(faces: Faces) -> np.ndarray:
     return found
 
 
+def put_springs(state: jump_state, memory: Memory) -> None:
+    """Put the numbers of what contacts remember into a state."""
+    state.slots = memory.slots.partner.shape[1]
+    state.memory_step, state.spring_ratio, state.spring_damping = memory.time_step, memory.ratio, memory.damping
+    state.rolling_k, state.rolling_damping, state.rolling_friction = memory.rolling
+
+
 class Core:
     """The loops of the core, for one simulation: arrays are bound once, and again where they are new ones."""
 
@@ -125,11 +125,13 @@ class Core:
         self._state = jump_state()
         self._held: dict[str, Any] = {}
         self._faces: tuple[Faces | None, np.ndarray | None] = (None, None)
+        self._pointers: dict[str, tuple[np.ndarray | None, int | None]] = {}
+        self._grids: tuple[NearGrid | None, dict[int, jump_grid]] = (None, {})
 
     def _put(self, name: str, array: np.ndarray | None) -> None:
         """Bind an array; it is held as long as the core may read it."""
         if name not in self._held or self._held[name] is not array:
-            setattr(self._state, name, _at(array))
+            setattr(self._state, name, address(array))
             self._held[name] = array
 
     def _records(self, faces: Faces) -> np.ndarray:
@@ -138,26 +140,35 @@ class Core:
         return self._faces[1]
 
     def _bind(self, state: State) -> Any:
-        """The state of the core for this one."""
+        """The state of the core for this one; what is bound already is looked at as a whole."""
         bound, put, d, walls = self._state, self._put, state.discs, state.walls
         bound.n = d.n
-        for name in DISCS.split():
-            put(name, getattr(d, name))
+        if self._held.get("x") is not d.x:  # room grows for all of them together
+            for name in DISCS.split():
+                put(name, getattr(d, name))
         self._bind_pairs(state)
-        bound.walls = len(walls.faces.deep)
+        if self._held.get("near") is not walls.near:
+            self._bind_walls(walls)
+        put("wall_sum", walls.sums)
+        put("work", state.work)
+        if self._held.get("constants") is not state.constants:
+            self._bind_constants(state.constants)
+        if self._held.get("memory", False) is not state.memory:
+            self._bind_memory(state.memory)
+        return byref(bound)
+
+    def _bind_walls(self, walls: Any) -> None:
+        put, near = self._put, walls.near
+        self._state.walls = len(walls.faces.deep)
         put("faces", self._records(walls.faces))
-        near = walls.near
         for name, array in (
             ("deep", walls.faces.deep), ("numbers", near.numbers), ("about", near.about), ("near_rows", near.rows),
             ("near_discs", near.discs), ("near_plain", near.plain), ("near_last", near.last),
-            ("near_faces", near.faces), ("wall_sum", walls.sums), ("work", state.work),
+            ("near_faces", near.faces),
         ):  # fmt: skip
             put(name, array)
         self._bind_moves(walls.moves)
-        if self._held.get("constants") is not state.constants:
-            self._bind_constants(state.constants)
-        self._bind_memory(state.memory)
-        return byref(bound)
+        self._held["near"] = near
 
     def _bind_pairs(self, state: State) -> None:
         bound, pairs, grid = self._state, state.pairs, state.grid
@@ -186,6 +197,7 @@ class Core:
     def _bind_memory(self, memory: Memory | None) -> None:
         bound, put = self._state, self._put
         slots = ("partner", "sigma", "spring", "roll", "used")
+        self._held["memory"] = memory
         if memory is None:
             for name in (*slots, *MEMORY.split(), "rolling_at"):
                 put(name, None)
@@ -194,9 +206,7 @@ class Core:
             put(name, array)
         for name in (*MEMORY.split(), "rolling_at"):
             put(name, getattr(memory, name))
-        bound.slots = memory.slots.partner.shape[1]
-        bound.memory_step, bound.spring_ratio, bound.spring_damping = memory.time_step, memory.ratio, memory.damping
-        bound.rolling_k, bound.rolling_damping, bound.rolling_friction = memory.rolling
+        put_springs(bound, memory)
 
     # --- steps ------------------------------------------------------------------------------------------------------
 
@@ -208,8 +218,10 @@ class Core:
 
     def place_walls(self, moves: Moves, step: int) -> None:
         """As `Loops.place_walls`."""
-        self._state.walls = moves.moving.size
-        self._bind_moves(moves)
+        if self._held.get("placed") is not moves.now:  # walls that are being made
+            self._state.walls = moves.moving.size
+            self._bind_moves(moves)
+            self._held["near"] = None
         _place_walls(byref(self._state), step)
 
     # --- sums -------------------------------------------------------------------------------------------------------
@@ -222,8 +234,8 @@ class Core:
 
     def contacts(self, state: State, at_step: Seen, seen: Seen, who: np.ndarray, found: np.ndarray) -> int:
         """As `Loops.contacts`."""
-        velocities = (jump_seen(*map(_at, one)) for one in (at_step, seen))
-        return _contacts(self._bind(state), *map(byref, velocities), _at(who), _at(found), len(who))
+        velocities = (jump_seen(*map(address, one)) for one in (at_step, seen))
+        return _contacts(self._bind(state), *map(byref, velocities), address(who), address(found), len(who))
 
     def give_sizes(self, state: State, known: int, own: np.ndarray) -> float:
         """As `Loops.give_sizes`."""
@@ -235,38 +247,48 @@ class Core:
 
     # --- lists ------------------------------------------------------------------------------------------------------
 
-    def extent(self, n: int, x: np.ndarray, y: np.ndarray, domain: np.ndarray) -> Box:
+    def _pointer(self, name: str, array: np.ndarray | None) -> int | None:
+        """Address of an array that mostly is the one of the call before."""
+        held = self._pointers.get(name)
+        if held is None or held[0] is not array:
+            held = self._pointers[name] = array, address(array)
+        return held[1]
+
+    def extent(self, n: int, x: np.ndarray, y: np.ndarray, domain: tuple[float, ...]) -> Box:
         """As `Loops.extent`."""
-        box = np.empty(4)
-        lost = _extent(n, x, y, domain, box)
-        a, b, c, d = box.tolist()
+        box = (c_double * 4)()
+        lost = _extent(n, self._pointer("x", x), self._pointer("y", y), (c_double * 4)(*domain), box)
+        a, b, c, d = box
         return a, b, c, d, lost
 
-    def sort(self, n: int, x: np.ndarray, y: np.ndarray, cells: Cells, discs: Any) -> None:
+    def sort(self, discs: Any, cells: Cells) -> None:
         """As `Loops.sort`."""
-        start = discs.cell_start[: (cells.columns + 2) * (cells.rows + 2) + 2]
-        counts = np.array([*cells[3:], start.size], np.int64)
-        _sort(n, x, y, np.array(cells[:3]), counts, start, discs.cell, discs.order)
-
-    def permute(self, n: int, source: np.ndarray, place: np.ndarray, scratch: np.ndarray) -> None:
-        """As `Loops.permute`."""
-        _permute(n, source.shape[1] if source.ndim == 2 else 1, _at(source), place, _at(scratch))
+        d, of = discs, self._pointer
+        size = (cells.columns + 2) * (cells.rows + 2) + 2
+        grid, counts = (c_double * 3)(*cells[:3]), (c_int64 * 4)(*cells[3:], size)
+        order = of("order", d.order)
+        _sort(d.n, of("x", d.x), of("y", d.y), grid, counts, of("cell_start", d.cell_start), of("cell", d.cell), order)
+        for name, column in d.columns.items():
+            if column.sorted:
+                array = getattr(d, name)
+                scratch = d.scratch[array.dtype, array.ndim]
+                _permute(d.n, max(1, column.width), of(name, array), order, of(f"scratch {column}", scratch))
 
     def pair_list(self, discs: Any, reach: float, rows: int) -> int:
         """As `Loops.pair_list`."""
-        d = discs
+        d, of = discs, self._pointer
         return _pair_list(
-            d.n, d.x, d.y, _at(d.radius), reach, rows, d.cell_start, d.cell, d.start, _at(d.neighbours),
-            d.neighbours.size,
+            d.n, of("x", d.x), of("y", d.y), of("radius", d.radius), reach, rows, of("cell_start", d.cell_start),
+            of("cell", d.cell), of("start", d.start), of("neighbours", d.neighbours), d.neighbours.size,
         )  # fmt: skip
 
     def image_rows(self, discs: Any, reach: tuple[float, float, float], owner: np.ndarray, shift: np.ndarray) -> int:
         """As `Loops.image_rows`."""
-        d = discs
-        right = np.empty(d.n + 1, np.int32)
+        d, of, right = discs, self._pointer, np.empty(discs.n + 1, np.int32)
         return _image_rows(
-            d.n, d.x, d.y, _at(d.radius), np.array([*reach, d.period]), d.start, _at(d.neighbours), d.neighbours.size,
-            _at(owner), shift, _at(right),
+            d.n, of("x", d.x), of("y", d.y), of("radius", d.radius), (c_double * 4)(*reach, d.period),
+            of("start", d.start), of("neighbours", d.neighbours), d.neighbours.size, address(owner), address(shift),
+            address(right),
         )  # fmt: skip
 
     def cell_pairs(self, state: State) -> int:
@@ -278,19 +300,25 @@ class Core:
         found: tuple[int, int],
     ) -> tuple[int, int]:  # fmt: skip
         """As `Loops.list_near`."""
-        ends = np.array(found, np.int64)
-        room = np.array([near.last.size, near.faces.size], np.int64)
+        ends, of = (c_int64 * 2)(*found), self._pointer
+        (n, x, y), room = seen, (c_int64 * 2)(near.last.size, near.faces.size)
         _list_near(
-            byref(self._grid(wall, faces, grid)), *seen, _at(near.discs), _at(near.plain), near.last, near.faces, room,
-            ends,
+            byref(self._grid(wall, faces, grid)), n, of("seen x", x), of("seen y", y), of("discs", near.discs),
+            of("plain", near.plain), of("last", near.last), of("faces", near.faces), room, ends,
         )  # fmt: skip
-        return int(ends[0]), int(ends[1])
+        return ends[0], ends[1]
 
     def _grid(self, wall: int, faces: Faces, grid: NearGrid) -> jump_grid:
-        return jump_grid(
-            _at(self._records(faces)), _at(grid.box), _at(grid.start), _at(grid.faces), faces.deep[wall],
-            *grid.cells[wall], *grid.wall_box[wall], *grid.place[wall], grid.reach,
-        )  # fmt: skip
+        of_all, grids = self._grids
+        if of_all is not grid:
+            self._grids = grid, grids = grid, {}
+        if wall not in grids:
+            arrays = (self._records(faces), grid.box, grid.start, grid.faces)
+            grids[wall] = jump_grid(
+                *map(address, arrays), faces.deep[wall], *grid.cells[wall], *grid.wall_box[wall], *grid.place[wall],
+                grid.reach,
+            )  # fmt: skip
+        return grids[wall]
 
     def mark_cells(
         self, faces: Faces, box: np.ndarray, ends: tuple[int, int], cells: tuple, reach: float, start: np.ndarray,
@@ -299,6 +327,6 @@ class Core:
         """As `lammps_jump.scene.near.mark_cells`."""
         *place, columns, rows = cells
         grid = jump_grid(
-            _at(self._records(faces)), _at(box), None, None, 0, columns, rows, 0, *[0.0] * 4, *place, reach
+            address(self._records(faces)), address(box), None, None, 0, columns, rows, 0, *[0.0] * 4, *place, reach
         )
-        _mark_cells(byref(grid), *ends, start, _at(listed) if listed.size else None)
+        _mark_cells(byref(grid), *ends, start, address(listed) if listed.size else None)

@@ -146,8 +146,7 @@ class Discs:
         """Index of a disc outside the domain, or -1; of a periodic one discs may leave by a skin (m) between lists."""
         (a, b), (c, e) = scene.domain
         beyond = 0.0 if self.period is None else skin
-        domain = np.array([a - beyond, b + beyond, c, e], float)
-        return self._loops.extent(self.n, self.x, self.y, domain)[4]
+        return self._loops.extent(self.n, self.x, self.y, (a - beyond, b + beyond, c, e))[4]
 
     def place(self, i: int, scene: Scene, step: int) -> str:
         """Where a disc is, in words."""
@@ -180,7 +179,7 @@ class Discs:
         """
         reach = diameter + skin
         n = self.n
-        a, b, c, d, lost = self._loops.extent(n, self.x, self.y, np.array(domain, float).ravel())
+        a, b, c, d, lost = self._loops.extent(n, self.x, self.y, (*domain[0], *domain[1]))
         if lost >= 0:
             return lost
         if n == 0:
@@ -196,11 +195,7 @@ class Discs:
         cells = (columns + 2) * (rows + 2)
         if self.cell_start.size < cells + 2:
             self.cell_start = np.zeros(cells + cells // 4 + 2, np.int64)
-        self._loops.sort(n, self.x, self.y, Cells(a, c, inverse, columns, rows, transpose), self)
-        for name, column in self.columns.items():
-            if column.sorted:
-                array = getattr(self, name)
-                self._loops.permute(n, array, self.order, self.scratch[array.dtype, array.ndim])
+        self._loops.sort(self, Cells(a, c, inverse, columns, rows, transpose))
         self.x0[:n] = self.x[:n]
         self.y0[:n] = self.y[:n]
         while True:

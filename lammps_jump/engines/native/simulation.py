@@ -94,6 +94,7 @@ class NativeSimulation:
     """
 
     _grid: Grid | None = None
+    _held: Memory | None = None
 
     def __init__(self, scene: Scene, *, ledger: bool = True, loops: Loops | None = None):
         for name, known in KNOWN.items():
@@ -215,9 +216,14 @@ class NativeSimulation:
         """What contacts remember."""
         if self.scene.springs is None:
             return None
-        d, of = self.discs, springs_of(self.scene, self.walls.names)
-        slots = Slots(d.partner, d.sigma, d.spring, d.roll, d.touched)
-        return Memory(slots, d.ids, self.walls.chain, self.walls.around, self._full, time_step, *of)
+        d, walls, held = self.discs, self.walls, self._held
+        if held is None or held.chain is not walls.chain or held.slots.partner is not d.partner:
+            slots = Slots(d.partner, d.sigma, d.spring, d.roll, d.touched)
+            of = springs_of(self.scene, walls.names)
+            self._held = held = Memory(slots, d.ids, walls.chain, walls.around, self._full, time_step, *of)
+        if held.time_step != time_step:
+            self._held = held = held._replace(time_step=time_step)
+        return held
 
     def listed_pairs(self) -> Pairs:
         """The list that stands."""

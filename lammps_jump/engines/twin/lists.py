@@ -15,7 +15,7 @@ from lammps_jump.scene.near import Grid, list_near, mark_cells  # noqa: F401 - t
 from .contact import radius_of
 
 
-def extent(n: int, x: np.ndarray, y: np.ndarray, domain: np.ndarray) -> Box:
+def extent(n: int, x: np.ndarray, y: np.ndarray, domain: tuple[float, ...]) -> Box:
     """Smallest box around the discs, and the last of those outside the domain or not a number, or -1."""
     x, y = x[:n], y[:n]
     inside = (x >= domain[0]) & (x <= domain[1]) & (y >= domain[2]) & (y <= domain[3])
@@ -25,30 +25,28 @@ def extent(n: int, x: np.ndarray, y: np.ndarray, domain: np.ndarray) -> Box:
     return float(a), float(b), float(c), float(d), int(lost[-1]) if lost.size else -1
 
 
-def sort(n: int, x: np.ndarray, y: np.ndarray, cells: Cells, discs) -> None:
+def sort(discs, cells: Cells) -> None:
     """Counting sort by cell: the first disc of each cell, the cell of each place, the place of each disc.
 
     A frame of empty cells surrounds the grid: (columns + 2) x (rows + 2) cells, rows counted fastest; `transpose` puts
-    x along the rows.
+    x along the rows. The columns of the discs move to their places.
     """
-    across = ((x[:n] - cells.x_low) * cells.inverse).astype(np.int64)
-    up = ((y[:n] - cells.y_low) * cells.inverse).astype(np.int64)
+    n = discs.n
+    across = ((discs.x[:n] - cells.x_low) * cells.inverse).astype(np.int64)
+    up = ((discs.y[:n] - cells.y_low) * cells.inverse).astype(np.int64)
     if cells.transpose:
         across, up = up, across
     height = cells.rows + 2
     cell = (np.minimum(across, cells.columns - 1) + 1) * height + np.minimum(up, cells.rows - 1) + 1
     order = np.argsort(cell, kind="stable")
-    discs.order[:n][order] = np.arange(n)
     discs.cell[:n] = cell[order]
     count = (cells.columns + 2) * height
     discs.cell_start[: count + 1] = np.searchsorted(discs.cell[:n], np.arange(count + 1))
     discs.cell_start[count + 1] = n
-
-
-def permute(n: int, source: np.ndarray, place: np.ndarray, scratch: np.ndarray) -> None:
-    """``source[place[i]] = source[i]`` for i < n, through `scratch`."""
-    scratch[place[:n]] = source[:n]
-    source[:n] = scratch[:n]
+    for name, column in discs.columns.items():
+        if column.sorted:
+            array = getattr(discs, name)
+            array[:n] = array[order]
 
 
 def _close(discs, i: int, others: np.ndarray, reach: float, shift: float = 0.0) -> np.ndarray:

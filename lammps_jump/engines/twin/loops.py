@@ -16,7 +16,6 @@ class Twin:
 
     extent = staticmethod(lists.extent)
     sort = staticmethod(lists.sort)
-    permute = staticmethod(lists.permute)
     pair_list = staticmethod(lists.pair_list)
     image_rows = staticmethod(lists.image_rows)
     cell_pairs = staticmethod(lists.cell_pairs)
