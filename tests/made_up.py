@@ -70,7 +70,7 @@ def analysed_again(folder: Path) -> dict:
 def call(monkeypatch, capsys, *arguments) -> tuple[int, str, str]:
     """Exit status, stdout and stderr of the command line."""
     monkeypatch.setattr(sys, "argv", ["lammps-jump", *map(str, arguments)])
-    monkeypatch.setattr(pool, "prepare_workers", lambda count: None)  # a second each; most commands run nothing
+    monkeypatch.setattr(pool, "prepare_workers", lambda: None)  # a second each; most commands run nothing
     with pytest.raises(SystemExit) as stop:
         main()
     captured = capsys.readouterr()

@@ -8,7 +8,6 @@ from pathlib import Path
 
 from lammps_jump import engines, sweeps
 from lammps_jump.files import read_file
-from lammps_jump.provenance import usable_cores
 
 COMMANDS = ("build-and-run", "run", "sweep")
 MEMBERS = {"--members", "--until"}
@@ -29,7 +28,7 @@ def start_early(words: list[str]) -> None:
     if len(words) < 2 or words[0] not in COMMANDS or NOTHING & options:
         return
     if words[0] == "sweep" or MEMBERS & options:
-        sweeps.pool.prepare_workers(usable_cores())
+        sweeps.pool.prepare_workers()
         return
     path = Path(words[1]) / "case.yaml" if words[0] == "run" else Path(words[1])
     try:

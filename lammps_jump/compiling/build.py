@@ -16,11 +16,11 @@ import json
 import os
 import tempfile
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from lammps_jump.errors import SetupError
 from lammps_jump.files import read_file, read_json, write_text
@@ -158,8 +158,7 @@ def _build(recipe: _Recipe, force: bool, tell: Tell, linking: Sequence[str] = ()
     product, units = recipe.product, list(recipe.objects)
     files = sum(len(unit) for unit in units)
     tell(f"{product.title}: compiling {files} files in {len(units)} parts, kept in {cache_folder()}")
-    with ThreadPoolExecutor(len(units)) as pool:
-        objects = list(pool.map(partial(_object, recipe, force=force), units))
+    objects = _at_once(partial(_object, recipe, force=force), units)
     with tempfile.TemporaryDirectory(prefix="lammps-jump-") as work:
         made = Path(work) / product.library
         code, record = _run(recipe, ["-shared", *map(str, objects), *linking], made, product.is_made)
@@ -224,8 +223,15 @@ def build_all(products: Sequence[Product], *, force: bool = False, tell: Tell = 
         except SetupError as error:
             return str(error)
 
-    with ThreadPoolExecutor(len(products)) as pool:
-        return list(pool.map(path, products))
+    return _at_once(path, products)
+
+
+def _at_once(work: Callable[[Any], Any], items: Sequence[Any]) -> list[Any]:
+    """The work on each item, in threads of their own."""
+    from concurrent.futures import ThreadPoolExecutor  # not needed to find what is built
+
+    with ThreadPoolExecutor(len(items)) as pool:
+        return list(pool.map(work, items))
 
 
 def build_for(product: Product, level: str) -> Path:

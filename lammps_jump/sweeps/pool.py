@@ -21,6 +21,7 @@ from lammps_jump import errors
 from lammps_jump.engines.child import ONE_SIGNAL
 from lammps_jump.engines.interrupts import handled_by
 from lammps_jump.errors import JumpError, RunInterrupted
+from lammps_jump.provenance import usable_cores
 
 ENDED = "the study was ended; what it had is kept, and the same command continues from there"
 
@@ -94,9 +95,9 @@ _ready: list[Worker] = []
 """Workers that no pool has taken yet."""
 
 
-def prepare_workers(count: int) -> None:
-    """Start workers before there is work for them: they load the analysis meanwhile, a second."""
-    _ready.extend(Worker("lammps_jump.runs.results") for _ in range(count))
+def prepare_workers() -> None:
+    """Start a worker for each core before there is work for them: they load the analysis meanwhile, a second."""
+    _ready.extend(Worker("lammps_jump.runs.results") for _ in range(usable_cores()))
 
 
 @atexit.register

