@@ -28,6 +28,8 @@ from lammps_jump.dump.frame import Frame
 from lammps_jump.physics import devices, measured
 from lammps_jump.units import number
 
+from .rest import RestHistory, rests
+
 LOW, HIGH = 0.2, 0.8
 """Shares of the height between which a flank is fitted."""
 MOST_INTERVAL = 45.0
@@ -273,7 +275,7 @@ def analyse(gathered: Gathered) -> Heap:
         right=right,
         **_run_out(remains, flow, shape),
         friction=scene.coefficients.friction,
-        at_rest=None if rest is None else isfinite(getattr(rest, "begin", nan)),
+        at_rest=rests(rest, flow) if isinstance(rest, RestHistory) else None,
         shape=shape,
     )
 

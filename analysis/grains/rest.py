@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import inf, isfinite, nan, sqrt
+from math import inf, isfinite, isnan, nan, sqrt
 
 import numpy as np
 
@@ -55,7 +55,7 @@ class RestHistory:
     ----------
     time : ndarray, shape (frames,), s
     speed : ndarray, shape (frames,), m/s
-        Median speed of the discs; NaN in a frame without discs.
+        Median speed of the discs; NaN in a frame without discs, and where no velocity is known.
     top : ndarray, shape (frames,), m
         Highest edge of the discs.
     begin : float
@@ -123,7 +123,9 @@ def state_of(frame: Frame, flow: Flow) -> tuple[float, float, tuple[int, int]]:
     """Median speed (m/s), highest edge (m), number and highest id of the discs of a frame, for `RestDetector.feed`."""
     if not frame.n:
         return nan, nan, (0, 0)
-    speed = float(np.median(np.hypot(frame.vx, frame.vy)))
+    speeds = np.hypot(frame.vx, frame.vy)
+    known = speeds[np.isfinite(speeds)]
+    speed = float(np.median(known)) if known.size else nan
     return speed, float((frame.y + flow.radii(frame)).max()), (frame.n, int(frame.ids.max()))
 
 
@@ -165,7 +167,7 @@ def analyse(gathered: Gathered) -> Rest:
     assert isinstance(history, RestHistory)
     if flow.g <= 0 or not flow.timed or not flow.velocities:
         return Rest(reason="without gravity, times and velocities nothing says what rest is")
-    there = np.isfinite(history.speed)
+    there = np.isfinite(history.top)
     if not there.any():
         return Rest(reason="no frame holds a disc", history=history)
     if not there[-1]:
@@ -175,21 +177,38 @@ def analyse(gathered: Gathered) -> Rest:
     begin = time[-1] - SPAN * sqrt(d / flow.g)
     before = float(np.interp(begin, time, top, left=nan))
     slow = float(speed[-1] / sqrt(flow.g * d))
+    if isnan(slow):
+        return Rest(reason="the velocities of the discs of the last frame are not known", history=history)
     return Rest(
         history.begin,
         slow,
         float(top[-1]),
         float(before - top[-1]) / d,
-        None if isfinite(history.begin) else _restless(slow, short=begin < time[0]),
+        None if isfinite(history.begin) else _restless(slow, short=rests(history, flow) is None),
         history,
     )
+
+
+def rests(history: RestHistory, flow: Flow) -> bool | None:
+    """Whether the discs rest at the end; None where the record is too short to tell, or nothing says what rest is."""
+    if isfinite(history.begin):
+        return True
+    if flow.g <= 0 or not flow.timed or not len(history.time) or isnan(history.speed[-1]):
+        return None
+    d = flow.scene.diameter
+    counted = history.time[history.time >= begin_of(flow.scene)]
+    short = len(counted) < FEWEST or counted[-1] - counted[0] < SPAN * sqrt(d / flow.g) * (1.0 - 1e-9)
+    return None if short and history.speed[-1] < SLOW * sqrt(flow.g * d) else False
 
 
 def _restless(speed: float, *, short: bool) -> str:
     if speed >= SLOW:
         return f"the discs still move: their median speed is {speed:z.2g} √(g d), at rest it is below {SLOW:zg}"
     if short:
-        return f"the discs are slow, and the record is shorter than the {SPAN:zg} √(d/g) in which rest shows"
+        return (
+            f"the discs are slow, and the record is shorter than the {SPAN:zg} √(d/g) in which rest shows, or has fewer "
+            f"than {FEWEST} frames"
+        )
     return f"the discs are slow, yet they moved, or their top or number changed, within the last {SPAN:zg} √(d/g)"
 
 

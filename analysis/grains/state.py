@@ -14,7 +14,7 @@ from lammps_jump.analysis.passes import Gathered
 from lammps_jump.dump.frame import Frame
 from lammps_jump.units import number
 
-from .rest import RestWatch
+from .rest import RestWatch, rests
 
 MIDDLE = (0.01, 0.99)
 """Shares of the discs between which the room is measured that they take: single discs fly ahead."""
@@ -35,6 +35,7 @@ class State:
     height: float = number("m", "height that 98 % of the discs take", default=nan)
     rest_time: float = number("s", "time from which on the discs rest", default=nan)
     at_rest: bool | None = None
+    """None where the record is too short to tell."""
 
 
 class StateWatch(RestWatch):
@@ -68,17 +69,19 @@ def analyse(gathered: Gathered) -> State:
     room = [float(np.diff(np.quantile(place, MIDDLE))[0] + 2.0 * radii.mean()) for place in (frame.x, frame.y)]
     known = {"time": time if flow.timed else nan, "discs": frame.n, "first_discs": watch.first}
     known |= {"length": room[0], "height": room[1]}
-    if not flow.velocities:
-        return State(**known)
     speeds = np.hypot(frame.vx, frame.vy)
+    told = np.isfinite(speeds)
+    if not told.any():
+        return State(**known)
+    speeds, mass = speeds[told], mass[told]
     median = float(np.median(speeds))
-    begin = RestWatch.result(watch).begin if flow.g > 0 and flow.timed else nan
+    rest = RestWatch.result(watch)
     return State(
         **known,
         speed=median,
         speed_over_root_gd=median / sqrt(flow.g * flow.scene.diameter) if flow.g > 0 else nan,
-        along=float(np.average(frame.vx, weights=mass)),
+        along=float(np.average(frame.vx[told], weights=mass)),
         mean_speed=float(np.average(speeds, weights=mass)),
-        rest_time=begin,
-        at_rest=bool(begin == begin) if flow.g > 0 and flow.timed else None,
+        rest_time=rest.begin if flow.g > 0 and flow.timed else nan,
+        at_rest=rests(rest, flow),
     )

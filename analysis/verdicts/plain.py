@@ -62,6 +62,7 @@ def _size(summary: Mapping) -> str:
 
 def _state(summary: Mapping) -> str:
     state = part(summary, "state")
+    share = state.get("speed_over_root_gd")
     discs = state.get("discs")
     if not discs:
         return ""
@@ -70,10 +71,10 @@ def _state(summary: Mapping) -> str:
         said = f"{discs} discs are at rest; {_size(summary)}."
     elif state.get("speed") is None:
         said = f"how fast the {discs} discs move is not known; {_size(summary)}."
+    elif share is not None and share < SLOW:
+        said = f"{discs} discs are slow, {shown(state['speed'])} m/s in the median; {_size(summary)}."
     elif summary.get("gravity") == 0 or state.get("at_rest") is None:
         said = f"{discs} discs move at {shown(state['speed'])} m/s, the median of their speeds at the end."
-    elif (at(summary, "state.speed_over_root_gd") or 1.0) < SLOW:
-        said = f"{discs} discs are slow, {shown(state['speed'])} m/s in the median; {_size(summary)}."
     else:
         said = f"{discs} discs still move, at {shown(state['speed'])} m/s in the median; {_size(summary)}."
     said = said.replace(f"{discs} discs", "they", 1) if begin else said
@@ -83,8 +84,10 @@ def _state(summary: Mapping) -> str:
 def _falls_on(summary: Mapping) -> str:
     state = part(summary, "state")
     share = state.get("speed_over_root_gd")
-    if state.get("at_rest") is not False or share is None or share >= SLOW:
+    if state.get("at_rest") or share is None or share >= SLOW:
         return ""
+    if state.get("at_rest") is None:
+        return "the discs are slow, and the record is too short to tell whether they rest: run longer"
     return "the discs are slow, yet their top or their number changed at the end: run longer"
 
 

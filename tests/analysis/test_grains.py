@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 from made_up import collected, columns_of_discs, disc_frame, flow_context, numbers
 
-from lammps_jump.analysis.grains import heap, layers, rest
+from lammps_jump.analysis.grains import heap, layers, rest, state
 from lammps_jump.analysis.passes import Gathered
 from lammps_jump.analysis.tables.rows import rows_of
 from lammps_jump.analysis.verdicts import headline, verdict
@@ -283,3 +283,27 @@ def test_rest_of_frames():
     assert "no frame" in empty.reason and rest.figures(empty, gathered(flow)) == {}
     assert not rest.section(numbers(empty)).blocks
     assert "gravity" in rest.analyse(gathered(flow_of(gravity=(0.0, 0.0)), rest=history)).reason
+
+
+def test_a_record_too_short_to_tell_says_nothing_of_rest():
+    """At rest, still moving, or not told: the three are apart in the state, the heap and the reason."""
+    x, y = columns_of_discs(lambda centres: 0 * centres + 3, -1.0, 1.0)
+    span = rest.SPAN * sqrt(D / G)
+
+    def told(speed, end, count=20, flow=None):
+        flow = flow or flow_of()
+        frames = [disc_frame(x, y, speed, box=ROOM["domain"], time=k * end / (count - 1)) for k in range(count)]
+        watch, history = (collected(kind(flow), frames) for kind in (state.StateWatch, rest.RestWatch))
+        found = state.analyse(gathered(flow, state=watch))
+        assert heap_of(flow, frames, rest=history)[0].at_rest is found.at_rest
+        return found.at_rest, rest.analyse(gathered(flow, rest=history)).reason, verdict({"state": numbers(found)})
+
+    still, moves = 0.0, 0.5
+    assert told(still, 1.1 * span)[:2] == (True, None)
+    assert told(moves, 1.1 * span)[0] is False and told(moves, 0.5 * span)[0] is False
+    for end, count in ((0.5 * span, 20), (2.0 * span, 3)):
+        rests, reason, said = told(still, end, count)
+        assert rests is None and "shorter than" in reason and "are slow, 0.0 m/s" in said
+    gate = MovingWall(Block("gate", (2.0, 2.2), (0.0, 2.0)), Motion(gone=1000))
+    shut = flow_of(walls=[FLOOR, gate], steps=10_000, time_step=1e-3, settle_steps=0)
+    assert told(still, 1.1 * span, flow=shut)[0] is None  # it opens after 1 s: the rest before does not count
