@@ -235,7 +235,7 @@ def find_contacts(frame: Frame, flow: Flow, *, damping: bool = True) -> Contacts
     points, normal, is_wall = np.column_stack([frame.x, frame.y]), np.column_stack([nx, ny]), first == frame.n
     opening = np.zeros_like(overlap)
     if damping and {"vx", "vy"} <= set(frame.columns):
-        u, v = (np.append(speed, 0.0) for speed in (frame.vx, frame.vy))
+        u, v = (np.append(np.nan_to_num(speed), 0.0) for speed in (frame.vx, frame.vy))
         opening = (u[second] - u[first] - wall_u) * nx + (v[second] - v[first] - wall_v) * ny
     force = normal_forces(overlap, opening, stiffness, dashpot, flow.touch_width)
     start, end = points[second], points[np.where(is_wall, 0, first)]
@@ -259,7 +259,8 @@ def whole_forces(
     """Force (fx, fy) of each contact on its second disc, friction included, N/m; shape (n,) each.
 
     It is what the engine has written, where it has. Else the laws are those of `lammps_jump.physics.law`, with the
-    velocities of the dump, which stand at the full step; springs with memory, which no frame tells, are left out.
+    velocities of the dump, which stand at the full step; springs with memory, which no frame tells, are left out. A disc
+    whose velocity is not known (NaN) counts as one at rest.
 
     Parameters
     ----------
@@ -272,7 +273,8 @@ def whole_forces(
     """
     scene, zero = flow.scene, np.zeros(frame.n + 1)
     # behind the discs stands one that never moves: the walls, whose own velocity stands with the contact
-    u, v, rim = (np.append(values, 0.0) for values in (frame.vx, frame.vy, zero[1:])) if velocity else (zero,) * 3
+    moving = (np.nan_to_num(frame.vx), np.nan_to_num(frame.vy), zero[1:])
+    u, v, rim = (np.append(values, 0.0) for values in moving) if velocity else (zero,) * 3
     rubs = velocity and scene.rubs and scene.springs is None
     still = np.zeros(len(contacts.first))
     wall_u, wall_v = (contacts.wall_u, contacts.wall_v) if velocity else (still, still)

@@ -31,7 +31,7 @@ class EnergyHistory:
     ----------
     time : ndarray, shape (frames,), s
     kinetic, rotational, potential : ndarray, shape (frames,)
-        Potential energy is -m (gx x + gy y): zero at the origin.
+        Kinetic energy is NaN in a frame with a disc whose velocity is not known. Potential energy is -m (gx x + gy y): zero at the origin.
     elastic : ndarray, shape (frames,)
         Pairs and walls; NaN where the stiffness is not known.
     discs : ndarray of int, shape (frames,)
@@ -136,6 +136,7 @@ def analyse_energy(history: EnergyHistory, flow: Flow) -> Energy:
     lossless = c.restitution == 1.0 and not any(law.gamma_normal for law in flow.scene.own_laws.values())
     start = float(total[0])
     several = len(total) > 1
+    unknown = "" if np.isfinite(total).all() else "velocities of some discs are not known: the dump has no vx, vy"
     relative = (total - start) / abs(start) if start and several else np.full(len(total), nan)
     return Energy(
         initial=start,
@@ -143,12 +144,12 @@ def analyse_energy(history: EnergyHistory, flow: Flow) -> Energy:
         max_deviation=float(np.max(np.abs(relative))),
         lowest_deviation=float(relative.min()),
         highest_deviation=float(relative.max()),
-        drift=drift(history.time, total),
+        drift=nan if unknown else drift(history.time, total),
         **{part: float(getattr(history, part)[-1]) for part in ("kinetic", "rotational", "potential", "elastic")},
         work_of_walls=nan if work is None else float(work[-1]),
         closed=history.same_discs,
         conservative=lossless and not flow.scene.rubs and not flow.scene.moves and history.same_discs,
-        reason=None if several else "one frame tells no change of the energy",
+        reason=unknown or (None if several else "one frame tells no change of the energy"),
         history=history,
     )
 
@@ -209,7 +210,8 @@ def energy_chart(energy: Energy) -> Chart | None:
     if history is None or not len(history.time):
         return None
     time, total = history.time, history.total
-    scale, unit = (1e6, "MJ/m") if total.max() > 1e6 else (1e3, "kJ/m") if total.max() > 1e4 else (1.0, "J/m")
+    most = float(total[np.isfinite(total)].max(initial=0.0))
+    scale, unit = (1e6, "MJ/m") if most > 1e6 else (1e3, "kJ/m") if most > 1e4 else (1.0, "J/m")
     parts = (
         ("total", total, "sum"),
         ("kinetic", history.kinetic, "first"),

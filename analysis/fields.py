@@ -62,6 +62,8 @@ LONG_NAMES = {
 }
 
 VELOCITY = ["velocity_x", "velocity_y"]
+OF_MOTION = {*VELOCITY, "kinetic_xx", "kinetic_xy", "kinetic_yy", "pressure"}
+"""Fields of a frame with velocities alone."""
 
 
 def compute_fields(
@@ -90,7 +92,8 @@ def compute_fields(
     Returns
     -------
     xarray.Dataset
-        Dims (y, x), cell centres; NaN inside walls, and for velocities where there is no mass. ``contact_*`` from
+        Dims (y, x), cell centres; NaN inside walls, and for velocities where there is no mass. Without velocities in the
+        frame there are no ``velocity_*``, ``kinetic_*`` and ``pressure``. ``contact_*`` from
         normal forces (spring and dashpot, no friction), where the stiffness is known. ``hydrostatic`` is the integral
         of density g upwards within the grid, to hold against ``contact_yy + kinetic_yy``.
 
@@ -139,6 +142,8 @@ def compute_fields(
         spread(points, moments, cell_weight, geometry, contact)
         fields |= {f"contact_{name}": part for name, part in zip(("xx", "xy", "yy"), contact, strict=True)}
         fields["pressure"] = 0.5 * (contact[0] + contact[2] + fields["kinetic_xx"] + fields["kinetic_yy"])
+    if not moving:
+        fields = {name: values for name, values in fields.items() if name not in OF_MOTION}
     above = np.cumsum(density[::-1], axis=0)[::-1] - 0.5 * density
     fields["hydrostatic"] = above * spacing * abs(flow.gravity)
     inner = (slice(margin, margin + ny), slice(margin, margin + nx))
@@ -187,13 +192,14 @@ def mean_fields(frames: Iterable[Frame], flow: Flow, *, x: Interval, y: Interval
     for frame in frames:
         fields = compute_fields(frame, flow, x=x, y=y, **options).drop_vars("time")
         density = fields["density"]
-        fields.update((fields[VELOCITY] * density).where(density != 0, 0 * density))
+        told = [name for name in VELOCITY if name in fields]
+        fields.update((fields[told] * density).where(density != 0, 0 * density))
         total = fields if total is None else total + fields
         count += 1
     if total is None:
         raise DumpError("there is no frame to make fields of.")
     mean = total / count
-    mean.update(mean[VELOCITY] / mean["density"].where(mean["density"] > 0))
+    mean.update(mean[told] / mean["density"].where(mean["density"] > 0))
     mean = mean.assign({name: _described(name, values.values, "time mean of ") for name, values in mean.items()})
     return mean.assign_attrs(fields.attrs, frames=count)
 
@@ -222,7 +228,7 @@ def write_fields(flow: Flow, profiles: xr.Dataset, dump: Dump, out: Path) -> tup
     extent = {"x": (profiles.attrs["x_low"], profiles.attrs["x_high"]), "y": (low, high)}
     fields = mean_fields(dump.select(indices.tolist()), flow, **extent)
     write_netcdf(fields, out / "fields.nc")
-    stress = "contact_yy" in fields
+    stress = "pressure" in fields
     named = ("density", "pressure") if stress else ("density",)
     figures: Drawings = {f"field_{name}": field_map(fields, flow, name) for name in named}
     summary: dict[str, object] = {"file": "fields.nc", "frames": len(indices), "reach": float(fields.attrs["reach"])}

@@ -25,6 +25,7 @@ from lammps_jump.units import number, shown
 from .contacts import ContactCollector
 from .flow import Flow
 from .passes import Gathered, Tables
+from .statistics import known_mean
 
 ASPECT = 2
 """n² = H/a of the columns in Martin & Moyce's tables."""
@@ -182,8 +183,8 @@ class FrontTracker:
             strip = ((x[bulk] - self.back) / d).astype(int)
             order = np.lexsort((y[bulk], strip))
             highest = order[np.flatnonzero(np.diff(strip[order], append=strip.max() + 1))]
-            top = float(np.mean(frame.vx[bulk[highest]]))
-            tip = float(np.mean(frame.vx[bulk[x[bulk] + 0.5 * d >= front - 5 * d]]))
+            top = float(known_mean(frame.vx[bulk[highest]]))
+            tip = float(known_mean(frame.vx[bulk[x[bulk] + 0.5 * d >= front - 5 * d]]))
         height = stack_top(y[near], d, bed, largest)
         # the column as it stands when the gate opens; none where no disc is at the back wall
         if self._column is None or time <= 0:

@@ -100,7 +100,7 @@ def gather(dump: Dump, flow: Flow, collectors: Iterable[Collector], warnings: li
 
 
 def feed(frames: Iterable[Frame], flow: Flow, collectors: Iterable[Collector]) -> Iterator[Frame]:
-    """The same frames, shown to every collector on the way; DumpError at a value that is not finite.
+    """The same frames, shown to every collector on the way.
 
     Collectors see the discs that move, those with `sees` "all" the fixed ones too, and those with "images" images
     beyond the ends of a periodic channel, as the profiles do.
@@ -108,7 +108,6 @@ def feed(frames: Iterable[Frame], flow: Flow, collectors: Iterable[Collector]) -
     collectors = list(collectors)
     scene = flow.scene
     for frame in frames:
-        require_finite(frame, scene.name)
         time, whole = flow.time(frame), placed(frame, scene)
         free = moving(whole, scene)
         views = {"all": whole, "free": free, "images": with_images(free, scene)}
@@ -118,27 +117,46 @@ def feed(frames: Iterable[Frame], flow: Flow, collectors: Iterable[Collector]) -
 
 
 def with_velocities(dump: Dump, flow: Flow, warnings: list[str]) -> Iterator[Frame]:
-    """The frames; where the file has no vx, vy they are differences of the positions since the frame before.
+    """The frames; where the file has no vx, vy they are differences of the positions between two frames.
 
-    A disc that was not there before gets velocity 0, as do all discs of the first frame.
+    The other frame is the one before or, for a disc that is not in it, the next one. A disc that is in neither has the
+    velocity NaN, as have all discs where there are no times.
+
+    Raises
+    ------
+    DumpError
+        A value of the file that is not finite.
     """
+    frames = (require_finite(frame, flow.scene.name) for frame in dump)
     if {"vx", "vy"} <= set(dump.columns):
-        yield from dump
+        yield from frames
         return
-    made = "velocities are backward differences between frames (0 for discs that were not there before)"
+    made = (
+        "velocities are differences of positions between frames; a disc seen once has none, is left out of means, and "
+        "is drawn as one at rest"
+    )
     warnings.append(
         f"The dump has no vx, vy: {made if flow.velocities else 'without times there are no velocities'}; write "
         "'dump … custom … id x y vx vy' for better ones."
     )
-    before: tuple[np.ndarray, np.ndarray, np.ndarray, float] | None = None
-    for frame in dump:
-        ids, time = frame.ids, flow.time(frame)
-        order = np.argsort(ids, kind="stable")
-        vx, vy = np.zeros(frame.n), np.zeros(frame.n)
-        if flow.velocities and before is not None and time > before[3]:
-            _, now, then = np.intersect1d(ids, before[0], return_indices=True)
-            vx[now] = (frame.x[now] - before[1][then]) / (time - before[3])
-            vy[now] = (frame.y[now] - before[2][then]) / (time - before[3])
-        before = (ids[order], frame.x[order], frame.y[order], time)
-        columns = dict(frame.columns) | {"vx": vx, "vy": vy}
-        yield make_frame(frame.step, frame.time, frame.box, columns)
+    before, now = None, next(frames, None)
+    while now is not None:
+        after = next(frames, None)
+        speeds = np.full((2, now.n), np.nan)
+        for other in (after, before) if flow.velocities else ():  # what the frame before tells counts
+            if other is not None:
+                _set_velocities(speeds, now, other, flow)
+        yield make_frame(now.step, now.time, now.box, {**now.columns, "vx": speeds[0], "vy": speeds[1]})
+        before, now = now, after
+
+
+def _set_velocities(speeds: np.ndarray, frame: Frame, other: Frame, flow: Flow) -> None:
+    """Set the velocities of the discs, shape (2, n), that another frame holds too, m/s."""
+    span, period = flow.time(frame) - flow.time(other), flow.scene.period
+    if span == 0:
+        return
+    _, here, there = np.intersect1d(frame.ids, other.ids, return_indices=True)
+    dx, dy = frame.x[here] - other.x[there], frame.y[here] - other.y[there]
+    if period is not None:  # a disc that has gone over the seam stands at the other end
+        dx -= period * np.rint(dx / period)
+    speeds[:, here] = np.array([dx, dy]) / span + 0.0  # no -0

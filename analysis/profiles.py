@@ -20,7 +20,7 @@ from lammps_jump.scene.schedule import MOST_BINS
 from lammps_jump.scene.walls import Interval
 
 from .flow import Flow
-from .statistics import LEAST_SAMPLES, block_average
+from .statistics import LEAST_SAMPLES, block_average, known_mean
 
 VARIABLES = {
     "surface_depth": ("m", "depth of the free surface above the bed"),
@@ -34,6 +34,8 @@ VARIABLES = {
     "centroid_height": ("m", "height of the centre of mass above the bed"),
     "count": ("1", "number of discs, those astride an edge in parts"),
 }
+CARRIED = ("discharge", "momentum_flux", "energy_flux")
+"""What discs carry: not known in a frame and bin where the velocity of none of them is."""
 LINES_PER_DIAMETER = 8
 REACH = 2.0
 """Centres up to this many diameters apart are neighbours: a whole disc would fit between two that are not."""
@@ -120,7 +122,8 @@ class Binner:
         flow, low, width, bins = self.flow, self.edges[0], self.flow.bin_width, len(self.edges) - 1
         radius, mass = flow.radii(frame), flow.relative_masses(frame)
         discs = Discs.of(frame.x, frame.y, frame.vx, frame.vy, radius, mass)
-        sums, beyond = bin_discs(discs, low, width, bins)
+        known = np.isfinite(discs.u)
+        sums, beyond = bin_discs(discs, low, width, bins) if known.all() else bin_known(discs, known, low, width, bins)
         joined = connected(discs, flow.bed_height(discs.x), REACH * 2.0 * flow.largest_radius(frame))
         surface = surface_of(discs, joined, self.bed_lines, low, width, bins)
         self._kept.append((time, frame.step, frame.n, mass.sum(), beyond, sums, *surface))
@@ -215,7 +218,9 @@ def add_means(dataset: xr.Dataset, window: tuple[float, float] | None = None) ->
 
     ``velocity_mean`` is the mean discharge over the mean mass depth, so that their product is the discharge.
 
-    A standard error is NaN where the window holds fewer than 8 frames or is too short for its blocks to become
+    A frame in which nothing is known of the velocities in a bin counts in no mean of what moves there.
+
+    A standard error is NaN where there is such a frame, where the window holds fewer than 8 frames or is too short for its blocks to become
     independent (see `statistics.block_average`).
 
     Parameters
@@ -241,7 +246,10 @@ def add_means(dataset: xr.Dataset, window: tuple[float, float] | None = None) ->
         )
     means = {}
     for name, (units, long_name) in VARIABLES.items():
-        mean, error = block_average(dataset[name].values[inside])
+        values = dataset[name].values[inside]
+        mean, error = block_average(values)
+        if name in CARRIED:
+            mean = np.where(np.isnan(mean), known_mean(values), mean)
         told = {"units": units, "long_name": f"time mean of {long_name}"}
         if name == "velocity":
             mean, error = _mean_velocity(dataset["discharge"].values[inside], dataset["mass_depth"].values[inside])
@@ -268,9 +276,9 @@ def _mean_velocity(discharge: np.ndarray, depth: np.ndarray) -> tuple[np.ndarray
 
     The mean of the frames' velocities would count a shallow moment as much as a deep one.
     """
-    deep = depth.mean(axis=0)
+    deep = np.where(np.isnan(discharge), 0.0, depth).mean(axis=0)
     with np.errstate(invalid="ignore", divide="ignore"):
-        mean = np.where(deep > 0, discharge.mean(axis=0) / deep, np.nan)
+        mean = np.where(deep > 0, np.nan_to_num(discharge).mean(axis=0) / deep, np.nan)
         return mean, block_average((discharge - mean * depth) / deep)[1]
 
 
@@ -313,6 +321,18 @@ def bin_discs(discs: Discs, low: float, width: float, bins: int) -> tuple[np.nda
         sums[row] = row_sums[1:-1]
         if row == 0:
             beyond[:] = row_sums[[0, -1]]
+    return sums, beyond
+
+
+def bin_known(discs: Discs, known: np.ndarray, low: float, width: float, bins: int) -> tuple[np.ndarray, np.ndarray]:
+    """`bin_discs` where velocities are known of some discs only, bool, shape (n,).
+
+    What moves in a bin is the mean of the discs whose velocity is known, by mass, times the mass of all; NaN without one.
+    """
+    sums, beyond = bin_discs(discs._replace(u=np.zeros(len(known)), v=np.zeros(len(known))), low, width, bins)
+    moved, _ = bin_discs(Discs.of(*(column[known] for column in discs)), low, width, bins)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        sums[1:4] = np.where(sums[0] > 0, moved[1:4] * sums[0] / moved[0], 0.0)
     return sums, beyond
 
 
@@ -373,10 +393,12 @@ def surface_of(
     depth = np.where(cut, (y + radius)[top] if len(y) else 0.0, -np.inf) - bed_lines
     dry = np.isnan(bed_lines)
     wet = ~dry & (depth > 0)
-    counted = np.where(wet, depth, np.where(dry, np.nan, 0.0)), np.where(wet, u[top] if len(u) else 0.0, 0.0)
+    speed = u[top] if len(u) else np.zeros(lines)
+    known = wet & np.isfinite(speed)
+    counted = np.where(wet, depth, np.where(dry, np.nan, 0.0)), np.where(known, speed, 0.0)
     # one line after the other: a sum in pairs would round otherwise
     depths, speeds = (np.cumsum(values.reshape(bins, each), axis=1)[:, -1] for values in counted)
-    number = wet.reshape(bins, each).sum(axis=1)
+    number = known.reshape(bins, each).sum(axis=1)
     return depths / each, np.where(number, speeds / np.maximum(number, 1), np.nan)
 
 

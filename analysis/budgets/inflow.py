@@ -119,7 +119,9 @@ class InflowCounter:
         place = (towards * (frame.x - inlet) - begin) / (end - begin)
         weight = np.where((place > 0) & (place < 1), 1.0 - np.cos(2 * np.pi * place), 0.0)
         mass = self.flow.by_mass(weight, frame) * self.flow.scene.diameter**2 / (end - begin)
-        return np.array([mass.sum(), mass @ frame.vx, mass @ frame.vx**2])
+        known = np.isfinite(frame.vx)
+        part = mass[known] * (mass.sum() / mass[known].sum() if mass[known].any() else nan if mass.any() else 0.0)
+        return np.array([mass.sum(), part @ frame.vx[known], part @ frame.vx[known] ** 2])
 
     def result(self) -> Arrivals:
         """The history of all frames taken in."""

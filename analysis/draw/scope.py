@@ -16,9 +16,9 @@ TALLEST = 20
 
 
 def disc_speeds(frame: Frame) -> np.ndarray:
-    """Speeds, m/s; zero where the dump has no velocities."""
+    """Speeds for the colours of a picture, m/s; zero where they are not known."""
     if "vx" in frame.columns and "vy" in frame.columns:
-        return np.hypot(frame.vx, frame.vy)
+        return np.nan_to_num(np.hypot(frame.vx, frame.vy))
     return np.zeros(frame.n)
 
 

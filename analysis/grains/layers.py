@@ -253,9 +253,13 @@ def analyse(gathered: Gathered) -> Layers:
     flow, found = gathered.flow, gathered.histories["layers"]
     assert isinstance(found, Sums)
     inside = within(found.time, window_of(gathered.profiles))
+    unknown = inside & np.isnan(found.sums[:, U]).any(axis=1)  # a disc without a velocity lies in a layer
     about = {"height": float(found.edges[1] - found.edges[0]), "begin": found.stretch[0], "end": found.stretch[1]}
     if not found.sums[inside, MASS].any():
         return Layers(**about, reason="no disc is in the stretch within the window")
+    if unknown.all(where=inside):
+        return Layers(**about, reason="every frame of the window has a disc whose velocity is not known")
+    inside &= ~unknown
     profile = profile_of(found, inside, flow)
     mass = found.sums[inside, MASS].mean(axis=0)[: len(profile.y)]
     return Layers(

@@ -120,7 +120,7 @@ class FramePacker:
         rows["id"] = ids
         for name, value in (("x", frame.x), ("y", frame.y)):
             rows[name] = np.clip(np.rint(value[order] / self.q), -FARTHEST, FARTHEST)
-        rows["u"], rows["v"] = (frame.vx[order], frame.vy[order]) if self.flow.timed else (0, 0)
+        rows["u"], rows["v"] = (np.nan_to_num(speed[order]) for speed in (frame.vx, frame.vy))
         rows["radius"] = self.flow.radii(frame)[order]
         return rows
 

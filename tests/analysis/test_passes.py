@@ -3,8 +3,10 @@
 
 import json
 import re
+from dataclasses import replace
 from fnmatch import fnmatch
 from functools import partial
+from math import nan
 from pathlib import Path
 
 import numpy as np
@@ -136,16 +138,67 @@ def test_window_without_frames_falls_back_and_says_so(tmp_path):
     assert parts["profiles"]["window"][1] == pytest.approx(0.3)
 
 
-def test_velocities_from_positions(tmp_path):
-    frames = [([1.0 + 0.5 * k, 3.0], [0.1, 0.1], [0.0, 0.0]) for k in range(3)]
-    dump = open_dump(dump_of(tmp_path / "d", frames, columns=("id", "x", "y")))
+def made_velocities(path, flow):
     warnings = []
-    made = list(with_velocities(dump, context(), warnings))
-    assert made[0].vx == pytest.approx([0, 0])
-    assert made[1].vx == pytest.approx([5.0, 0.0])
-    assert "no vx, vy" in warnings[0]
-    parts = analyse(from_dump(dump, diameter=D), dump.path, tmp_path, ("jump", "front"), pictures=Pictures("none"))
+    return [frame.vx for frame in with_velocities(open_dump(path), flow, warnings)], warnings
+
+
+def test_velocities_from_positions(tmp_path):
+    """A disc that comes has the velocity until the next frame; one that is seen once has none, and never 0."""
+    x = ([1.0, 3.0], [1.5, 3.0, 6.0], [2.0, 3.0, 6.2], [2.5, 3.0, 6.4, 9.0])
+    frames = [(where, [0.1] * len(where), [0.0] * len(where)) for where in x]
+    path = dump_of(tmp_path / "d", frames, columns=("id", "x", "y"))
+    made, warnings = made_velocities(path, context())
+    for found, right in zip(made, ([5.0, 0.0], [5.0, 0.0, 2.0], [5.0, 0.0, 2.0], [5.0, 0.0, 2.0, nan]), strict=True):
+        assert found == pytest.approx(right, nan_ok=True)
+    assert "no vx, vy" in warnings[0] and "left out of means" in warnings[0]
+    made, warnings = made_velocities(path, replace(context(), velocities=False))
+    assert np.isnan(np.concatenate(made)).all() and "without times" in warnings[0]
+    parts = analyse(from_dump(open_dump(path), diameter=D), path, tmp_path, ("jump", "front"), pictures=Pictures("none"))
     assert parts["front"]["position"] is not None
+    path = dump_of(tmp_path / "nan", [([1.0, nan], [0.1, 0.1], [0.0, 0.0])], columns=("id", "x", "y"))
+    with pytest.raises(DumpError, match=r"step 0, row 2 .*x is nan, not a number"):
+        made_velocities(path, context())
+
+
+def test_a_disc_that_goes_over_the_seam_keeps_its_velocity(tmp_path):
+    frames = [([x], [0.1], [0.0]) for x in (39.0, 39.8, 0.6)]
+    path = dump_of(tmp_path / "d", frames, columns=("id", "x", "y"))
+    flow = context(periodic=True, domain=((0.0, 40.0), (-5.0, 20.0)))
+    assert made_velocities(path, flow)[0] == [pytest.approx([8.0])] * 3
+
+
+def test_a_dump_without_velocities_has_the_means_of_one_with_them(tmp_path):
+    """Discs go at 4 m/s through a channel that fills: those that come and the first frame count with what they have."""
+    x, y, _ = bore(20.0)
+    frames = [(x + 0.4 * k, y, 4.0) for k in range(6)]
+    frames = [tuple(part[: len(x) - 500 + 100 * k] for part in (x, y, 4.0 + 0 * x)) for k, (x, y, _) in enumerate(frames)]
+    found = {}
+    for name, columns in {"whole": ("id", "x", "y", "vx", "vy"), "plain": ("id", "x", "y")}.items():
+        path = dump_of(tmp_path / name, frames, columns=columns)
+        asked = ("energy", "front", "rest")
+        found[name] = analyse(context(), path, tmp_path / f"out_{name}", asked, pictures=Pictures("none"))
+        with read_netcdf(tmp_path / f"out_{name}" / "profiles.nc") as profiles:
+            found[name]["velocity"] = profiles["velocity_mean"].values
+    whole, plain = found["whole"], found["plain"]
+    assert plain["velocity"] == pytest.approx(whole["velocity"], rel=1e-9, nan_ok=True)
+    assert plain["front"]["highest_surface_speed"] == pytest.approx(4.0)
+    assert plain["state"]["speed"] == pytest.approx(4.0) == plain["state"]["along"]
+    assert plain["energy"]["initial"] == pytest.approx(whole["energy"]["initial"])
+    # the discs that come in the last frame are seen once
+    assert plain["energy"]["final"] is None and "velocities of some discs are not known" in plain["energy"]["reason"]
+
+
+def test_nothing_moves_at_0_where_one_frame_tells_no_velocity(tmp_path):
+    path = dump_of(tmp_path / "d", [bore(20.0)], columns=("id", "x", "y"))
+    asked = (*EVERYTHING, "layers", "rest", "fields")
+    parts = analyse(context(), path, tmp_path / "out", asked, pictures=Pictures("none"))
+    assert parts["state"]["speed"] is parts["energy"]["kinetic"] is parts["energy"]["initial"] is None
+    assert "not known" in parts["rest"]["reason"] and "not known" in parts["layers"]["reason"]
+    with read_netcdf(tmp_path / "out" / "profiles.nc") as profiles:
+        assert np.isnan(profiles["velocity_mean"]).all() and np.isfinite(profiles["mass_depth_mean"]).any()
+    with read_netcdf(tmp_path / "out" / "fields.nc") as fields:
+        assert set(fields.data_vars) == {"density", "contact_xx", "contact_xy", "contact_yy", "hydrostatic"}
 
 
 def test_unknown_export_is_refused(tmp_path):

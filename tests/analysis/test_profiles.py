@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Profiles of made-up flows whose depth, discharge and mass are known."""
 
+from contextlib import nullcontext
 from functools import partial
 
 import numpy as np
@@ -8,9 +9,8 @@ import pytest
 import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from made_up import columns_of_discs, disc_frame, flow_context
+from made_up import columns_of_discs, coreless, disc_frame, flow_context
 
-from lammps_jump.analysis.passes import feed
 from lammps_jump.analysis.profiles import Discs, add_means, bin_edges, compute_profiles, connected
 from lammps_jump.analysis.statistics import block_average
 from lammps_jump.dump.exports import read_netcdf, write_netcdf
@@ -296,8 +296,21 @@ def test_bins_and_what_cannot_be_binned():
         bin_edges((1.0, 1.0), 0.1)
     with pytest.raises(DumpError, match="no frame"):
         compute_profiles([], context())
-    with pytest.raises(DumpError, match=r"step 0, row 2 of the frame: .* not a number"):
-        compute_profiles(feed([frame([1.0, np.nan], [0.1, 0.1])], context(), []), context())
+
+
+def test_a_disc_without_a_velocity_counts_in_no_mean():
+    """Its mass counts; what moves in its bin is the mean of the others, and a frame of such discs alone is left out."""
+    x, u = [0.5, 0.5, 1.5], np.array([[np.nan, 2.0, np.nan], [4.0, 4.0, 3.0]])
+    frames = [frame(x, [0.1, 0.3, 0.1], speeds, step=k) for k, speeds in enumerate(u)]
+    flow = context(x_range=(0.0, 2.0), bin_width=1.0)
+    for calls in (nullcontext, coreless):
+        with calls():
+            found = compute_profiles(frames, flow)
+        np.testing.assert_allclose(found["velocity"], [[2.0, np.nan], [4.0, 3.0]])
+        np.testing.assert_allclose(found["surface_velocity"], [[2.0, np.nan], [4.0, 3.0]])
+        assert found["velocity_mean"].values == pytest.approx([3.0, 3.0])
+        assert found["discharge_mean"].values == pytest.approx(found["mass_depth"].values[0] * [3.0, 3.0])
+        assert (found["mass_depth"].values[0] == found["mass_depth"].values[1]).all()
 
 
 def ar1(n, phi, rng):

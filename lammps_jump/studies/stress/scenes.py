@@ -21,7 +21,7 @@ import yaml
 from lammps_jump import load_case
 from lammps_jump.analysis.energy import EnergyLedger
 from lammps_jump.analysis.flow import from_scene
-from lammps_jump.analysis.passes import feed
+from lammps_jump.analysis.passes import feed, with_velocities
 from lammps_jump.dump import open_dump, read_dump
 from lammps_jump.engines import RunResult
 from lammps_jump.errors import DumpError, JumpError, SetupError
@@ -226,7 +226,7 @@ def energy_gain(folder: Path, scene: Scene) -> float:
         return nan
     flow = from_scene(scene)
     ledger = EnergyLedger(flow)
-    for _ in feed(read_dump(folder), flow, [ledger]):
+    for _ in feed(with_velocities(read_dump(folder), flow, []), flow, [ledger]):
         pass
     energy = ledger.result()
     moved = energy.kinetic[0] + energy.elastic[0] + float(np.ptp(energy.potential))
