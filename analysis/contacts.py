@@ -259,8 +259,8 @@ def whole_forces(
     """Force (fx, fy) of each contact on its second disc, friction included, N/m; shape (n,) each.
 
     It is what the engine has written, where it has. Else the laws are those of `lammps_jump.physics.law`, with the
-    velocities of the dump, which stand at the full step; springs with memory, which no frame tells, are left out. A disc
-    whose velocity is not known (NaN) counts as one at rest.
+    velocities of the dump, which stand at the full step; springs with memory, which no frame tells, are left out. A
+    disc whose velocity is not known (NaN) counts as one at rest.
 
     Parameters
     ----------

@@ -31,7 +31,8 @@ class EnergyHistory:
     ----------
     time : ndarray, shape (frames,), s
     kinetic, rotational, potential : ndarray, shape (frames,)
-        Kinetic energy is NaN in a frame with a disc whose velocity is not known. Potential energy is -m (gx x + gy y): zero at the origin.
+        Kinetic energy is NaN in a frame with a disc whose velocity is not known. Potential energy is
+        -m (gx x + gy y): zero at the origin.
     elastic : ndarray, shape (frames,)
         Pairs and walls; NaN where the stiffness is not known.
     discs : ndarray of int, shape (frames,)

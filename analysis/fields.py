@@ -92,10 +92,10 @@ def compute_fields(
     Returns
     -------
     xarray.Dataset
-        Dims (y, x), cell centres; NaN inside walls, and for velocities where there is no mass. Without velocities in the
-        frame there are no ``velocity_*``, ``kinetic_*`` and ``pressure``. ``contact_*`` from
-        normal forces (spring and dashpot, no friction), where the stiffness is known. ``hydrostatic`` is the integral
-        of density g upwards within the grid, to hold against ``contact_yy + kinetic_yy``.
+        Dims (y, x), cell centres; NaN inside walls, and for velocities where there is no mass. Without velocities in
+        the frame there are no ``velocity_*``, ``kinetic_*`` and ``pressure``. ``contact_*`` from normal forces (spring
+        and dashpot, no friction), where the stiffness is known. ``hydrostatic`` is the integral of
+        density g upwards within the grid, to hold against ``contact_yy + kinetic_yy``.
 
     Raises
     ------

@@ -220,8 +220,8 @@ def add_means(dataset: xr.Dataset, window: tuple[float, float] | None = None) ->
 
     A frame in which nothing is known of the velocities in a bin counts in no mean of what moves there.
 
-    A standard error is NaN where there is such a frame, where the window holds fewer than 8 frames or is too short for its blocks to become
-    independent (see `statistics.block_average`).
+    A standard error is NaN where there is such a frame, where the window holds fewer than 8 frames or is too short for
+    its blocks to become independent (see `statistics.block_average`).
 
     Parameters
     ----------
@@ -327,7 +327,7 @@ def bin_discs(discs: Discs, low: float, width: float, bins: int) -> tuple[np.nda
 def bin_known(discs: Discs, known: np.ndarray, low: float, width: float, bins: int) -> tuple[np.ndarray, np.ndarray]:
     """`bin_discs` where velocities are known of some discs only, bool, shape (n,).
 
-    What moves in a bin is the mean of the discs whose velocity is known, by mass, times the mass of all; NaN without one.
+    What moves in a bin is the mean of the discs whose velocity is known, by mass, times the mass of all; NaN without.
     """
     sums, beyond = bin_discs(discs._replace(u=np.zeros(len(known)), v=np.zeros(len(known))), low, width, bins)
     moved, _ = bin_discs(Discs.of(*(column[known] for column in discs)), low, width, bins)

@@ -206,8 +206,8 @@ def _restless(speed: float, *, short: bool) -> str:
         return f"the discs still move: their median speed is {speed:z.2g} √(g d), at rest it is below {SLOW:zg}"
     if short:
         return (
-            f"the discs are slow, and the record is shorter than the {SPAN:zg} √(d/g) in which rest shows, or has fewer "
-            f"than {FEWEST} frames"
+            f"the discs are slow, and the record is shorter than the {SPAN:zg} √(d/g) in which rest shows, or has "
+            f"fewer than {FEWEST} frames"
         )
     return f"the discs are slow, yet they moved, or their top or number changed, within the last {SPAN:zg} √(d/g)"
 

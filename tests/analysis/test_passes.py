@@ -154,7 +154,9 @@ def test_velocities_from_positions(tmp_path):
     assert "no vx, vy" in warnings[0] and "left out of means" in warnings[0]
     made, warnings = made_velocities(path, replace(context(), velocities=False))
     assert np.isnan(np.concatenate(made)).all() and "without times" in warnings[0]
-    parts = analyse(from_dump(open_dump(path), diameter=D), path, tmp_path, ("jump", "front"), pictures=Pictures("none"))
+    parts = analyse(
+        from_dump(open_dump(path), diameter=D), path, tmp_path, ("jump", "front"), pictures=Pictures("none")
+    )
     assert parts["front"]["position"] is not None
     path = dump_of(tmp_path / "nan", [([1.0, nan], [0.1, 0.1], [0.0, 0.0])], columns=("id", "x", "y"))
     with pytest.raises(DumpError, match=r"step 0, row 2 .*x is nan, not a number"):
@@ -172,7 +174,9 @@ def test_a_dump_without_velocities_has_the_means_of_one_with_them(tmp_path):
     """Discs go at 4 m/s through a channel that fills: those that come and the first frame count with what they have."""
     x, y, _ = bore(20.0)
     frames = [(x + 0.4 * k, y, 4.0) for k in range(6)]
-    frames = [tuple(part[: len(x) - 500 + 100 * k] for part in (x, y, 4.0 + 0 * x)) for k, (x, y, _) in enumerate(frames)]
+    frames = [
+        tuple(part[: len(x) - 500 + 100 * k] for part in (x, y, 4.0 + 0 * x)) for k, (x, y, _) in enumerate(frames)
+    ]
     found = {}
     for name, columns in {"whole": ("id", "x", "y", "vx", "vy"), "plain": ("id", "x", "y")}.items():
         path = dump_of(tmp_path / name, frames, columns=columns)
