@@ -50,7 +50,7 @@ NONE = "\N{EN DASH}"
 """Text of a cell where an engine lacks a feature."""
 CELLS_BEGIN, CELLS_END = "<!-- cells written by make faults -->\n", "<!-- end of cells -->\n"
 CASE, SITE, RUN, LAWS, POINTS = "case file", "site file", "folder of a run", "folder of laws", "measured points"
-FOLDER, FILE = "folder that is written", "file that is written"
+DUMP, FOLDER, FILE = "dump", "folder that is written", "file that is written"
 QUICK = ("--quick", "--quiet")
 PLACES = {
     ("analyze", "targets"): (RUN, ("analyze", "@")),
@@ -83,6 +83,8 @@ PLACES = {
     ("run", "folder"): (RUN, ("run", "@")),
     ("sensitivity", "out"): (FOLDER, ("sensitivity", *QUICK, "--out", "@")),
     ("show", "folder"): (RUN, ("show", "@")),
+    ("slice", "target"): (DUMP, ("slice", "@", "y=0", "--out", "OUT")),
+    ("slice", "out"): (FILE, ("slice", "DUMP", "y=0", "--out", "@")),
     ("stress", "out"): (FOLDER, ("stress", *QUICK, "--out", "@")),
     ("sweep", "study"): (CASE, ("sweep", "@")),
     ("sweep", "site"): (SITE, ("sweep", "CASE", "@", "--slurm", "--members", "2", "--out", "OUT")),
@@ -98,7 +100,8 @@ NO_PLACE = {"doctor", "kernels build", "kernels status", "new", "schema"}
 """Commands that take no place of the user's; the cache of `kernels` is tried by tests/engines/test_plugin_build.py."""
 FAULTS = {
     **dict.fromkeys(
-        (CASE, SITE, POINTS), ("absent", "folder", "pipe", "endless", "empty", "garbage", "brackets", "huge", "Latin-1")
+        (CASE, SITE, POINTS, DUMP),
+        ("absent", "folder", "pipe", "endless", "empty", "garbage", "brackets", "huge", "Latin-1"),
     ),
     RUN: ("absent", "pipe", "endless", "empty", "garbage", "empty folder", "folder of pipes", "folder of links"),
     LAWS: ("absent", "pipe", "endless", "empty", "empty folder"),
