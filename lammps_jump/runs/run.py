@@ -6,7 +6,6 @@ from __future__ import annotations
 import base64
 import html
 import io
-import logging
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
@@ -20,11 +19,12 @@ from lammps_jump.case.case import ReadCase
 from lammps_jump.dump import Frame, read_dump
 from lammps_jump.engines import NATIVE_KERNELS, ProgressCallback, RunResult, Setting
 from lammps_jump.errors import RunError
+from lammps_jump.files import CURVES
 from lammps_jump.folders import holder, locked, require_replaceable
 from lammps_jump.scene.scene import Scene
 
 from .folder import default_folder, require_case, result_of
-from .summary import compose, read_summary, results_in
+from .summary import compose, open_results, read_summary, results_in
 from .view import case_html, number_table, write_preview
 
 if TYPE_CHECKING:
@@ -37,7 +37,6 @@ if TYPE_CHECKING:
 
     from .results import Found
 
-log = logging.getLogger(__name__)
 Status = Literal["complete", "unchecked", "interrupted", "failed", "running"]
 
 
@@ -297,7 +296,7 @@ class Run:
         SetupError
             A file stands at `path` already.
         DumpError
-            The page cannot be written.
+            A run that is not complete, results that are not those of its summary, or a page that cannot be written.
         """
         return _compare(
             [(run.folder, run.summary, runs.results.flow_of(run.case, run.folder)) for run in (self, other)], Path(path)
@@ -324,14 +323,14 @@ def compare_folders(first: Path, second: Path, path: Path) -> Path:
             sides.append((folder, runs.results.summary_of_dump(folder), runs.results.flow_of_dump(folder)))
         else:
             run = open_run(folder)
-            if run.status != "complete":
-                log.info(f"note: {folder}: the run is {run.status}, not complete: its numbers are of what it has")
             sides.append((folder, run.summary, runs.results.flow_of(run.case, folder)))
     return _compare(sides, path)
 
 
 def _compare(sides: Sequence[tuple[Path, Mapping[str, Any], Flow]], path: Path) -> Path:
     require_replaceable(path.parent, path.name)
+    for folder, *_ in sides:
+        open_results(folder).require_same(CURVES)
     names = _apart(*(folder for folder, *_ in sides))
     return runs.results.write_comparison([(name, *side) for name, side in zip(names, sides, strict=True)], path)
 

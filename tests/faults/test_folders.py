@@ -247,3 +247,31 @@ def test_every_command_says_what_is_wrong_with_a_changed_folder(finished, tmp_pa
         signal.signal(signal.SIGALRM, before)
     assert not wrong, "\n".join([f"{len(wrong)} of {PART}", *wrong[:50]])
     tried(PART)
+
+
+@pytest.mark.parametrize("which", ["first", "second"])
+@pytest.mark.parametrize(
+    ("damage", "said"),
+    [
+        (lambda run: spoil(run / "summary.json", status="failed", message="blew up"), "failed, not complete: blew up"),
+        (
+            lambda run: spoil(run / "curves.json", energy=None),
+            r"curves.json: differs from its checksum in summary.json",
+        ),
+    ],
+    ids=["a failed run", "other curves"],
+)
+def test_a_page_of_two_runs_shows_what_complete_runs_have_left(
+    finished, tmp_path, monkeypatch, capsys, which, damage, said
+):
+    shutil.copytree(finished / "run", tmp_path / "run")
+    damage(tmp_path / "run")
+    pair = (tmp_path / "run", finished / "run")[:: 1 if which == "first" else -1]
+    status, _, told = call(monkeypatch, capsys, "compare", *pair, "--out", tmp_path / "c.html")
+    assert status == 2 and said in told and not (tmp_path / "c.html").exists()
+
+
+def spoil(path: Path, **fields: object) -> None:
+    """Change fields of a JSON file; None takes one away."""
+    data = json.loads(path.read_text()) | fields
+    path.write_text(json.dumps({key: value for key, value in data.items() if value is not None}))
