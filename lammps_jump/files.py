@@ -131,6 +131,17 @@ SWEEP_FILES = (
     *(f"figures/sweep_*.{ending}" for ending in PICTURES),
 )  # fmt: skip
 """What the folder of a study holds beside ``runs/`` (names and patterns)."""
+_BENCHMARKS = ("bench", "cells", "skips", "speed", "overhead", "collision")
+STUDY_FILES = {
+    "bench": (*(f"{name}.{end}" for name in _BENCHMARKS for end in ("json", "md")), "bench_*.png", "cells.png"),
+    "stress": ("stress.json", "stress.md", "stress_map.png"),
+    "sensitivity": ("sensitivity.json", "sensitivity.md", "sensitivity_*.png"),
+    "calibrate": ("calibrate.json", "calibrate.md"),
+    "fluid": ("fluid.json", "fluid.md", "fluid.png"),
+    "cross-validate": ("cross_validation.json", "cross_validation.html", "figures/*.png"),
+    "validate": ("validation.json", "report.html", "figures/*.png"),
+}
+"""What the folder of a study holds beside run folders, by the command that makes it (names and patterns)."""
 COMPARED_FILES = ("compared.json", "compared.md", "compared.png")
 """What the folder of curves against measured ones holds."""
 FORCES_HEADER = "time,structure,fx,fy,moment"

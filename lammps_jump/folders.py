@@ -17,7 +17,18 @@ from pathlib import Path
 from typing import Any
 
 from .errors import DumpError, SetupError
-from .files import COMPARED_FILES, OWN_FILES, SWEEP_FILES, delete, flush, read_json, told_by_system, write_json, writes
+from .files import (
+    COMPARED_FILES,
+    OWN_FILES,
+    STUDY_FILES,
+    SWEEP_FILES,
+    delete,
+    flush,
+    read_json,
+    told_by_system,
+    write_json,
+    writes,
+)
 
 MARKER_FILE = ".lammps-jump"
 """Makes a folder ours."""
@@ -31,6 +42,7 @@ HOLDS = {
     "analysis": "the analysis of a dump",
     "sweep": "a study",
     "comparison": "curves of a run against measured ones",
+    **{command: f"what `lammps-jump {command}` has made" for command in STUDY_FILES},
 }
 """What a folder holds, by the kind of its marker."""
 ENGINE_PATIENCE = 300
@@ -47,7 +59,8 @@ class Marker:
 
     Attributes
     ----------
-    kind : {'run', 'analysis', 'sweep', 'comparison'}
+    kind : str
+        A key of `HOLDS`.
     files : tuple of str
         Names and patterns of our files there; nothing else is ever deleted or overwritten.
     about : mapping
@@ -70,7 +83,7 @@ def read_marker(folder: Path) -> Marker | None:
     path = folder / MARKER_FILE
     try:
         stored = read_json(path)
-        known = (*OWN_FILES, *SWEEP_FILES, *COMPARED_FILES)
+        known = {*OWN_FILES, *SWEEP_FILES, *COMPARED_FILES, *(name for names in STUDY_FILES.values() for name in names)}
         names = [name for name in stored["files"] if name in known or FORCE_TABLE.fullmatch(name)]
         return Marker(str(stored["kind"]), tuple(names), dict(stored["about"]))
     except (FileNotFoundError, NotADirectoryError):

@@ -24,6 +24,7 @@ import pandas as pd
 
 from lammps_jump import load_case
 from lammps_jump.provenance import usable_cores
+from lammps_jump.studies.folder import held_folder
 from lammps_jump.sweeps import Pool, Say, Store, run_starts, table
 
 from .sensitivity import JUMP_CASE, QUICK_CHANGES, starts_of
@@ -92,11 +93,11 @@ def run_calibration(out: Path | None = None, *, quick: bool = False, fresh: bool
             say("  " + filled(SAID, tried[key]))
         return tried[key]["distance"]
 
-    with Pool(usable_cores()) as pool:
+    with held_folder(folder, "calibrate"), Pool(usable_cores()) as pool:
         best = search(distance, START, QUICK_GRIDS if quick else GRIDS)
-    rows = sorted(tried.values(), key=lambda row: row["distance"])
-    store = Store(folder / "calibrate.json", fresh=True)
-    return store.finish(markdown(COLUMNS, rows) + "\n", best=tried[tuple(best.values())], rows=rows)
+        rows = sorted(tried.values(), key=lambda row: row["distance"])
+        store = Store(folder / "calibrate.json", fresh=True)
+        return store.finish(markdown(COLUMNS, rows) + "\n", best=tried[tuple(best.values())], rows=rows)
 
 
 SAID = (

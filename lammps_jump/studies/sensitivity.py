@@ -23,6 +23,7 @@ from lammps_jump.engines import usable_kernels
 from lammps_jump.files import plain
 from lammps_jump.physics import jump
 from lammps_jump.provenance import usable_cores
+from lammps_jump.studies.folder import held_folder
 from lammps_jump.sweeps import Made, Pool, Say, Start, Store, run_starts
 
 from .runs import middle
@@ -138,14 +139,14 @@ def run_sensitivity(
     """
     names = listed("--only", only, list(STUDIES)) or tuple(STUDIES)
     folder = Path(out) if out else Path("runs") / "sensitivity"
-    store, rows = Store(folder / "sensitivity.json"), {}
-    with Pool(usable_cores()) as pool:
+    heading, rows = "### {0.label} (base {0.base:z.3g})\n\n", {}
+    with held_folder(folder, "sensitivity"), Pool(usable_cores()) as pool:
+        store = Store(folder / "sensitivity.json")
         for name in names:
             rows[name] = run_study(STUDIES[name], folder, pool, quick=quick, fresh=fresh, say=say)
             draw_study(STUDIES[name], rows[name], folder / f"sensitivity_{name}.png")
-    heading = "### {0.label} (base {0.base:z.3g})\n\n"
-    table = "\n".join(heading.format(STUDIES[name]) + markdown(COLUMNS, found) + "\n" for name, found in rows.items())
-    return store.finish(table, studies={**store.data.get("studies", {}), **rows})
+        tables = (heading.format(STUDIES[name]) + markdown(COLUMNS, found) + "\n" for name, found in rows.items())
+        return store.finish("\n".join(tables), studies={**store.data.get("studies", {}), **rows})
 
 
 def run_study(study: Study, folder: Path, pool: Pool, *, quick: bool, fresh: bool, say: Say) -> list[Row]:

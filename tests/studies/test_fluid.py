@@ -269,7 +269,12 @@ def test_the_whole_command(tmp_path, monkeypatch):
     monkeypatch.setenv("LAMMPS_JUMP_CACHE", str(tmp_path / "cache"))
     found = study.fluid(lj.load_case("inputs/quick_jump.yaml"), tmp_path / "out", quick=True, say=lambda text: None)
     assert 0.05 < found["summary"]["static"][0] < 0.12
-    assert {path.name for path in (tmp_path / "out").iterdir()} == {"fluid.json", "fluid.md", "fluid.png"}
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {
+        ".lammps-jump",
+        "fluid.json",
+        "fluid.md",
+        "fluid.png",
+    }
     assert 3 < found["flow"]["reynolds"] < 22  # the range that the trial found in jumps
 
 

@@ -10,6 +10,7 @@ from lammps_jump import Case, load_case
 from lammps_jump.errors import CaseError
 from lammps_jump.files import plain
 from lammps_jump.provenance import machine
+from lammps_jump.studies.folder import held_folder
 from lammps_jump.studies.settings import Axes
 from lammps_jump.sweeps import Say, Store
 
@@ -65,11 +66,12 @@ def run_bench(
     if case is None:
         part, fresh = "collision", True
     name = case.name if case else part
-    store = Store((out or FOLDER / name) / f"{part}.json", fresh=fresh)
     measure, show = PARTS.get(part) or (partial(measure_settings, axes=axes, fresh=fresh), settings_page)
-    store.data |= plain(measure(case, store, quick=quick, say=say)) | {"case": name, "machine": machine()}
-    store.save()
-    return store.finish(show(store.data, store.path.parent))
+    with held_folder(out or FOLDER / name, "bench") as folder:
+        store = Store(folder / f"{part}.json", fresh=fresh)
+        store.data |= plain(measure(case, store, quick=quick, say=say)) | {"case": name, "machine": machine()}
+        store.save()
+        return store.finish(show(store.data, folder))
 
 
 def settings_page(data: dict, folder: Path) -> str:

@@ -21,11 +21,12 @@ from pathlib import Path
 from lammps_jump import Case
 from lammps_jump.engines import choose, usable_kernels
 from lammps_jump.errors import RunError, SetupError
-from lammps_jump.files import plain, write_json, writes
+from lammps_jump.files import plain, write_json
 from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.provenance import usable_cores
 from lammps_jump.scene import Scene
 from lammps_jump.script.stock import lacking
+from lammps_jump.studies.folder import held_folder
 from lammps_jump.studies.runs import KERNELS
 from lammps_jump.sweeps import JITTER, Pool, Results, Say, Start, all_versions, run_starts
 
@@ -165,21 +166,21 @@ def cross_validate(
         Where a run fails.
     """
     begin = time.perf_counter()
-    with Pool(usable_cores()) as pool:
-        study = _prepare(case, out, kernel, members, quick, pool, say)
+    with held_folder(out or default_folder(case.name), "cross-validate") as folder, Pool(usable_cores()) as pool:
+        study = _prepare(case, folder, kernel, members, quick, pool, say)
         divergence = _disc_by_disc(study, QUICK_DIVERGENCE_WORK if quick else DIVERGENCE_WORK)
         found = study.compare(study.run(study.case, study.kernel), study.run(study.case, engine))
         for row in found.quantities:
             say(f"  {row['name']}: {row['text']}")
         if not quick:
             _laws(study, case)
-    limits = criteria(study, found)
-    report = as_dict(study, divergence, found, limits, time.perf_counter() - begin)
-    write_json(study.folder / RESULT_FILE, report)
-    chart = page.divergence(study.scene, study.checks, divergence)
-    figures = page.draw_all(chart, found, study.laws, study.folder / "figures")
-    page.write_report(report, study.scene.description, figures, study.folder / REPORT_FILE)
-    return report
+        limits = criteria(study, found)
+        report = as_dict(study, divergence, found, limits, time.perf_counter() - begin)
+        write_json(folder / RESULT_FILE, report)
+        chart = page.divergence(study.scene, study.checks, divergence)
+        figures = page.draw_all(chart, found, study.laws, folder / "figures")
+        page.write_report(report, study.scene.description, figures, folder / REPORT_FILE)
+        return report
 
 
 def as_dict(study: Study, divergence: Divergence, found: Comparison, criteria: list[Results], seconds: float) -> dict:
@@ -228,7 +229,7 @@ def default_folder(name: str) -> Path:
     return Path("runs") / f"{name}_cross_validation"
 
 
-def _prepare(case: Case, out, kernel: str, members: int | None, quick: bool, pool: Pool, say: Say) -> Study:
+def _prepare(case: Case, folder: Path, kernel: str, members: int | None, quick: bool, pool: Pool, say: Say) -> Study:
     """Return the study of a case with the same law and integrator for both engines.
 
     That is velocity Verlet and viscous friction, or springs where the case has them.
@@ -247,9 +248,6 @@ def _prepare(case: Case, out, kernel: str, members: int | None, quick: bool, poo
     setting, notes = choose("lammps", kernel, 1, scene)
     if setting.engine != "lammps":
         raise SetupError(f"cross-validate needs LAMMPS beside the native engine: {notes[-1]}")
-    folder = out or default_folder(case.name)
-    with writes(folder, SetupError, "name another with --out"):
-        folder.mkdir(parents=True, exist_ok=True)
     seeds, said = tuple(range(1, count + 1)), [*scene.warnings, *notes]
     study = Study(case, scene, setting.kernel, folder, pool, seeds, said, say)
     for note in study.notes:

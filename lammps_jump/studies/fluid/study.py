@@ -19,6 +19,7 @@ from lammps_jump import Case
 from lammps_jump.errors import CaseError
 from lammps_jump.files import write_json, write_text
 from lammps_jump.provenance import usable_cores
+from lammps_jump.studies.folder import held_folder
 from lammps_jump.sweeps import Pool, Say, Store, table
 
 from . import page, shear, slosh, sound
@@ -145,37 +146,36 @@ def fluid(
         depths of the run in ``runs/<name>`` where it is of this case), ``warnings`` and ``text``, the page in Markdown.
     """
     discs, flow = discs_of(case), flow_of(case, depth=depth, speed=speed)
-    store = Store(store_of(measured_key(discs, flow)), fresh=fresh)
-    pressure, h = flow.pressure(discs.density), slosh_depth(discs, flow)
-    seeds = range(1, (QUICK_STARTS if quick else STARTS) + 1)
-    numbers = QUICK_NUMBERS if quick else shear.INERTIAL
-    calls = [partial(shear_start, discs, pressure, seed, numbers) for seed in seeds]
-    calls += [partial(slosh_start, discs, h, flow.gravity, seed) for seed in seeds]
-    calls += [partial(sound_start, discs, pressure, seed) for seed in seeds]
-    say(f"{case.name}: {len(calls)} small flows of its discs at {pressure / 1e3:z.3g} kPa, {h:z.3g} m deep")
-    with Pool(usable_cores()) as pool:
-        pieces = store.call(calls, pool, said=lambda piece: say(f"  {_told(piece)}"))
-    n = len(seeds)
-    summary = summary_of(pieces[:n], pieces[2 * n :], pieces[n : 2 * n])
-    if not quick:
-        store.data["summary"] = summary
-        write_json(store.path, store.data)
-    at = numbers_at(summary, discs, flow)
-    zones = {name: numbers_at(summary, discs, zone) for name, zone in zones_of(case, flow).items()}
-    found = {
-        "case": case.name,
-        "flow": at,
-        "zones": zones,
-        "warnings": warnings_of(discs, flow, at),
-        "summary": summary,
-    }
-    folder = Path(out) if out else default_folder(case)
-    folder.mkdir(parents=True, exist_ok=True)
-    found["text"] = page.text_of(found, discs, flow)
-    write_json(folder / "fluid.json", {name: found[name] for name in ("case", "flow", "zones", "warnings", "summary")})
-    write_text(folder / "fluid.md", found["text"])
-    page.draw(found, discs, flow, folder / "fluid.png")
-    return found
+    with held_folder(Path(out) if out else default_folder(case), "fluid") as folder:
+        store = Store(store_of(measured_key(discs, flow)), fresh=fresh)
+        pressure, h = flow.pressure(discs.density), slosh_depth(discs, flow)
+        seeds = range(1, (QUICK_STARTS if quick else STARTS) + 1)
+        numbers = QUICK_NUMBERS if quick else shear.INERTIAL
+        calls = [partial(shear_start, discs, pressure, seed, numbers) for seed in seeds]
+        calls += [partial(slosh_start, discs, h, flow.gravity, seed) for seed in seeds]
+        calls += [partial(sound_start, discs, pressure, seed) for seed in seeds]
+        say(f"{case.name}: {len(calls)} small flows of its discs at {pressure / 1e3:z.3g} kPa, {h:z.3g} m deep")
+        with Pool(usable_cores()) as pool:
+            pieces = store.call(calls, pool, said=lambda piece: say(f"  {_told(piece)}"))
+        n = len(seeds)
+        summary = summary_of(pieces[:n], pieces[2 * n :], pieces[n : 2 * n])
+        if not quick:
+            store.data["summary"] = summary
+            write_json(store.path, store.data)
+        at = numbers_at(summary, discs, flow)
+        zones = {name: numbers_at(summary, discs, zone) for name, zone in zones_of(case, flow).items()}
+        found = {
+            "case": case.name,
+            "flow": at,
+            "zones": zones,
+            "warnings": warnings_of(discs, flow, at),
+            "summary": summary,
+        }
+        found["text"] = page.text_of(found, discs, flow)
+        write_json(folder / "fluid.json", {name: one for name, one in found.items() if name != "text"})
+        write_text(folder / "fluid.md", found["text"])
+        page.draw(found, discs, flow, folder / "fluid.png")
+        return found
 
 
 def _told(piece: Any) -> str:

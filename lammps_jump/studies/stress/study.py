@@ -19,6 +19,7 @@ from lammps_jump.engines import usable_kernels
 from lammps_jump.physics import contact
 from lammps_jump.provenance import usable_cores
 from lammps_jump.studies.bench.collision import collision_scene, measure_collisions
+from lammps_jump.studies.folder import held_folder
 from lammps_jump.studies.table import filled, markdown
 from lammps_jump.sweeps import Pool, Results, Say, Store
 
@@ -221,11 +222,11 @@ def stress(
     say : callable
     """
     folder = Path(out) if out else Path("runs") / "stress"
-    store = Store(folder / STRESS_FILE, fresh=fresh)
     kernels, notes = usable_kernels()
     for note in notes:
         say(f"note: {note}")
-    with Pool(usable_cores()) as pool:
+    with held_folder(folder, "stress"), Pool(usable_cores()) as pool:
+        store = Store(folder / STRESS_FILE, fresh=fresh)
         study = Stress(store, pool, kernels, say, quick, long)
         results: Results = {
             "limits": study.limits(),
@@ -235,14 +236,14 @@ def stress(
             "random": study.random_scenes(random if random is not None else (10 if quick else 200), seed),
             "bed": study.beds(20_000 if quick else (10_000_000 if long else 200_000)),
         }
-    ended_badly = [(row["scene"], row) for row in results["scenes"] if not row["right"]]
-    ended_badly += [(f"random scene {row['seed']}", row) for row in results["random"]["bad"]]
-    bad = [f"{name} ({row['engine']}): {row['outcome']}: {row['message']}" for name, row in ended_badly]
-    bad += [f"resting bed ({bed['engine']}): {bed['message']}" for bed in results["bed"] if not bed["right"]]
-    results |= {"bad": bad, "notes": notes}
-    store.finish(report(results), **results)
-    draw_map(results["limits"], folder / "stress_map.png")
-    return bad
+        ended_badly = [(row["scene"], row) for row in results["scenes"] if not row["right"]]
+        ended_badly += [(f"random scene {row['seed']}", row) for row in results["random"]["bad"]]
+        bad = [f"{name} ({row['engine']}): {row['outcome']}: {row['message']}" for name, row in ended_badly]
+        bad += [f"resting bed ({bed['engine']}): {bed['message']}" for bed in results["bed"] if not bed["right"]]
+        results |= {"bad": bad, "notes": notes}
+        store.finish(report(results), **results)
+        draw_map(results["limits"], folder / "stress_map.png")
+        return bad
 
 
 def gain(engine: str, fraction: float) -> Results:

@@ -15,6 +15,7 @@ from lammps_jump.files import plain, text_of, write_json
 from lammps_jump.folders import require_no_link
 from lammps_jump.identity import short_hash
 from lammps_jump.provenance import machine, usable_cores
+from lammps_jump.studies.folder import held_folder
 from lammps_jump.sweeps import Pool, Start, Store, SweepProgress, all_versions, plan
 from lammps_jump.sweeps.pool import Outcome
 
@@ -82,24 +83,26 @@ def validate(
     place = laws_folder(laws)
     known = find_laws(place, list(names))
     folder = Path(out) if out else default_folder(quick)
-    pieces = [piece for name, law in known.items() for piece in pieces_of(place / name, law, quick, folder)]
-    store = Store(folder / RESULTS_FILE, fresh=fresh)
-    for piece in pieces:
-        if FAILED in store.pieces.get(piece.key, ()):
-            del store.pieces[piece.key]  # it is tried again
-    board = Board(pieces, store, progress)
-    with Pool(jobs or usable_cores()) as pool:
-        calls = [partial(work, piece.task._replace(keep_dump=keep_dumps)) for piece in pieces]
-        store.call(calls, pool, keys=[piece.key for piece in pieces], watch=board, otherwise=lost)
-    report = {"quick": quick, "commit": commit(place), "versions": all_versions(), "machine": machine()}
-    report["laws"] = {
-        name: outcome(law, [piece for piece in pieces if piece.law == name], store, folder / "figures" / f"{name}.png")
-        for name, law in known.items()
-    }
-    store.data |= plain(report)
-    write_json(store.path, store.data, indent=2)
-    write_page(store.data, folder / PAGE_FILE)
-    return store.data
+    with held_folder(folder, "validate"):
+        pieces = [piece for name, law in known.items() for piece in pieces_of(place / name, law, quick, folder)]
+        store = Store(folder / RESULTS_FILE, fresh=fresh)
+        for piece in pieces:
+            if FAILED in store.pieces.get(piece.key, ()):
+                del store.pieces[piece.key]  # it is tried again
+        board = Board(pieces, store, progress)
+        with Pool(jobs or usable_cores()) as pool:
+            calls = [partial(work, piece.task._replace(keep_dump=keep_dumps)) for piece in pieces]
+            store.call(calls, pool, keys=[piece.key for piece in pieces], watch=board, otherwise=lost)
+        report = {"quick": quick, "commit": commit(place), "versions": all_versions(), "machine": machine()}
+        figures = folder / "figures"
+        report["laws"] = {
+            name: outcome(law, [piece for piece in pieces if piece.law == name], store, figures / f"{name}.png")
+            for name, law in known.items()
+        }
+        store.data |= plain(report)
+        write_json(store.path, store.data, indent=2)
+        write_page(store.data, folder / PAGE_FILE)
+        return store.data
 
 
 def lost(outcome: Outcome) -> dict[str, str]:
