@@ -7,7 +7,7 @@ CASE   ?= inputs/stable_jump.yaml
 # README and CONTRIBUTING say the same; a test compares them
 TEST_TIME = 2 minutes on two free cores (7 the first time), 5 and more on busy ones
 
-.PHONY: run test suite check browser bench stress cross-validation validate sensitivity calibrate figures docs docs-test reference gallery measured lint doctor wheel test-repeat faults slurm clean
+.PHONY: run test suite check browser bench stress cross-validation validate sensitivity calibrate figures docs docs-test reference gallery measured lint doctor wheel test-repeat faults sanitize slurm clean
 
 # byte code is kept: without it every start of the program compiles all that it imports
 unexport PYTHONDONTWRITEBYTECODE
@@ -60,6 +60,13 @@ browser: $(VENV)/.test
 # the long form of the tests of faults, some minutes; writes the table of docs/reliability.md
 faults: $(VENV)/.test
 	JUMP_FAULTS=long $(BIN)/python -m pytest -m fault -n 2
+
+# address and undefined-behaviour sanitizers over the tests of the core, some minutes
+SANITIZED = tests/core tests/engines/test_twin.py tests/engines/test_native_contacts.py tests/engines/test_native_slots.py \
+	tests/engines/test_moving_walls.py tests/engines/test_native_sizes.py tests/studies/test_fluid.py
+sanitize: $(VENV)/.test
+	CXX="g++ -fsanitize=address,undefined -fno-sanitize-recover=all" ASAN_OPTIONS=detect_leaks=0 \
+	LD_PRELOAD="$$(g++ -print-file-name=libasan.so)" $(BIN)/python -m pytest -p no:cacheprovider $(SANITIZED)
 
 # job files under a Slurm of this machine; installs Debian's packages where they are missing, as root
 slurm: $(VENV)/.test

@@ -36,9 +36,12 @@ class Defect(NamedTuple):
 
 
 CONTACT, JUMP, LAW = (f"lammps_jump/physics/{name}.py" for name in ("contact", "jump", "law"))
-LOOPS, LEDGER, EVENTS, STATE = (
-    f"lammps_jump/engines/native/{name}.py" for name in ("loops", "ledger", "events", "state")
+LEDGER, EVENTS, STATE = (f"lammps_jump/engines/native/{name}.py" for name in ("ledger", "events", "state"))
+CORE_LAW, CORE_CONTACT, CORE_FACES, CORE_NEAR, CORE_SLOTS, CORE_MOTION, CORE_KINDS = (
+    f"lammps_jump/core/{name}.h" for name in ("law", "contact", "faces", "near", "slots", "motion", "kinds")
 )
+CORE_STEP, CORE_LISTS, CORE_SUMS = (f"lammps_jump/core/{name}.cpp" for name in ("native", "lists", "sums"))
+TWIN_TESTS = "engines/test_twin.py"
 CHECKPOINT = "lammps_jump/engines/checkpoint.py"
 LAW_H, WALLS_CPP = (f"lammps_jump/engines/plugin/{name}" for name in ("contact_law.h", "fix_jump_step_walls.cpp"))
 PAIR_CPP = "lammps_jump/engines/plugin/pair_jump_disc_forces.cpp"
@@ -66,9 +69,27 @@ DEFECTS = [
     Defect("power", JUMP, "1.0 + 8.0 * froude_1**2) - 1.0", "1.0 + 8.0 * froude_1) - 1.0", "physics"),
     Defect("sign", LAW, "return -bound * min(max(slip", "return bound * min(max(slip", "physics/test_law.py"),
     Defect("factor", LAW, "+ touch * touch / 3.0)", "+ touch * touch / 2.0)", "physics/test_law.py"),
-    Defect("time level", LOOPS, "uy[i] = 1.5 * new_y - 0.5 * old_y", "uy[i] = 1.5 * new_y - 0.5 * new_y", NATIVE_TESTS),
-    Defect("sign", LOOPS, "torque[j] -= (b - dent) * ft", "torque[j] += (b - dent) * ft", NATIVE_TESTS),
-    Defect("sign", LOOPS, "                fy[j] -= py", "                fy[j] += py", NATIVE_TESTS),
+    Defect("time level", CORE_STEP, "uy[i] = 1.5 * new_y - 0.5 * old_y", "uy[i] = 1.5 * new_y - 0.5 * new_y",
+           TWIN_TESTS),
+    Defect("sign", CORE_CONTACT, "-out.lever_b * out.rub - rolls", "-out.lever_b * out.rub + rolls", TWIN_TESTS),
+    Defect("sign", CORE_STEP, "      fy[j] -= out.fy;", "      fy[j] += out.fy;", TWIN_TESTS),
+    Defect("factor", CORE_LAW, "plain * root(0.75 * overlap / width)", "plain * root(overlap / width)", TWIN_TESTS),
+    Defect("factor", CORE_LAW, "0.5 * k * overlap * overlap / width", "k * overlap * overlap / width", TWIN_TESTS),
+    Defect("bound", CORE_LAW, "stretch = over ? left : stretch;", "", TWIN_TESTS),
+    Defect("lever", CORE_CONTACT, "SIZES || MEMORY ? pair.a - 0.5 * out.overlap : pair.a", "pair.a", TWIN_TESTS),
+    Defect("corner", CORE_FACES, "(joint == CORNER && front && !shared)", "false", TWIN_TESTS),
+    Defect("joint", CORE_FACES, "if (joint == FREE || (shared && behind)", "if (joint == FREE || shared", TWIN_TESTS),
+    Defect("tie", CORE_FACES, "if (c.gap < 0.0) off += TIE * radius;", "if (c.gap < 0.0) off += radius;", TWIN_TESTS),
+    Defect("reach", CORE_NEAR, "return away < reach &&", "return away < 0.1 * reach &&", TWIN_TESTS),
+    Defect("ends", CORE_NEAR, "- f.y1) < -margin);", "- f.y1) < margin);", TWIN_TESTS),
+    Defect("partner", CORE_SLOTS, "row.partner(s) != partner ||", "row.partner(s) == 0 ||", TWIN_TESTS),
+    Defect("foot", CORE_SLOTS, "return least(rest, around - rest);", "return rest;", TWIN_TESTS),
+    Defect("candidates", CORE_LISTS, "(int64_t j = low; j < high; j++)", "(int64_t j = low + 1; j < high; j++)",
+           TWIN_TESTS),
+    Defect("pose", CORE_MOTION, "x = cx + wall.c * dx + wall.s * dy;", "x = cx + wall.c * dx - wall.s * dy;",
+           TWIN_TESTS),
+    Defect("kick", CORE_MOTION, "(first ? 0.5 * clock.dt : clock.dt)", "clock.dt", TWIN_TESTS),
+    Defect("power", CORE_SUMS, "power -= out.torque * at_step.spin[i];", "", TWIN_TESTS),
     Defect("factor", LEDGER, "return -0.5 * scene.time_step * np", "return -1.0 * scene.time_step * np",
            "engines/test_native_ledger.py"),
     Defect("factor", LEDGER, "kinetic += 0.5 * inertia(scene)", "kinetic += 0.25 * inertia(scene)",
@@ -143,12 +164,8 @@ DEFECTS = [
            "faults/test_text.py"),
     Defect("factor", PROGRESS, "* (report.steps - report.step) / here", "* report.steps / here",
            "runs/test_while_running.py"),
-    Defect("sign", LOOPS, "slip_x -= now[5] - now[7] *", "slip_x -= -now[5] - now[7] *", MOVING_TESTS),
-    Defect("sign", LOOPS, "slip_y -= now[6] + now[7] *", "slip_y -= now[6] - now[7] *", MOVING_TESTS),
-    Defect("sign", LOOPS, "power = -(wall_x * vx + wall_y * vy + moment * turn)",
-           "power = -(wall_x * vx + wall_y * vy - moment * turn)", MOVING_TESTS),
-    Defect("factor", LOOPS, "(0.5 * dt if first else dt) * force / moves.lid[w, 0]", "dt * force / moves.lid[w, 0]",
-           f"{MOVING_TESTS} integration/test_lids.py"),
+    Defect("sign", CORE_KINDS, "{rate.x - rate.angle * (y", "{rate.x + rate.angle * (y", TWIN_TESTS),
+    Defect("sign", CORE_STEP, "y * rate.y + moment * rate.angle", "y * rate.y - moment * rate.angle", TWIN_TESTS),
     Defect("derivative", TRACKS, "3 * a * s + 6 * b * s**2, a +", "3 * a * s + 4 * b * s**2, a +",
            f"scene {MOVING_TESTS}"),
     Defect("off by one", MOTION, "if step >= self.gone:", "if step > self.gone:", f"scene {MOVING_TESTS} golden"),

@@ -31,8 +31,8 @@ CONTRADICTION = 0.2
 LEVEL_FRICTION = 0.02
 """Largest friction, less the slope of the bed, at which the tail water of a jump became nearly level (measured)."""
 
-TWIN_SECONDS = 5e-5
-"""Processor time of the twin for a step of a disc that lies on others (measured: docs/kernels.md), s."""
+TWIN_SECONDS = 3e-5
+"""Processor time of the twin for a step of a disc that lies on others, on one core of a Zen 3, s."""
 MOST_TWIN_HOURS = 2
 
 
