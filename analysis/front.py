@@ -18,7 +18,7 @@ import numpy as np
 
 from lammps_jump.analysis.draw.chart import Chart, Drawings, Line, Panel
 from lammps_jump.analysis.report.page import Section, Table, Text, described, percent
-from lammps_jump.dump.frame import Frame
+from lammps_jump.dump.frame import Frame, make_frame
 from lammps_jump.physics import measured, waves
 from lammps_jump.units import number, shown
 
@@ -161,19 +161,21 @@ class FrontTracker:
         self._rows: list[tuple[float, ...]] = []
         self._column: tuple[float, float] | None = None
         self._of_column = np.zeros(0, np.int64)
-        self._fed = False
+        self._fed, self._open = False, self.back is None
 
     def add(self, frame: Frame, time: float) -> None:
         """Add a frame."""
         d, largest = self.flow.scene.diameter, 2 * self.flow.largest_radius(frame)
         if not frame.n:
-            self._rows.append((time, nan, nan, nan, nan, nan))
-            return
+            return self._rows.append((time, nan, nan, nan, nan, nan))
         # where nominal discs with the same right and top edges would stand
         larger = self.flow.radii(frame) - self.flow.scene.radius
         x, y, left = frame.x + larger, frame.y + larger, frame.x - larger
         if self.back is None:  # no wall: the column's own left edge at the start
             self.back = float(left.min()) - 0.5 * d
+        if self._open and not (ahead := left >= self.back - 0.5 * d).all():  # the rest runs the other way
+            columns = {name: values[ahead] for name, values in frame.columns.items()}
+            return self.add(make_frame(frame.step, frame.time, frame.box, columns), time)
         bed = float(self.flow.bed_height(self.back + 0.5 * d))
         near = left - self.back < 0.5 * d + largest
         front = bulk_front(x, d, largest)
@@ -236,7 +238,7 @@ class Way(NamedTuple):
         Distance from the back wall to the first thing in the way, or to where the bed ends or turns, m; infinite for
         none, NaN where no bed is known under the front.
     blocked : bool
-        Something stands there, or the bed rises.
+        Something stands there, or the bed rises; a slope that levels out does not.
     """
 
     length: float
@@ -258,8 +260,8 @@ def way(flow: Flow, history: FrontHistory, base: float) -> Way:
     face = min([*faces, *(wall.room("x")[1] for wall in flow.scene.permanent)], default=inf)
     # the bed may end, or turn, before anything stands in the way
     changed = np.flatnonzero(~(np.abs(height - straight) < 1e-9))
-    if changed.size and probe[changed[0]] < face:
-        return Way(float(probe[changed[0]]) - history.back, bool(height[changed[0]] > straight[changed[0]]))
+    if changed.size and probe[k := changed[0]] < face:
+        return Way(float(probe[k]) - history.back, bool(height[k] > max(straight[k], height[k - 1] + 1e-9)))
     return Way(float(face) - history.back, isfinite(face))
 
 
@@ -313,7 +315,7 @@ def _no_arrival(free: float, end: float) -> str | None:
     if isnan(free):
         return "no bed is known under the front of the column: neither its mean speed nor an arrival is measured"
     if isfinite(end):
-        return f"the bed ends or falls {free:z.3g} m from the back wall, so the front has met no obstacle"
+        return f"the bed ends, falls or levels out {free:z.3g} m from the back wall, so the front has met no obstacle"
     return None
 
 
@@ -368,10 +370,8 @@ def tables(front: Front) -> Tables:
 def figures(front: Front, gathered: Gathered) -> Drawings:
     """Figures of the front in time and, where water is asked for, beside Martin & Moyce's measurements."""
     flow, history = gathered.flow, front.history
-    return {
-        "front": front_chart(history, flow),
-        "martin_moyce": martin_moyce_chart(history, flow) if flow.water else None,
-    }
+    water = martin_moyce_chart(history, flow) if flow.water else None
+    return {"front": front_chart(history, flow), "martin_moyce": water}
 
 
 def section(found: Mapping) -> Section:

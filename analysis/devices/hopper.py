@@ -260,5 +260,5 @@ def section(hopper: Mapping) -> Section:
         rows.append(("Beverloo's law is not asked", hopper["no_beverloo"]))
     keys = ("gap_x", "gap_y", "gap_width", "gap_turn", "gap_discharge", "gap_discs")
     gaps = list(zip(*(hopper.get(key) or () for key in keys), strict=True))
-    header = ("Gap, x [m]", "y [m]", "width [m]", "way to −y [degrees]", "discharge [kg/s/m]", "discs")
+    header = ("Gap, x [m]", "y [m]", "width [m]", "way to −y [degrees]", "discharge [kg/s/m]", "discs, whole run")
     return Section("Outlet", [Table(rows), Table(gaps, header)])

@@ -76,7 +76,8 @@ def preview(scene: Scene, regions: Sequence[Region] = (), *, sequent: float | No
             _name_wall(drawing, one, scene)
         drawing.write_labels()
         drawing.axes.set_title(figure_text(scene.name), fontsize=11)
-        domain = f"domain (dotted): x {_span(scene.domain[0])} m, y {_span(scene.domain[1])} m"
+        dotted = " (dotted)" if _edge_seen(drawing, scene) else ""
+        domain = f"domain{dotted}: x {_span(scene.domain[0])} m, y {_span(scene.domain[1])} m"
         drawing.axes.set_title(domain, fontsize=8.5, color="#555555", loc="right")
     return drawing.figure
 
@@ -147,6 +148,12 @@ def _proportioned(x: Interval, y: Interval) -> tuple[Interval, Interval]:
 def _draw_domain(drawing: Drawing, scene: Scene) -> None:
     (x0, x1), (y0, y1) = scene.domain
     drawing.axes.add_patch(Rectangle((x0, y0), x1 - x0, y1 - y0, fill=False, ec=GREY, ls=(0, (2, 3)), lw=1.0, zorder=0))
+
+
+def _edge_seen(drawing: Drawing, scene: Scene) -> bool:
+    """Whether an edge of the domain lies within the picture."""
+    views = zip((drawing.x, drawing.y), scene.domain, strict=True)
+    return any(view[0] < end < view[1] for view, ends in views for end in ends)
 
 
 def _span(ends: Interval) -> str:

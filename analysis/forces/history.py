@@ -81,7 +81,7 @@ class Force(Estimates):
     low-pass (``fx_smooth`` …, NaN within half of it of the ends); the running impulse (``impulse_x``, ``impulse_y``,
     N s); the mass depth in front of the structure, m, and the hydrostatic force on its wetted face for that depth, N
     (NaN where no profile is); and ``oncoming``, the momentum of the flow two bins in front of it, rho s u^2 + rho g
-    s^2/2 where u runs towards it, N.
+    s^2/2 where u runs towards it, N, with its first part alone, ``oncoming_flux``.
     """
 
     component: str | None = None
@@ -98,6 +98,7 @@ class Force(Estimates):
     peak_moment: float = number("N m/m", "peak moment", default=nan)
     hydrostatic: float = number("N/m", "hydrostatic force on the wetted face", default=nan)
     stagnation: float = number("N/m", "oncoming momentum, ρsu² + ρgs²/2", default=nan)
+    oncoming_flux: float = number("N/m", "momentum flux of the discs that come, ρsu²", default=nan)
     largest_depth: float = number("m", "largest mass depth in front of it", default=nan)
     mean_fx: float = estimate("N/m", "mean Fx of the window")
     mean_fy: float = estimate("N/m", "mean Fy of the window")
@@ -203,7 +204,7 @@ def _columns(wall: Wall | None, history: ForceHistory, flow: Flow, profiles: xr.
     """The `table` of a `Force`."""
     lengths, gravity, moment = window_lengths(history.time), flow.gravity, history.moment
     samples = 1 if len(lengths) < 2 else round(LOW_PASS / max(float(np.median(lengths)), 1e-300))
-    depth = hydrostatic = oncoming = np.full(len(history.time), nan)
+    depth = hydrostatic = oncoming = carried = np.full(len(history.time), nan)
     face = _face(wall) if gravity > 0 else None
     if face is not None:
         at, foot, top, side = face
@@ -219,7 +220,8 @@ def _columns(wall: Wall | None, history: ForceHistory, flow: Flow, profiles: xr.
             towards = side * far["discharge"].values < 0
             still = 0.5 * gravity * far["mass_depth"].values ** 2
             flux = np.where(towards, far["momentum_flux"].values, 0.0)
-            oncoming = _at_times(history.time, profiles, flow.scene.density * (flux + still))
+            carried = _at_times(history.time, profiles, flow.scene.density * flux)
+            oncoming = carried + _at_times(history.time, profiles, flow.scene.density * still)
     smooth = {"fx": history.fx, "fy": history.fy, "moment": moment}
     own = {name: values for name, values in vars(history).items() if values is not None}
     return {
@@ -231,6 +233,7 @@ def _columns(wall: Wall | None, history: ForceHistory, flow: Flow, profiles: xr.
         "depth": depth,
         "hydrostatic": hydrostatic,
         "oncoming": oncoming,
+        "oncoming_flux": carried,
     }
 
 
@@ -253,6 +256,7 @@ BIGGEST = {
     "peak_moment": "moment_smooth",
     "hydrostatic": "hydrostatic",
     "stagnation": "oncoming",
+    "oncoming_flux": "oncoming_flux",
     "largest_depth": "depth",
 }
 """Number of a structure -> column of its table whose largest value it is."""

@@ -55,8 +55,14 @@ OF_A_JUMP = (*OF_A_STEADY_JUMP, "belanger_y2", "belanger_deviation", "froude", "
 """Numbers that mean nothing where there is no jump."""
 
 
+OF_A_CLOSED_BOX = {"max_deviation", "drift"}
+"""Errors of the engine, where nothing dissipates and no disc comes or goes."""
+
+
 def belongs(key: str, found: Mapping) -> bool:
-    """Whether a number of a quantity goes with its verdict: no length of a jump where there is none."""
+    """Whether a number of a quantity goes with what was found: no length of a jump where there is none."""
+    if key in OF_A_CLOSED_BOX and found.get("conservative") is False:
+        return False
     verdict = found.get("verdict", "jump")
     if verdict in ("marginal jump", "jump not developed"):
         return key not in OF_A_STEADY_JUMP

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from math import ceil
+from math import ceil, isfinite
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +15,7 @@ from lammps_jump.dump.tables import read_table
 from lammps_jump.errors import DumpError
 from lammps_jump.physics.jump import sequent_depth
 from lammps_jump.scene.motion import MovingWall, Pose
-from lammps_jump.scene.walls import Interval, parts_of
+from lammps_jump.scene.walls import Interval, Wall, parts_of
 
 from .frames import FramePacker
 from .page import Player, picture, picture_kind
@@ -85,6 +85,8 @@ def _shape(one: MovingWall, packer: FramePacker, shown: tuple[Interval, Interval
     wall, motion = one
     wide = ((low - (high - low), high + (high - low)) for low, high in shown)
     outlines, lines = ([np.round(part, 9) for part in parts] for parts in parts_of(wall, *wide))
+    if isfinite(motion.gone) and not wall.finite:  # a gate is a sheet; what lies behind it stays in sight
+        outlines, lines = [], _faces(wall, outlines)
     shape: dict[str, object] = {"name": wall.name, "hollow": wall.hollow, "outlines": outlines, "lines": lines}
     if motion.kind is None:
         return shape
@@ -94,6 +96,13 @@ def _shape(one: MovingWall, packer: FramePacker, shown: tuple[Interval, Interval
     fine = int(3 - np.floor(np.log10(packer.q)))  # thousandths of a quantum of the discs
     ways = (np.round(way, places) for way, places in zip(np.array(poses).T, (fine, fine, 6), strict=True))
     return {**shape, "about": motion.about, **dict(zip(("x", "y", "angle"), ways, strict=True))}
+
+
+def _faces(wall: Wall, outlines: list[np.ndarray]) -> list[np.ndarray]:
+    """Edges of outlines on which the distance to a wall is 0, with the discs on their left, shape (2, 2) each, m."""
+    edges = [edge for ring in outlines for edge in zip(ring, np.roll(ring, -1, axis=0), strict=True)]
+    on = [edge for edge in edges if all(abs(float(wall.distance(*end))) < 1e-6 for end in edge)]
+    return [np.array(edge[::-1]) for edge in on]  # an outline runs anticlockwise round a solid
 
 
 def _lowest_bed(flow: Flow, x: Interval, y: Interval) -> float:

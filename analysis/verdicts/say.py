@@ -16,6 +16,8 @@ VERDICTS = (OUTLET, HEAP, DRUM, INCLINE, HYDRAULIC_JUMP, WAVES, COLLAPSE, RUN_UP
 """In the order in which they claim the title. Pages, screens and the table of the site are made from it."""
 TOGETHER = 2
 """Answers of one title."""
+STATUS = {"failed": "The run failed.", "interrupted": "The run was interrupted.", "running": "The run goes on."}
+"""Titles of runs that did not end."""
 
 
 def answered(summary: Mapping) -> list[tuple[str, int]]:
@@ -37,7 +39,7 @@ def verdict(summary: Mapping) -> str:
     """
     status = summary.get("status") or "complete"
     if status != "complete":
-        return f"The run is {status}."
+        return STATUS.get(status, f"The run is {status}.")
     return _signed(" ".join(said for said, _ in answered(summary)[:TOGETHER]))
 
 

@@ -18,8 +18,8 @@ CREEPS = 0.02
 ONE_WAY = 0.7
 """Share of the mean speed that the mean velocity has where discs run as a stream."""
 
-RUNNING = 1.2
-"""Oncoming momentum over the thrust of water at rest from which on water runs against a wall."""
+RUNNING = 0.2
+"""Momentum flux of what comes over the largest thrust of water at rest from which on water runs against a wall."""
 
 
 def collapsed(front: Mapping) -> bool:
@@ -65,8 +65,9 @@ def _collapse_at_length(summary: Mapping) -> str:
         return ""
     after = front.get("time")
     speed = f", mean speed {front['speed']:z.2f} m/s" if front.get("speed") is not None else ""
-    flow = "The discs’" if front.get("column_base") is not None else "Discs flow in; the"
+    flow, of = "The", " of the discs"
     if collapsed(front):
+        of = ""
         column = f"A column of {front['column_base']:z.3g} × {front['column_depth']:z.3g} m"
         opens = front.get("gate_open")
         flow = (
@@ -75,9 +76,12 @@ def _collapse_at_length(summary: Mapping) -> str:
             else f"{column} ran out below a gate that rose until {opens:z.3g} s; its"
         )
     when = "at the last frame" if after is None else f"after {after:z.2f} s"
-    said = [f"{flow} front is at {front['position']:z.2f} m {when}{speed}."]
-    if front.get("arrival_time") is not None:
-        said.append(f"It met the first obstacle after {front['arrival_time']:z.2f} s.")
+    arrival = front.get("arrival_time")
+    said = [f"{flow} front{of} is at {front['position']:z.2f} m {when}{speed}."]
+    if arrival is not None and collapsed(front):  # where it is at the end tells where the obstacle stands
+        said = [f"{flow} front ran at {front['speed']:z.2f} m/s and met the first obstacle after {arrival:z.2f} s."]
+    elif arrival is not None:
+        said.append(f"It met the first obstacle after {arrival:z.2f} s.")
     said += _against_water(front)
     return " ".join([*said, "One run cannot say how sure that is: repeat it from other starts."])
 
@@ -226,8 +230,8 @@ def struck(summary: Mapping) -> tuple[str, Mapping]:
 
 
 def _runs(force: Mapping) -> bool:
-    """Whether the oncoming momentum is well above the thrust of the same water at rest."""
-    return force["stagnation"] > RUNNING * (force.get("hydrostatic") or 0.0)
+    """Whether discs bring momentum, beside the thrust of the deepest water there; what climbs the wall is that deep."""
+    return (force.get("oncoming_flux") or 0.0) > RUNNING * (force.get("hydrostatic") or 0.0)
 
 
 def _impact(summary: Mapping) -> str:

@@ -179,6 +179,7 @@ def test_oncoming_stream_towards_a_structure():
     result = analyse_forces({"structure": record(1.0)}, flow, None, profiles)
     expected = waves.hydrostatic_force(2.0, 1000.0, G) + 1000.0 * 2.0 * 5.0**2
     assert result.summary()["structure"]["stagnation"] == pytest.approx(expected, rel=1e-9)
+    assert result.summary()["structure"]["oncoming_flux"] == pytest.approx(1000.0 * 2.0 * 5.0**2, rel=1e-9)
 
 
 def test_one_long_peak_is_cut_by_the_low_pass():

@@ -27,7 +27,7 @@ from lammps_jump.analysis.verdicts import headline, verdict
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.physics import measured as reference_data
 from lammps_jump.physics import waves
-from lammps_jump.scene.walls import Block, Box, Plane
+from lammps_jump.scene.walls import Block, Box, Line, Plane
 
 D, G = 0.2, 9.81
 WALLS = (Plane("back", "x", 0.0, "above"), Plane("floor", "y", 0.0, "above"))
@@ -206,7 +206,9 @@ def test_a_front_that_leaves_its_bed_has_met_no_obstacle():
     shelf = Block("shelf", (0, 22), (-0.2, 0))
     found = numbers(on_a_bed(shelf))
     assert found["free_length"] == pytest.approx(22, abs=0.1) and found["speed"] == pytest.approx(10)
-    assert found["arrival_time"] is None and "the bed ends or falls 22 m from the back wall" in found["reason"]
+    assert (
+        found["arrival_time"] is None and "the bed ends, falls or levels out 22 m from the back wall" in found["reason"]
+    )
     assert numbers(on_a_bed(shelf, front=lambda time: 2 + time))["reason"] is None  # it stays on the shelf
     # a step down is no obstacle, a step up and a wall are
     lower = Block("lower", (22, 90), (-0.5, -0.4))
@@ -226,6 +228,25 @@ def test_no_wall_takes_the_columns_own_edge():
     history = tracked([shifted], free)
     assert history.back == pytest.approx(7.0)
     assert history.bulk[0] == pytest.approx(4.0)
+
+
+def test_what_runs_the_other_way_is_no_part_of_a_front_without_a_wall():
+    """A column of 4 × 2 discs and two discs on either side, 2 m away: the bulk and 99 % of it lie to the right."""
+    free, frame = context((Plane("floor", "y", 0.0, "above"),)), block(4, 2)
+    left = frame.x.min()
+    ran = np.concatenate([frame.x + (frame.x - left > 3.9), [left - 2.0, left - 2.1]])
+    columns = {"x": ran, "y": np.append(frame.y, [0.1, 0.1])}
+    history = tracked([frame, disc_frame(columns["x"], columns["y"], box=frame.box)], free)
+    assert history.bulk[1] >= history.bulk[0] - 0.2 and history.quantile[1] >= history.bulk[1]
+
+
+def test_a_slope_that_levels_out_is_no_obstacle():
+    chute = Line("chute", points=((0, 10), (22, 0), (90, 0)))
+    found = numbers(on_a_bed(chute))
+    assert found["free_length"] == pytest.approx(22, abs=0.1) and found["arrival_time"] is None
+    assert "levels out" in found["reason"]
+    rises = Line("rises", points=((0, 0), (22, 0), (90, 10)))
+    assert numbers(on_a_bed(rises))["arrival_time"] == pytest.approx(2.0, abs=0.06)
 
 
 def test_unequal_discs_end_at_their_own_edges():

@@ -71,7 +71,7 @@ def test_without_times_nothing_is_made_of_steps(tmp_path, columns):
         assert (folder / table).read_text().startswith("step,")
     page = (folder / "report.html").read_text()
     assert "speed, Froude number and head are not known" in page
-    assert "Discs flow in; the front is at 40.00 m at the last frame." in headline({"front": front})
+    assert "The front of the discs is at 40.00 m at the last frame." in headline({"front": front})
     curves = json.loads((folder / "curves.json").read_text())
     assert "martin_moyce" not in curves and "jump_frame" not in curves
     assert curves["jump_track"]["x"] == curves["front"]["x"] == "Step" and not curves["front"]["time"]
@@ -239,7 +239,7 @@ def test_a_steady_flow_is_no_collapsed_column(tmp_path):
         pictures=Pictures("none"),
     )
     assert found["front"]["column_base"] is found["front"]["ritter"] is found["front"]["martin_moyce"] is None
-    assert "collapsed" not in headline(found) and "Discs flow in; the front is at" in headline(found)
+    assert "collapsed" not in headline(found) and "The front of the discs is at" in headline(found)
     assert verdict(found).startswith("The front of the discs is at")
 
 

@@ -236,6 +236,9 @@ def test_the_screen_shows_the_labelled_numbers(analysed):
     assert lines[1].startswith("jump: verdict jump, Fr1 ") and ", shock speed -2 m/s," in lines[1]
     assert "Compare the " in lines[0] and "by Bélanger" in lines[0] and "Too few frames for errors" in lines[0]
     assert main_numbers({"jump": {"verdict": "drowned inlet", "y1": None}}) == ["jump: verdict drowned inlet"]
+    lossy = {"initial": 10.0, "max_deviation": 0.75, "drift": -0.5, "conservative": False}
+    assert main_numbers({"energy": lossy}) == ["energy: at the start 10 J/m"]  # no errors of the engine
+    assert "deviation 0.75, drift -0.5" in main_numbers({"energy": {**lossy, "conservative": True}})[1]
 
 
 def test_no_jump_has_no_length_on_the_screen():

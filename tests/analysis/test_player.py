@@ -78,6 +78,13 @@ def test_walls_and_gates_are_closed_polygons(tmp_path):
     assert [(gate["name"], gate["until"]) for gate in found["gates"]] == [("gate", pytest.approx(2.0))]
 
 
+def test_a_gate_without_end_hides_nothing_behind_it(tmp_path):
+    shut = gate(Plane("gate", "x", 5, "below"), 2000)
+    (found,) = header(tmp_path, walls=(*WALLS, shut), time_step=1e-3)["gates"]
+    ((start, end),) = found["lines"]
+    assert found["outlines"] == [] and start[0] == end[0] == 5 and end[1] > start[1]  # upwards: discs on its left
+
+
 def chained(*chains, name="made", hollow=False):
     """A wall of any chains."""
     return type("Chained", (Wall,), {"chains": lambda self: chains, "hollow": hollow, "name": name, "kind": "made"})()

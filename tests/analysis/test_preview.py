@@ -106,6 +106,13 @@ def test_everything_that_the_case_names_is_named_and_no_two_labels_touch():
     assert all(place.x0 <= box.x0 and box.x1 <= place.x1 and place.y0 <= box.y0 and box.y1 <= place.y1 for box in seen)
 
 
+def test_a_dotted_edge_is_spoken_of_where_it_is_in_the_picture():
+    walls = [Plane("floor", "y", 0, "above")]
+    for domain, dotted in ((((-0.3, 1.3), (-0.1, 2)), True), (((-900, 900), (-900, 900)), False)):
+        scene = handmade_scene([[0.0, 1.0], [1.0, 1.0]], [[0.0, 0.0]] * 2, walls, domain=domain)
+        assert ("(dotted)" in preview(scene, []).axes[0].get_title(loc="right")) is dotted
+
+
 def test_ghosts_and_arrows_are_where_walls_go():
     figure, _ = drawn()
     ghosts = [patch.get_xy() for patch in figure.axes[0].patches if type(patch).__name__ == "Polygon"]

@@ -156,7 +156,7 @@ COLUMN = {"position": 30.0, "time": 5.0, "speed": 9.87, "column_base": 4.0, "rit
         ({"front": COLUMN}, "runs at 9.9 m/s."),
         ({"front": {"position": 30.0, "time": 5.0, "speed": None}}, "is at 30 m after 5 s."),
         ({"energy": {"conservative": True, "max_deviation": 0.012}}, "The energy stays within 1.2 % of"),
-        ({"status": "failed", "message": "disc 7 is lost"}, "The run is failed."),
+        ({"status": "failed", "message": "disc 7 is lost"}, "The run failed."),
         ({"jump": {"verdict": "no jump found"}, "inflow": {}}, "No hydraulic jump."),
         ({"jump": {"verdict": "locked heap"}}, "No hydraulic jump: locked heap."),
         ({"jump": {"verdict": "marginal jump"}}, "Now and then a jump."),

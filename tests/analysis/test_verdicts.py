@@ -25,7 +25,7 @@ LAYERS = {"velocity": 0.35, "friction": 0.36, "change": 0.01, "layers": 15}
 WAVES = {"period": 4.0, "periods": 4, "height": 0.59, "height_last": 0.4, "gauges": [4.5, 12.0], "heights": [0.59, 0.4]}
 FRONT = {"position": 9.2, "position_99": 9.0, "time": 3.0, "speed": 3.6, "column_base": 2.0, "column_depth": 4.0}
 RUN_UP = {"highest": 1.9, "run_up": 1.0, "diameters": 10.0, "crest": 2.5, "over": 0.0, "over_discs": 0, "wall": "quay"}
-FORCE = {"quay": {"peak": 4690.0, "peak_unfiltered": 5000.0, "stagnation": 1800.0, "hydrostatic": 900.0,
+FORCE = {"quay": {"peak": 4690.0, "peak_unfiltered": 5000.0, "stagnation": 1800.0, "hydrostatic": 900.0, "oncoming_flux": 1200.0,
                   "component": "fx", "peak_time": 5.41}}  # fmt: skip
 ENERGY = {"conservative": True, "max_deviation": 0.004}
 DUMP = {"given": {}, "state": STATE}
@@ -86,11 +86,21 @@ def test_a_front_of_a_dump_is_shown_where_discs_run_as_a_stream():
     assert is_shown("front", stream) and verdict(stream).startswith("The front of the discs is at 9.2 m")
 
 
+def test_a_front_that_met_an_obstacle_is_not_where_it_ran_to():
+    said = headline({"front": {**FRONT, "position": 7.0, "time": 6.0, "arrival_time": 1.16}})
+    assert "its front ran at 3.60 m/s and met the first obstacle after 1.16 s" in said and "7.00" not in said
+    loose = {**FRONT, "column_base": None}  # discs that stood away from the back wall: nothing flows in
+    assert headline({"front": loose}).startswith("The front of the discs is at 9.20 m after 3.00 s, mean speed 3.60")
+
+
 def test_water_at_rest_before_a_wall_does_not_strike_it():
-    rests = {"quay": {**FORCE["quay"], "stagnation": 1000.0}}
+    rests = {"quay": {**FORCE["quay"], "stagnation": 1000.0, "oncoming_flux": 100.0}}
     assert verdict({"force": rests, "state": STATE}).startswith("300 discs")
     assert "push quay" in verdict({"force": rests, "runup": {"wall": "quay"}})  # what climbs it has run against it
     assert verdict({"force": FORCE, "inflow": {}, "state": STATE}).startswith("300 discs")  # a stream has a mean
+    # what comes climbs the wall, and is then deeper than it was
+    climbs = {"quay": {**FORCE["quay"], "stagnation": 4700.0, "hydrostatic": 8500.0, "oncoming_flux": 3800.0}}
+    assert "push quay" in verdict({"force": climbs, "state": STATE})
 
 
 DOUBTFUL = [

@@ -44,8 +44,8 @@ def flow_rows(case: CaseFields, scene: Scene) -> list[Row]:
             "m^2/s",
         ),
         ("mass_flow_rows", "mass flow of the rows", scene.density * carried, "kg/(m s)"),
-        ("thesis_speed_low", "thesis' range of Va from", low, "m/s"),
-        ("thesis_speed_high", "thesis' range of Va to", high, "m/s"),
+        ("thesis_speed_low", "mean speed Va of a steady jump, Fr1 = 5", low, "m/s"),
+        ("thesis_speed_high", "mean speed Va of a steady jump, Fr1 = 9", high, "m/s"),
     ]
     if number > 1:
         rows += _jump_rows(found, there)
