@@ -63,6 +63,10 @@ FIGURES = {
 """Pictures in ``figures/``, in the order of the report, with their captions there."""
 POSES, POSES_HEADER = "walls.csv", "time,wall,x,y,angle"
 """Where walls are that the discs push, a row a wall and frame, and its first line."""
+END_FILE = "end.npz"
+"""State of the discs at the end of a run, with all digits."""
+START_FILE = "start-{key}.npz"
+"""The same of an earlier run, in the folder of a run that goes on from it; named by its hash."""
 PICTURES = ("png", "pdf", "svg")
 """Formats of figures."""
 JOB_FILE = "job.slurm"
@@ -88,6 +92,8 @@ RUN_FILES = (
     "in.resume.lammps",
     BINARY_PART,
     "stop.request",
+    END_FILE,
+    "start-[0-9a-f]*.npz",
     RANKS_FILE,
 )
 """What the engines read and write in a run folder (names and patterns)."""

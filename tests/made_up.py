@@ -36,6 +36,9 @@ from lammps_jump.units import as_summary
 
 INPUTS = Path(__file__).parents[1] / "inputs"
 
+SCENES = [path for path in sorted(INPUTS.glob("*.yaml")) if "kind: run" not in path.read_text(encoding="utf-8")]
+"""Case files of the scenes, without those that begin from another run."""
+
 BOX = {
     "name": "box", "gravity": 0.0, "discs": {"diameter": 0.2}, "contact": {"restitution": 1.0, "impact_speed": 8},
     "domain": {"x": [-1, 3], "y": [-1, 3]},

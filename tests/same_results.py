@@ -135,7 +135,10 @@ MISTAKE = "discs: {diameter: 0.2}\ncontact:\n  restitution: 0.5\n  frction: 0.1\
 
 def entries() -> dict[str, list[list[str]]]:
     """Name of an entry -> the commands of the program that run for it, one after another in one folder."""
-    scenes = {path.stem: (path.stem, SHORT) for path in sorted(INPUTS.glob("*.yaml"))}
+    scenes = {
+        path.stem: (path.stem, SHORT)
+        for path in sorted(path for path in INPUTS.glob("*.yaml") if "kind: run" not in path.read_text())
+    }
     found = {}
     for name, (scene, changes) in {**scenes, **RUNS}.items():
         for engine, options in ENGINES.items():

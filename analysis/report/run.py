@@ -109,7 +109,8 @@ def write_report(
         "name": ": ".join(filter(None, (name_of_run, summary.get("description")))),
     }
     before = [Section("", _lead(summary)), Section("", [Items(doubts(summary), "Doubtful")])]
-    before.append(Section("", [Items(summary.get("warnings") or (), "Notes")]))
+    begins = [f"{text[:1].upper()}{text[1:]}." for text in summary.get("begins") or ()]
+    before.append(Section("", [Items([*begins, *(summary.get("warnings") or ())], "Notes")]))
     after = [
         _defined(key, quantity.section(summary[key]), summary)
         for key, quantity in QUANTITIES.items()

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 import yaml
 from pydantic import ValidationError
@@ -25,6 +25,7 @@ from .explain import explain
 from .fields import CaseFields
 from .parts import old_words
 from .parts.base import HOW_TO_CHANGE
+from .parts.taken import from_run, read_runs, with_found
 from .tables import read_tables
 from .templates import described, of_another_case
 from .text import CaseSource, override, parse_source, read_source
@@ -160,6 +161,27 @@ class ReadCase:
         source = copy.deepcopy(self.source)
         return type(self)(_validated(source, changes, self.name), source)
 
+    def after(self, run: object, time: float | str = "last", velocities: Literal["keep", "rest"] = "keep") -> Self:
+        """The case with the discs of a run in place of its own at the start.
+
+        Parameters
+        ----------
+        run : Run, str or Path
+            A run that has ended or was stopped, or its folder; anywhere.
+        time : float or 'last'
+            s: the nearest frame of its dump; or its end, with all digits.
+        velocities : {'keep', 'rest'}
+
+        Raises
+        ------
+        CaseError
+            As `load`.
+        """
+        source = copy.deepcopy(self.source)
+        item = from_run(source, Path(getattr(run, "folder", run)), time)  # type: ignore[call-overload]
+        changes = {"initial": [{**item, "velocities": velocities}]}
+        return type(self)(_validated(source, changes, self.name), source)
+
     def scene(self) -> Scene:
         """The engine-neutral numbers of the case, SI.
 
@@ -232,6 +254,7 @@ def _validated(source: CaseSource, changes: Changes, default_name: str) -> CaseF
         override(source, assignment)
     old_words.refuse(source)
     read_tables(source)
+    read_runs(source)
     data = dict(source.whole)
     if "name" not in data:
         data["name"] = plain_name(default_name)
@@ -239,11 +262,13 @@ def _validated(source: CaseSource, changes: Changes, default_name: str) -> CaseF
         fields = CaseFields.model_validate(data)
     except ValidationError as error:
         raise explain(error, source) from None
-    fields = fields.model_copy(update={"description": described(fields.description, source)})
+    fields = fields.model_copy(
+        update={"description": described(fields.description, source), "initial": with_found(fields.initial, source)}
+    )
     names = [wall.name for wall in fields.walls]
     for index, name in enumerate(names):
         if name in names[:index]:
             raise source.error(f"walls.{index}.name: two walls are called '{name}'; give each its own name")
     if not fields.initial and fields.inflow is None:
-        raise source.error("initial: there are no discs; give a column, a lattice or a list, or give inflow")
+        raise source.error("initial: there are no discs; give a column, a lattice, a list or a run, or give inflow")
     return fields

@@ -65,6 +65,11 @@ class Derived:
         return {name: text for name, text in found.items() if text}
 
     @property
+    def begins(self) -> tuple[str, ...]:
+        """Where discs at the start come from, if from earlier runs, and what memory comes along."""
+        return self.scene.earlier.origins if self.scene.earlier else ()
+
+    @property
     def skipped(self) -> tuple[str, ...]:
         """What the scene does not need and the run leaves out, in sentences."""
         return self.scene.skipped
@@ -90,6 +95,7 @@ class Derived:
                 **groups,
                 "inflow_rows": rows,
                 "walls": self.walls,
+                "begins": list(self.begins),
                 "skipped": list(scene.skipped),
                 "warnings": list(scene.warnings),
                 "adapted": list(scene.adapted),
@@ -113,6 +119,7 @@ class Derived:
             lines.append(
                 f"The description is that of {self.left_out}, another flow, and is left out; write one of your own."
             )
+        lines += [f"{text[:1].upper()}{text[1:]}." for text in self.begins]
         for title, rows in self.tables:
             if rows:
                 lines += ["", title]

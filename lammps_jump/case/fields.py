@@ -31,6 +31,7 @@ from .parts.base import (
 )
 from .parts.beds import RoughBed
 from .parts.contact import Contact
+from .parts.earlier import EarlierRun
 from .parts.inflow import InflowField
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=LONGEST_NAME)]
@@ -180,7 +181,7 @@ class DiscList(Strict):
     jitter: units.Plain = Field(default=0.0, ge=0, le=0.5, description="random shift, in diameters")
 
 
-InitialField = Annotated[Column | Lattice | DiscList, Field(discriminator="kind")]
+InitialField = Annotated[Column | Lattice | DiscList | EarlierRun, Field(discriminator="kind")]
 
 
 class Outflow(Strict):

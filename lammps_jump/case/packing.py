@@ -14,6 +14,7 @@ from lammps_jump.scene.sizes import Sizes
 from lammps_jump.scene.walls import Interval
 
 from .fields import BidisperseSizes, CaseFields, Column, DiscList, Discs, Lattice, UniformSizes
+from .parts.earlier import EarlierRun
 
 
 class TooSoft(ValueError):
@@ -57,13 +58,15 @@ def column_counts(column: Column, diameter: float) -> tuple[int, int]:
     return int(width + slack), int(height + slack)
 
 
-def disc_count(item: Column | Lattice | DiscList, diameter: float, sizes: Sizes | None = None) -> int:
+def disc_count(item: Column | Lattice | DiscList | EarlierRun, diameter: float, sizes: Sizes | None = None) -> int:
     """Discs of one item of ``initial``, before any array of them is made; an estimate for columns with sizes."""
     if isinstance(item, Column):
         if sizes:
             return int((item.x[1] - item.x[0]) * (item.y[1] - item.y[0]) / sizes.mean_square)
         nx, ny = column_counts(item, diameter)
         return nx * ny
+    if isinstance(item, EarlierRun):
+        return item.found.count
     return item.nx * item.ny if isinstance(item, Lattice) else len(item.positions)
 
 

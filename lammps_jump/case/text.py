@@ -9,13 +9,16 @@ from copy import copy
 from dataclasses import dataclass, field
 from functools import reduce
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import yaml
 
 from lammps_jump.errors import CaseError
 from lammps_jump.files import read_file
 from lammps_jump.quoting import shortened
+
+if TYPE_CHECKING:
+    from lammps_jump.dump.beside.ended import Ended
 
 PathKey = tuple[str | int, ...]
 
@@ -54,6 +57,14 @@ class Table(NamedTuple):
     lines: list[int]
 
 
+class Begun(NamedTuple):
+    """Discs of an earlier run, with folder and time as a case has them."""
+
+    folder: str
+    time: object
+    state: Ended
+
+
 @dataclass
 class CaseSource:
     """The data of a case file and where each value came from.
@@ -76,6 +87,8 @@ class CaseSource:
         Folder of the case file; tables may lie there and below. A case from elsewhere has none.
     tables : dict
         Path of a wall or motion -> the table that its `file` names.
+    begun : dict
+        Path of an item of ``initial`` -> the discs of the run that it names.
     options : dict
         Field -> the option of the command line that gives it, in place of the file.
     translated : bool
@@ -90,15 +103,18 @@ class CaseSource:
     left_out: str = ""
     folder: Path | None = None
     tables: dict[PathKey, Table] = field(default_factory=dict)
+    begun: dict[PathKey, Begun] = field(default_factory=dict)
     options: dict[str, str] = field(default_factory=dict)
     translated: bool = False
 
     @property
     def whole(self) -> dict[str, Any]:
-        """The data with the rows of tables as points."""
+        """The data with the rows of tables as points, and the keys of the discs of earlier runs."""
         data = self.data
         for path, table in self.tables.items():
-            data = _with_points(data, path, table.rows)
+            data = _with(data, path, {"points": table.rows})
+        for path, begun in self.begun.items():
+            data = _with(data, path, {"key": begun.state.key})
         return data
 
     def value(self, path: PathKey) -> Any:
@@ -129,14 +145,14 @@ class CaseSource:
         return CaseError(f"{self.place(key)}: {message}")
 
 
-def _with_points(data: Any, path: PathKey, rows: list[list[float]]) -> Any:
-    """A copy along a path whose end has points in place of its file."""
+def _with(data: Any, path: PathKey, given: dict[str, Any]) -> Any:
+    """A copy along a path whose end has more values; points are there in place of a file."""
     if path:
         key, rest = path[0], path[1:]
         copied = copy(data)
-        copied[key] = _with_points(data[key], rest, rows)
+        copied[key] = _with(data[key], rest, given)
         return copied
-    return {key: value for key, value in data.items() if key != "file"} | {"points": rows}
+    return {key: value for key, value in data.items() if key != "file" or "points" not in given} | given
 
 
 def dotted_path(path: PathKey) -> str:

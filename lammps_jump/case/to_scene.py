@@ -16,7 +16,6 @@ from lammps_jump.scene import (
     Interval,
     MovingWall,
     Outlet,
-    Plane,
     Pour,
     Scene,
     Sizes,
@@ -35,8 +34,10 @@ from .foresight.grains import heap_doubts
 from .packing import TooSoft, arrange, disc_sizes
 from .parts import channel, places
 from .parts.beds import beds_of
+from .parts.earlier import EarlierRun
 from .parts.inflow import PourInflow, RowsInflow
-from .parts.rows import Inlet, inlet_of
+from .parts.rows import Inlet, inlet_back, inlet_of
+from .parts.taken import Taken, for_walls, padded, take, with_given
 from .text import CaseSource
 
 INTEGRATORS = {"lammps": "velocity_verlet"} | dict.fromkeys(("native", "twin"), "leapfrog_extrapolated")
@@ -134,7 +135,7 @@ def _scene(case: CaseFields, source: CaseSource) -> Scene:
     domain = _domain(case, source, begun, inlets, speed, ways)
     outlets = _outlets(case, source, begun, domain, speed)
     gates = walls.shut_gates(case, begun, domain)
-    moving += map(MovingWall, _inlet_back(case, begun.largest))
+    moving += map(MovingWall, inlet_back(case.inflow, begun.largest))
     own_names = checks.check_names(case, source, [wall for wall, _ in (*moving[len(theirs) :], *gates)])
     places.check_in_domain(case, source, begun.positions, inlets, domain)
     fields = {item.wall.name: item.field for item in theirs}
@@ -156,8 +157,9 @@ def _scene(case: CaseFields, source: CaseSource) -> Scene:
     springs = law.springs if rubs else None
     sharp = law.touch == "sharp"
     _, impact_speed, _ = _stiffness(case)
+    earlier = for_walls(begun.earlier, (*kept, *gates), remembers=springs is not None)
     scene = Scene(
-        **(vars(begun) | {"overlap_limit": begun.overlap_limit * walls.own_overlap(begun, laws)}),
+        **(vars(begun) | {"overlap_limit": begun.overlap_limit * walls.own_overlap(begun, laws), "earlier": earlier}),
         name=case.name,
         description=case.description,
         density=case.discs.density,
@@ -212,12 +214,15 @@ def _beginning(case: CaseFields, source: CaseSource) -> tuple[Beginning, list[st
     """The discs at the start, their contact and the steps of the run; and what to beware of."""
     checks.check_engine(case, source)
     channel.check_fields(case, source)
-    integrator, sizes = _integrator(case), disc_sizes(case)
+    random, softness = np.random.default_rng(case.run.seed), _stiffness(case)[0]
+    standing = [(item.field, item.wall) for item in (*walls.joined(case, source), *walls.lifted(case))]
+    taken = take(case, source, standing, case.discs.diameter / softness, random)
+    integrator, sizes = _integrator(case), with_given(disc_sizes(case), case.discs.diameter, taken)
     coefficients = _coefficients(case, integrator, sizes)
     warnings = checks.check_stability(case, source, coefficients, integrator, sizes)
     warnings += checks.check_sizes(case, source, sizes)
     steps, settle = _steps(case, source, coefficients.time_step, sizes)
-    positions, velocities = _discs(case, source, coefficients, sizes)
+    positions, velocities = _discs(case, source, coefficients, sizes, random, taken)
     beds = beds_of(case.rough, case.seam, len(positions) + 1, sizes, case.discs.diameter)
     positions = np.concatenate([positions, beds.positions])
     velocities = np.concatenate([velocities, 0.0 * beds.positions])
@@ -227,7 +232,7 @@ def _beginning(case: CaseFields, source: CaseSource) -> tuple[Beginning, list[st
         fixed=beds.fixed,
         beds=beds.surfaces,
         coefficients=coefficients,
-        overlap_limit=2 * case.discs.diameter / _stiffness(case)[0],
+        overlap_limit=2 * case.discs.diameter / softness,
         stiffer=case.contact.stiffer,
         positions=_frozen(positions),
         velocities=_frozen(velocities),
@@ -235,6 +240,7 @@ def _beginning(case: CaseFields, source: CaseSource) -> tuple[Beginning, list[st
         settle_steps=settle,
         output_steps=steps.output,
         probe_steps=steps.probe,
+        earlier=padded(taken, len(positions), beds.fixed),
     ), warnings
 
 
@@ -281,27 +287,18 @@ def _steps(case: CaseFields, source: CaseSource, dt: float, sizes: Sizes | None)
     return steps, settle
 
 
-INLET_WALL = "inlet_back"
-INLET_CLEARANCE = 0.51
-"""Distance from the inlet to the wall behind it, in largest diameters: a disc that enters does not touch the wall."""
-
-
-def _inlet_back(case: CaseFields, largest: float) -> tuple[Plane, ...]:
-    """The wall behind a jet: without it a drowned inlet pushes discs upstream, out of the domain."""
-    inflow = case.inflow
-    if not isinstance(inflow, RowsInflow) or inflow.back == "open":
-        return ()
-    return (Plane(INLET_WALL, "x", inflow.x - INLET_CLEARANCE * largest, "above"),)
-
-
 def _discs(
-    case: CaseFields, source: CaseSource, coefficients: contact.Coefficients, sizes: Sizes | None
-) -> tuple[np.ndarray, np.ndarray]:
-    """Positions and velocities at the start, each of shape (n, 2), m and m/s."""
-    random = np.random.default_rng(case.run.seed)
+    case: CaseFields, source: CaseSource, coefficients: contact.Coefficients, sizes: Sizes | None,
+    random: np.random.Generator, taken: Taken | None,
+) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+    """Positions and velocities at the start, each of shape (n, 2), m and m/s; those of earlier runs come first."""
     positions, velocities = [np.empty((0, 2))], [np.empty((0, 2))]
-    first = 1
+    if taken is not None:
+        positions, velocities = [taken.positions], [taken.velocities]
+    first = 1 + len(positions[0])
     for index, item in enumerate(case.initial):
+        if isinstance(item, EarlierRun):
+            continue
         try:
             place, speed = arrange(item, case.discs, case.gravity, coefficients, random, sizes, first)
         except TooSoft as error:

@@ -61,12 +61,14 @@ def choose(engine: str, kernel: str, ranks: int | str, scene: Scene) -> tuple[Se
         return _native(), [f"the native engine is used: LAMMPS has no {missing}"]
     check_installed()
     number, notes = choose_ranks(ranks, scene)
+    springs = scene.earlier is not None and len(scene.earlier.contacts) > 0
+    at_zero = ["with stock LAMMPS the springs of contacts of the earlier run begin at 0"] if springs else []
     if kernel == "stock":
         if missing := lacking(scene):
             raise SetupError(
                 f"kernel stock: stock LAMMPS has no {missing}; set engine.kernel to compiled, or engine.name to native"
             )
-        return Setting(ranks=number), notes
+        return Setting(ranks=number), [*notes, *at_zero]
     try:
         return Setting(kernel="compiled", ranks=number, plugin=plugin_path()), notes
     except SetupError as error:
@@ -75,7 +77,7 @@ def choose(engine: str, kernel: str, ranks: int | str, scene: Scene) -> tuple[Se
         if missing := lacking(scene):
             why = f"stock LAMMPS has no {missing}, and the compiled kernel cannot be used: {error}"
             return _native(scripts=True), [f"the native engine is used: {why}"]
-        return Setting(ranks=number), [*notes, f"stock LAMMPS styles are used: {error}; {FASTER}"]
+        return Setting(ranks=number), [*notes, *at_zero, f"stock LAMMPS styles are used: {error}; {FASTER}"]
 
 
 def _native(*, scripts: bool = False) -> Setting:

@@ -13,12 +13,13 @@ from lammps_jump import folders
 from lammps_jump.case.case import ReadCase
 from lammps_jump.case.parts.old_words import in_case
 from lammps_jump.case.text import read_text as read_case
+from lammps_jump.dump.beside.ended import write_ended
 from lammps_jump.dump.find import read_dump
 from lammps_jump.engines import RunResult, Setting
 from lammps_jump.engines.lammps.finish import gather_forces
 from lammps_jump.engines.lammps.log import read_log
 from lammps_jump.errors import CaseError
-from lammps_jump.files import JOB_FILE, write_text
+from lammps_jump.files import JOB_FILE, START_FILE, write_text
 from lammps_jump.identity import field_keys, short_hash
 from lammps_jump.scene.scene import Scene
 
@@ -74,12 +75,17 @@ def case_text(case: ReadCase, *, as_written: bool = False) -> str:
 
 
 def write_folder(case: ReadCase, folder: Path, marker: folders.Marker) -> None:
-    """Write ``case.yaml``; what an earlier run left is removed. The engine's inputs are `write_inputs`'."""
+    """Write ``case.yaml`` and the discs of earlier runs; what a run left there is removed.
+
+    The engine's inputs are `write_inputs`'.
+    """
     with folders.writable(folder):
         earlier = folders.read_marker(folder)
         # a job that runs here may be requeued: its file stays
         folders.clear(folder, set(earlier.files if earlier else ()) - {JOB_FILE})
         folders.write_marker(folder, marker)
+        for begun in case.source.begun.values():
+            write_ended(folder / START_FILE.format(key=begun.state.key), begun.state)
         write_text(folder / "case.yaml", case_text(case))
 
 

@@ -74,7 +74,8 @@ def _run(
 ) -> None:
     """Run in a folder that this process holds."""
     clear(folder, [RANKS_FILE])  # of a run that was killed
-    scene, told = case.scene(), [*case.scene().warnings, *case.scene().adapted, *notes]
+    scene = case.scene()
+    told = [*(scene.earlier.origins if scene.earlier else ()), *scene.warnings, *scene.adapted, *notes]
     checkpoint = resumable(case, folder, setting) if resume else None
     before: Mapping[str, float] = {}
     if checkpoint is not None:

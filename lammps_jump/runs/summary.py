@@ -104,6 +104,7 @@ class Stored(BaseModel, strict=True):
     resumed_at: list[FiniteFloat] = []
     can_go_on: bool = False
     warnings: list[str] = []
+    begins: list[str] = []
     key: str = ""
     stopped_when_steady: str = ""
     files: list[str] = []
@@ -212,6 +213,7 @@ def compose(
             "discs": discs,
             "ledger": result.ledger,
             "skipped": list(scene.skipped),
+            **({"begins": list(scene.earlier.origins)} if scene.earlier else {}),
             "warnings": [*scene.warnings, *scene.adapted, *notes, *found.pop("warnings", ())],
             **found,
             "ranks": setting.ranks,

@@ -4,8 +4,9 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from hashlib import sha256
 from math import isinf, sqrt
 
 import numpy as np
@@ -109,6 +110,61 @@ class Fixed:
         return (ids >= self.first) & (ids <= self.last)
 
 
+CONTACT = np.dtype([("disc", np.int64), ("partner", np.int64), *((name, float) for name in ("foot", "spring", "roll"))])
+"""A contact that a disc remembers, of two discs that with the larger id: a slot of `lammps_jump.physics.slots`."""
+
+
+@dataclass(frozen=True, eq=False)
+class Earlier:
+    """What the n discs at the start have of an earlier run, beside place, velocity and diameter.
+
+    Attributes
+    ----------
+    spins : ndarray, shape (n,)
+        rad/s.
+    half : ndarray, shape (n, 3)
+        Velocity (m/s) and spin (rad/s) of the half step before the start; NaN of discs that have none.
+    contacts : ndarray of CONTACT
+        Contacts that go on. A partner -1 - c means the chain ``chains[c]``.
+    chains : tuple of str
+        Names of chains, as `Scene.chains`.
+    exact : mapping of str to ndarray
+        What an engine of the same kind needs to go on bit for bit, where all discs are there as they were.
+    origins : tuple of str
+        Where they come from, in words.
+    """
+
+    spins: np.ndarray
+    half: np.ndarray
+    contacts: np.ndarray
+    chains: tuple[str, ...]
+    exact: Mapping[str, np.ndarray]
+    origins: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        """Text with the hash of all numbers, by which scenes are told apart."""
+        found = sha256(repr(self.chains).encode())
+        for array in (self.spins, self.half, self.contacts, *self.exact.values()):
+            found.update(array.tobytes())
+        return f"Earlier({found.hexdigest()})"
+
+    def slots(self, count: int) -> dict[str, np.ndarray]:
+        """What each disc remembers, arrays of shape (n, count) by the names of `lammps_jump.physics.slots.Slots`."""
+        found = {name: np.zeros((len(self.spins), count)) for name in ("sigma", "spring", "roll")}
+        found["partner"] = np.zeros((len(self.spins), count), np.int64)
+        rows = self.contacts[np.argsort(self.contacts["disc"], kind="stable")]
+        slot = np.arange(len(rows)) - np.searchsorted(rows["disc"], rows["disc"])
+        rows, slot = rows[slot < count], slot[slot < count]
+        for name, own in (("partner", "partner"), ("sigma", "foot"), ("spring", "spring"), ("roll", "roll")):
+            found[name][rows["disc"] - 1, slot] = rows[own]
+        return found
+
+
+def chains_of(walls: Iterable[MovingWall]) -> tuple[str, ...]:
+    """Names of the chains of walls as contacts remember them: the wall, and the number of the chain there."""
+    return tuple(f"{wall.name}:{number}" for wall, _ in walls for number in range(len(wall.chains())))
+
+
 class Measures:
     """Sizes and times that follow from few fields of a scene."""
 
@@ -173,6 +229,7 @@ class Beginning(Measures):
     stiffer: str
     fixed: Fixed | None = None
     beds: tuple[Wall, ...] = ()
+    earlier: Earlier | None = None
 
 
 @dataclass(frozen=True)
@@ -210,6 +267,8 @@ class Scene(Measures):
         Ids of the discs of rough beds. Their diameter is in `sizes`, which such a scene always has.
     beds : tuple of Wall
         Lines over the tops of rough beds, which push no disc: for what asks for the bed.
+    earlier : Earlier, optional
+        What discs at the start have of an earlier run.
     periodic : bool
         What leaves the domain along x enters at its other end.
     size_steps : int
@@ -275,6 +334,7 @@ class Scene(Measures):
     stiffer: str = "make the contacts stiffer"
     groups: tuple[tuple[str, tuple[str, ...]], ...] = ()
     gauges: tuple[float, ...] = ()
+    earlier: Earlier | None = None
 
     def __post_init__(self) -> None:
         """Let a wall that is given alone stand; record the walls of groups; CaseError where they move apart."""
@@ -298,6 +358,11 @@ class Scene(Measures):
         """Whether a wall goes across the seam of a periodic channel."""
         (low, high), (left, right) = wall.extent[0], self.domain[0]
         return self.periodic and low <= left and right <= high
+
+    @property
+    def chains(self) -> tuple[str, ...]:
+        """Names of the chains of its walls."""
+        return chains_of(self.walls)
 
     @property
     def radius(self) -> float:

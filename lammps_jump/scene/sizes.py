@@ -30,6 +30,8 @@ class Sizes:
     seed : int
     own : tuple of (int, int, float)
         First and last id of discs that have a diameter of their own, m: of rough beds.
+    given : tuple of float
+        Diameters of the first ids, m: of discs that come from an earlier run.
     """
 
     shares: tuple[float, ...]
@@ -37,16 +39,17 @@ class Sizes:
     high: tuple[float, ...]
     seed: int = 1
     own: tuple[tuple[int, int, float], ...] = ()
+    given: tuple[float, ...] = ()
 
     @property
     def smallest(self) -> float:
         """Smallest diameter, m."""
-        return min((*self.low, *(diameter for *_, diameter in self.own)))
+        return min((*self.low, *self.given, *(diameter for *_, diameter in self.own)))
 
     @property
     def largest(self) -> float:
         """Largest diameter, m."""
-        return max((*self.high, *(diameter for *_, diameter in self.own)))
+        return max((*self.high, *self.given, *(diameter for *_, diameter in self.own)))
 
     @property
     def mean_square(self) -> float:
@@ -79,6 +82,9 @@ class Sizes:
         begins, ends, low, slope = self.pieces.T
         piece = np.minimum(np.searchsorted(ends, u, side="right"), len(ends) - 1)
         found = low[piece] + slope[piece] * (u - begins[piece])
+        if self.given:
+            known = np.array(self.given)
+            found = np.where(np.asarray(ids) <= len(known), known[np.clip(ids, 1, len(known)) - 1], found)
         for first, last, diameter in self.own:
             found = np.where((np.asarray(ids) >= first) & (np.asarray(ids) <= last), diameter, found)
         return found

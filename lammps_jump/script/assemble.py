@@ -154,11 +154,13 @@ def data_text(scene: Scene) -> Iterator[str]:
         diameters = scene.diameters(np.arange(first + 1, first + 1 + len(xy))).tolist()
         discs = enumerate(zip(diameters, *xy.T.tolist(), strict=True), first + 1)
         yield "".join([f"{i} 1 {d!r} {density} {x!r} {y!r} 0\n" for i, (d, x, y) in discs])
-    if scene.velocities.any():
+    spins = np.zeros(len(scene.positions)) if scene.earlier is None else scene.earlier.spins
+    if scene.velocities.any() or spins.any():
         yield "\nVelocities\n\n"
         for first in parts:
-            discs = enumerate(scene.velocities[first : first + PART].tolist(), first + 1)
-            yield "".join([f"{i} {vx!r} {vy!r} 0 0 0 0\n" for i, (vx, vy) in discs])
+            part = slice(first, first + PART)
+            discs = enumerate(zip(scene.velocities[part].tolist(), spins[part].tolist(), strict=True), first + 1)
+            yield "".join([f"{i} {vx!r} {vy!r} 0 0 0 {w or 0!r}\n" for i, ((vx, vy), w) in discs])
 
 
 def molecule_text(scene: Scene) -> str:

@@ -111,7 +111,8 @@ def sizes(scene: Scene) -> list[str]:
         return []
     pieces = scene.sizes.pieces
     law = numbers(scene.density, scene.sizes.shift, ID_STEP)
-    return [f"sizes {scene.size_steps} {law} {len(pieces)} {numbers(*pieces.ravel())}"]
+    known = [f"known {len(scene.sizes.given)}"] if scene.sizes.given else []
+    return [f"sizes {scene.size_steps} {law} {len(pieces)} {numbers(*pieces.ravel())}", *known]
 
 
 def guards(scene: Scene) -> list[str]:

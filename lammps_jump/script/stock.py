@@ -111,10 +111,12 @@ def size_variables(scene: Scene) -> list[str]:
     if len(pieces) > 1:
         within = [f"(v_quantile>={number(begin)})*(v_quantile<{number(end)})" for begin, end, _, _ in pieces]
         terms = [f"{where}*({term})" for where, term in zip(within, terms, strict=True)]
-    if own := scene.sizes.own:
-        held = [f"(id>={first})*(id<={last})" for first, last, _ in own]
-        terms = [f"({'+'.join(terms)})*({'*'.join(f'(1-{one})' for one in held)})"]
-        terms += [f"{where}*{number(diameter)}" for where, (_, _, diameter) in zip(held, own, strict=True)]
+    own = [(f"(id>={first})*(id<={last})", number(diameter)) for first, last, diameter in scene.sizes.own]
+    if scene.sizes.given:  # as the data file has them
+        own.append((f"(id<={len(scene.sizes.given)})", "2*radius"))
+    if own:
+        terms = [f"({'+'.join(terms)})*({'*'.join(f'(1-{where})' for where, _ in own)})"]
+        terms += [f"{where}*{diameter}" for where, diameter in own]
     return [
         f"variable        turned atom (id+{number(scene.sizes.shift)})*{number(ID_STEP)}",
         "variable        quantile atom v_turned-floor(v_turned)",

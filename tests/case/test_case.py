@@ -11,7 +11,7 @@ from math import ceil, sqrt
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from made_up import INPUTS
+from made_up import INPUTS, SCENES
 
 from lammps_jump.case import load_case, parse_case
 from lammps_jump.case.templates import scene_names, scene_text
@@ -111,7 +111,7 @@ def test_set_makes_missing_groups():
 
 
 def test_resolved_case_is_itself_a_case_and_complete():
-    for path in sorted(INPUTS.glob("*.yaml")):
+    for path in SCENES:
         case = load_case(path)
         text = case.to_yaml()
         again = parse_case(text)
@@ -214,7 +214,7 @@ def test_disc_in_a_gate_is_refused():
 
 
 def test_frames_and_probe_windows_divide_the_run():
-    for path in sorted(INPUTS.glob("*.yaml")):
+    for path in SCENES:
         scene = load_case(path).scene()
         assert scene.steps % scene.output_steps == 0
         assert scene.output_steps % scene.probe_steps == 0

@@ -7,7 +7,7 @@ import random
 
 import pytest
 from fault_table import many
-from made_up import INPUTS, files
+from made_up import SCENES, files
 
 import lammps_jump as lj
 from lammps_jump.case import parse_case
@@ -43,7 +43,7 @@ def mutant(text: str, dice: random.Random) -> str:
     return text
 
 
-@pytest.mark.parametrize("path", sorted(INPUTS.glob("*.yaml")), ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 def test_a_mutant_is_built_or_refused(path, tmp_path, tried, monkeypatch):
     monkeypatch.chdir(tmp_path)
     taken, times = 0, many(8, 400)

@@ -15,7 +15,8 @@ INPUTS = HERE.parents[1] / "inputs"
 def golden_texts() -> dict[str, str]:
     """File name -> script, for every scene and both kernels."""
     texts = {}
-    for path in sorted(INPUTS.glob("*.yaml")):
+    scenes = (path for path in sorted(INPUTS.glob("*.yaml")) if "kind: run" not in path.read_text())  # those need a run
+    for path in scenes:
         scene = load_case(path).scene()
         for kernel in ("stock", "compiled"):
             texts[f"{path.stem}.{kernel}.lammps"] = script_text(scene, kernel=kernel)

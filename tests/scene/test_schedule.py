@@ -4,7 +4,7 @@
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from made_up import INPUTS
+from made_up import INPUTS, SCENES
 
 from lammps_jump.case import load_case
 from lammps_jump.scene.schedule import MOST_FINER, TOLD, fitted_step, plan_steps, told, told_of_window
@@ -60,7 +60,7 @@ def test_what_whole_steps_change_is_told():
     assert not set(case.scene().adapted) & set(case.check().warnings)
 
 
-@pytest.mark.parametrize("path", sorted(INPUTS.glob("*.yaml")), ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
 def test_shipped_scenes_keep_the_times_that_they_ask_for(path):
     scene = load_case(path).scene()
     # the rows of the thesis carry less than its discharge; everything else is as asked

@@ -11,6 +11,7 @@ import numpy as np
 
 from lammps_jump.case.fields import CaseFields, Column, DiscList, Lattice
 from lammps_jump.case.parts.beds import RoughBed
+from lammps_jump.case.parts.earlier import EarlierRun
 from lammps_jump.case.parts.inflow import PourInflow, RowsInflow
 from lammps_jump.physics.contact import Coefficients, largest_overlap
 from lammps_jump.scene import Beginning, MovingWall
@@ -53,6 +54,8 @@ def starts(case: CaseFields) -> Iterator[Start]:
             (x, y), wide, high = item.origin, (item.nx - 1) * item.spacing, (item.ny - 1) * item.spacing
             fastest = max(float(np.hypot(*v)) for v in (item.velocity, *item.velocities.values()))
             yield Start((x, x + wide), y + high, fastest, "start")
+        elif isinstance(item, EarlierRun):
+            yield Start(item.found.x, item.found.top, item.found.speed, "start")
         elif isinstance(item, DiscList):
             xs, ys = zip(*item.positions, strict=True)
             yield Start((min(xs), max(xs)), max(ys), max((float(np.hypot(*v)) for v in item.velocities), default=0.0),

@@ -111,10 +111,7 @@ def _check_discs_free_of(
 ) -> None:
     if not len(positions):
         return
-    gap = wall.distance(positions[:, 0], positions[:, 1])
-    if open_ends(wall.faces):  # it pushes nothing that is a radius behind it
-        gap = np.where(gap < -diameters / 2, np.inf, gap)
-    depth = diameters / 2 - gap
+    depth = depths(wall, positions, diameters)
     worst = int(np.argmax(depth))
     turned = (
         "; a line pushes discs on its left: reverse its points if they belong there" if open_ends(wall.faces) else ""
@@ -125,6 +122,14 @@ def _check_discs_free_of(
             f"{depth[worst]:.3g} m deep in wall '{wall.name}'; allowed is d/n = {allowed:.3g} m; {_less_jitter(case)}"
             f"move the wall or the discs{turned}"
         )
+
+
+def depths(wall: Wall, positions: np.ndarray, diameters: np.ndarray) -> np.ndarray:
+    """How deep discs lie in a wall, m, shape (n,): below 0 beside it, minus infinity where it does not push them."""
+    gap = wall.distance(positions[:, 0], positions[:, 1])
+    if open_ends(wall.faces):  # it pushes nothing that is a radius behind it
+        gap = np.where(gap < -diameters / 2, np.inf, gap)
+    return diameters / 2 - gap
 
 
 def _check_inlets_free_of(wall: Wall, source: CaseSource, inlets: tuple[InletRow, ...], largest: float) -> None:

@@ -19,10 +19,13 @@ from lammps_jump.physics.inlet import (
     seeded_speeds,
     thesis_rows,
 )
-from lammps_jump.scene import Beginning, InletRow
+from lammps_jump.scene import Beginning, InletRow, Plane
 
 from .inflow import RowsInflow
 
+INLET_WALL = "inlet_back"
+INLET_CLEARANCE = 0.51
+"""Distance from the inlet to the wall behind it, in largest diameters: a disc that enters does not touch the wall."""
 MOST_ROWS = 10_000
 """Rows of an inflow; each is a fix of LAMMPS."""
 MOST_ENTRIES = 5_000_000
@@ -95,6 +98,13 @@ def inlet_of(inflow: RowsInflow, source: CaseSource, begun: Beginning, seed: int
         ),
         plan.raster,
     )
+
+
+def inlet_back(inflow: object, largest: float) -> tuple[Plane, ...]:
+    """The wall behind a jet: without it a drowned inlet pushes discs upstream, out of the domain."""
+    if not isinstance(inflow, RowsInflow) or inflow.back == "open":
+        return ()
+    return (Plane(INLET_WALL, "x", inflow.x - INLET_CLEARANCE * largest, "above"),)
 
 
 def _rows_against_time(inflow: RowsInflow, source: CaseSource, begun: Beginning, seed: int) -> tuple[InletRow, ...]:

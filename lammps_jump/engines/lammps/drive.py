@@ -14,7 +14,7 @@ from lammps_jump.engines.checkpoint import cut_back, join_part, remove_checkpoin
 from lammps_jump.engines.interrupts import save_request, stop_request
 from lammps_jump.engines.result import REPORT_SECONDS, Progress, RunResult
 from lammps_jump.engines.setting import Job
-from lammps_jump.files import delete, text_of
+from lammps_jump.files import END_FILE, delete, text_of
 from lammps_jump.script import resume
 from lammps_jump.script.assemble import SCRIPTS, STOP_FILE
 
@@ -66,7 +66,7 @@ def plugin_arguments(plugin: Path | None) -> list[str]:
 def make_ready(job: Job) -> None:
     """Clear the folder of what an earlier run has left, or of what a part has left behind its checkpoint."""
     folder = job.folder
-    delete(folder / STOP_FILE)
+    delete(folder / STOP_FILE, folder / END_FILE)
     if job.resume is not None:
         cut_back(folder, job.resume)
         join_part(folder)

@@ -17,10 +17,11 @@ from pathlib import Path
 
 import numpy as np
 
+from lammps_jump.dump.beside.ended import ended, write_ended
 from lammps_jump.engines import step_hook
 from lammps_jump.engines.interrupts import save_request, stop_request
 from lammps_jump.engines.setting import Job
-from lammps_jump.files import delete, move, open_to_write, read_arrays
+from lammps_jump.files import END_FILE, delete, move, open_to_write, read_arrays
 from lammps_jump.script.assemble import STOP_FILE, stop_at
 from lammps_jump.script.regions import LOOK_BACK
 from lammps_jump.script.resume import STATE
@@ -29,6 +30,13 @@ from .save import Saver
 
 HALF_STEP = "checkpoint-{step}.npz"
 END, SAVE = "end", "save"
+SAVED = ("id", "whole", "half")
+"""What lies beside a restart file."""
+SLOTS = ("partner", "sigma", "spring", "roll")
+"""Order of the numbers that fix `MOTION` of the plugin keeps for a disc."""
+MOTION, STEP_HOOK = "motion", "step_hook"
+NEVER = 2_000_000_000
+"""An interval that is longer than any run: of what happens at its first step alone."""
 BED = 1 << 1
 """Bit of the first group that a script with fixed discs defines; bit 0 is that of all discs."""
 
@@ -76,6 +84,8 @@ class Steps:
             self.engine.commands_string("\n".join(commands))
         if step_hook.at_step is not None:
             self._hook()
+        elif self.resume is None and self.scene.earlier is not None and self.setting.kernel == "compiled":
+            self._go_on()
         velocities = None if self.resume is None else read_arrays(Path(HALF_STEP.format(step=self.resume.step)))
         still = 0 if velocities is None else next(i for i, part in enumerate(runs) if part.split()[1] != "0")
         for number, part in enumerate(runs):
@@ -88,8 +98,49 @@ class Steps:
             if number == still - 1:
                 self._set_velocities(velocities, "whole")
             if self.ended:
-                return
+                break
             self.engine.commands_string(rest)
+        self._keep_end()
+
+    def _go_on(self) -> None:
+        """Start as an earlier run has ended: with its springs, and forces as velocities of its half step give them.
+
+        LAMMPS evaluates the first forces with the velocities that discs have then. Those of the step are set behind
+        them, by a fix that acts at the start alone; the plugin looks at fixes of its name at no other time.
+        """
+        earlier, ids = self.scene.earlier, np.arange(1, len(self.scene.positions) + 1)
+        whole = np.column_stack([self.scene.velocities, earlier.spins])
+        velocities = {"id": ids, "whole": whole, "half": np.where(np.isnan(earlier.half), whole, earlier.half)}
+        if self.scene.slots:
+            slots = earlier.slots(self.scene.slots)
+            rows = np.concatenate([slots[name] for name in SLOTS], axis=1)
+            n = self.engine.extract_setting("nlocal")
+            own = self.engine.numpy.extract_atom("id")[:n] - 1
+            self.engine.numpy.extract_fix(MOTION, 1, 2)[:n] = rows[own]  # 1, 2: an array of discs
+        self._set_velocities(velocities, "half")
+
+        def call(_, step, count, tags, places, forces) -> None:
+            forces[:] = 0.0
+            self._set_velocities(velocities, "whole")
+
+        self.engine.command(f"fix {STEP_HOOK} all external pf/callback {NEVER} {NEVER}")
+        self.engine.set_fix_external_callback(STEP_HOOK, call)
+
+    def _keep_end(self) -> None:
+        """Write the state from which another run goes on."""
+        found = self._velocities() if self.engine.get_natoms() else {}
+        if not found:
+            return
+        count = 4 * self.scene.slots if self.setting.kernel == "compiled" else 0
+        slots = np.array(self.engine.gather_concat(f"f_{MOTION}", 1, count)).reshape(-1, count) if count else None
+        if self.saver is None:
+            return
+        names = ("vx", "vy", "spin")
+        columns = {"id": found["id"], "x": found["x"], "y": found["y"], "diameter": 2.0 * found["radius"]}
+        columns |= dict(zip(names, found["whole"].T, strict=True))
+        columns |= {f"half_{name}": values for name, values in zip(names, found["half"].T, strict=True)}
+        parts = None if slots is None else tuple(np.split(slots[found["order"]], len(SLOTS), axis=1))
+        write_ended(Path(END_FILE), ended(self.scene, self._step, columns, parts))
 
     def _hook(self) -> None:
         """Let `fix external` call the step hook of a test."""
@@ -98,8 +149,8 @@ class Steps:
             forces[:] = 0.0  # LAMMPS leaves those of discs that have just come as they are
             step_hook.at_step(step)
 
-        self.engine.command("fix step_hook all external pf/callback 1 1")
-        self.engine.set_fix_external_callback("step_hook", call)
+        self.engine.command(f"fix {STEP_HOOK} all external pf/callback 1 1")
+        self.engine.set_fix_external_callback(STEP_HOOK, call)
 
     @property
     def _step(self) -> int:
@@ -153,7 +204,7 @@ class Steps:
             arrays = self._velocities()
             self.engine.command("log log.lammps append")  # all of it is in the file then
             if self.saver is not None:
-                self.unsaved = self.saver.save_at(step, arrays)
+                self.unsaved = self.saver.save_at(step, {name: arrays[name] for name in SAVED})
         elif self.saver is not None:
             self.saver.wait()
         save_request.clear()
@@ -179,7 +230,7 @@ class Steps:
         return ""
 
     def _velocities(self) -> dict[str, np.ndarray]:
-        """Ids, velocities and spin of all discs: of the step, and of its half step."""
+        """Ids, places, radii, velocities and spin of all discs: of the step, and of its half step."""
         shapes = {"x": 3, "v": 3, "f": 3, "omega": 3, "torque": 3, "rmass": 1, "radius": 1}
         found = {
             name: np.array(self.engine.gather_concat(name, 1, count)).reshape(-1, count)
@@ -198,7 +249,11 @@ class Steps:
         if self.scene.fixed:  # they stay, whatever pushes them
             kick[self.scene.fixed.holds(ids)] = turn[self.scene.fixed.holds(ids)] = 0.0
         order = np.argsort(ids)
-        return {"id": ids[order], "whole": whole[order], "half": (whole - np.column_stack([kick, turn]))[order]}
+        return {
+            "order": order,
+            **{"id": ids[order], "x": found["x"][order, 0], "y": found["x"][order, 1], "radius": radius[order, 0]},
+            **{"whole": whole[order], "half": (whole - np.column_stack([kick, turn]))[order]},
+        }
 
     @contextmanager
     def _discs_aside(self) -> Iterator[None]:

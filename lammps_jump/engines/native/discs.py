@@ -16,6 +16,17 @@ CELLS_A_DISC = 16
 """Cells of the search grid at most, over the number of discs."""
 
 
+EXACT = ("x0", "y0", "ux", "uy", "uomega", "fx", "fy", "torque")
+"""Arrays that another run needs to go on bit for bit."""
+ROUND = 1e-13
+"""Difference of velocities that is round-off, over d/dt."""
+
+
+def starting(scene: Scene) -> np.ndarray:
+    """Velocity (m/s) and spin (rad/s) at the start of discs that come from an earlier run, by id, shape (n, 3)."""
+    return np.column_stack([scene.velocities, scene.earlier.spins])
+
+
 class Column(NamedTuple):
     """An array of the discs: its kind, whether a sort takes it along, numbers of a disc (0: one, without an axis)."""
 
@@ -106,6 +117,9 @@ class Discs:
             self.ux[:n], self.uy[:n] = scene.velocities.T
         if scene.fixed is not None:
             self.fixed[:n] = scene.fixed.holds(self.ids[:n])
+        if scene.earlier is not None and self.slots:
+            for name, rows in scene.earlier.slots(self.slots).items():
+                getattr(self, name)[:n] = rows
         self.period = scene.period
         self.owner: np.ndarray | None = None
         self.shift: np.ndarray | None = None
@@ -124,6 +138,64 @@ class Discs:
         """The list as the loops read it."""
         rows = self.n if self.shift is None else self.shift.size
         return Pairs(rows, self.owner, self.start, self.neighbours, self.shift)
+
+    def set_velocities(self, rows: np.ndarray) -> None:
+        """Velocity (m/s) and spin (rad/s) of each disc, shape (n, 3), by id; the older ones of the thesis too."""
+        rows = rows[self.ids[: self.n] - 1].T
+        for names in (("vx", "vy", "omega"), ("ux", "uy", "uomega")):
+            for name, values in zip(names, rows, strict=True):
+                if name in self.columns:
+                    getattr(self, name)[: self.n] = values
+
+    def listed(self, pairs: Pairs) -> dict[str, np.ndarray]:
+        """The neighbour list as it stands, by the names of `put_list`."""
+        images = {} if self.owner is None else {"owner": self.owner, "shift": self.shift}
+        return {"start": self.start[: pairs.rows + 1], "discs": self.neighbours[: self.start[pairs.rows]], **images}
+
+    def put_list(
+        self, start: np.ndarray, discs: np.ndarray, owner: np.ndarray | None = None, shift: np.ndarray | None = None
+    ) -> None:
+        """Take a neighbour list such as `listed` gives."""
+        self.owner, self.shift = owner, shift
+        self.start[: len(start)] = start
+        if self.neighbours.size < discs.size:
+            self.neighbours = np.empty(2 * discs.size, np.int32)
+        self.neighbours[: discs.size] = discs
+
+    def take_lists(self, scene: Scene, skin: float) -> bool:
+        """Take order in memory and list of an earlier run whose discs these all are; False where that does not suit."""
+        exact = {} if scene.earlier is None else scene.earlier.exact
+        if not exact or exact["skin"] != skin or len(exact["order"]) != self.n:
+            return False
+        moving = self.n - len(exact["fixed"])
+        if ("list_shift" in exact) != (self.period is not None) or (exact["fixed"] != scene.positions[moving:]).any():
+            return False
+        for name in self.columns:
+            held = getattr(self, name)[: self.n]
+            held[:] = held[exact["order"]]
+        self.x0[: self.n], self.y0[: self.n] = exact["x0"], exact["y0"]
+        self.put_list(**{name[5:]: array for name, array in exact.items() if name.startswith("list_")})
+        return True
+
+    def see_half_step(self, scene: Scene) -> None:
+        """Take the velocities that the last forces of the earlier run saw."""
+        earlier = scene.earlier
+        self.set_velocities(np.where(np.isnan(earlier.half), starting(scene), earlier.half))
+        for name in ("ux", "uy", "uomega"):
+            if name in earlier.exact and name in self.columns:
+                getattr(self, name)[: self.n] = earlier.exact[name]
+
+    def keep_bits(self, scene: Scene) -> None:
+        """Where half step and force are those of the earlier run but for round-off, take its bits."""
+        earlier, small = scene.earlier, ROUND * scene.diameter / scene.time_step
+        half = earlier.half[self.ids[: self.n] - 1].T
+        units = (small, small, small / scene.radius)
+        for name, force, before, limit in zip(("vx", "vy", "omega"), ("fx", "fy", "torque"), half, units, strict=True):
+            if name in self.columns and force in earlier.exact:
+                now = getattr(self, name)[: self.n]
+                same = np.abs(now - before) <= limit
+                now[same] = before[same]
+                getattr(self, force)[: self.n][same] = earlier.exact[force][same]
 
     def _make_work_arrays(self) -> None:
         kept = (getattr(self, name) for name, column in self.columns.items() if column.sorted)

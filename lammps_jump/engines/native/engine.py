@@ -11,6 +11,7 @@ from time import perf_counter, process_time
 from typing import Any
 
 from lammps_jump.dump.beside.contacts import ContactWriter
+from lammps_jump.dump.beside.ended import write_ended
 from lammps_jump.dump.beside.poses import PoseWriter
 from lammps_jump.dump.find import write_forces
 from lammps_jump.dump.frame import Frame, make_frame
@@ -29,13 +30,13 @@ from lammps_jump.engines.result import (
 from lammps_jump.engines.setting import Setting
 from lammps_jump.engines.twin import Twin
 from lammps_jump.errors import RunError
-from lammps_jump.files import CONTACTS_FILE, DUMP_NAMES, POSES
+from lammps_jump.files import CONTACTS_FILE, DUMP_NAMES, END_FILE, POSES, delete
 from lammps_jump.provenance import versions
 from lammps_jump.scene.scene import Scene
 
 from .cells import CellSimulation
 from .simulation import NativeSimulation
-from .state import load_state, save_state
+from .state import ended_of, load_state, save_state
 
 
 def take_frame(simulation) -> Frame:
@@ -117,6 +118,8 @@ def run_native(
     finally:
         part.close()
     report()
+    if status != "failed":
+        part.keep_end()
     if status == "interrupted":
         return part.interrupted()
     return part.result(status, message)
@@ -156,6 +159,7 @@ class _Part:
         if self.folder is None:
             return
         self.folder.mkdir(parents=True, exist_ok=True)
+        delete(self.folder / END_FILE)  # of an earlier run or part
         if resume is None:
             remove_checkpoint(self.folder)  # of an earlier run: not this one's beginning
         self.writer = run_writer(self.folder, scene, setting.dump_format, append=resume is not None)
@@ -224,6 +228,11 @@ class _Part:
         name = f"checkpoint-{self.simulation.step}.npz"
         save_state(self.simulation, self.folder / name)
         return [name]
+
+    def keep_end(self) -> None:
+        """Write the state from which another run goes on."""
+        if self.folder is not None and self.between_steps:
+            write_ended(self.folder / END_FILE, ended_of(self.simulation))
 
     def interrupted(self) -> RunResult:
         """Leave a checkpoint where there can be one; the result, with what to tell the user."""

@@ -28,7 +28,7 @@ from lammps_jump.scene.scene import Scene
 from .arrays import Grid, Loops, Memory, Pairs, State
 from .bound import Core
 from .constants import constants_of, springs_of
-from .discs import Discs
+from .discs import Discs, starting
 from .events import Event, OpenBoundaries, Schedule, Windows
 from .ledger import (
     Books,
@@ -128,7 +128,10 @@ class NativeSimulation:
         self.discs = Discs(scene, self.loops, ledger=ledger)
         self.walls = self._walls()
         self._full, self._started = np.zeros(1, np.int64), False
-        self._rebuild()
+        if self._grid is None and self.discs.take_lists(scene, self.skin):
+            self._list_walls()
+        else:
+            self._rebuild()
         self._check_overlap()
         self._start()
         self._started = True
@@ -146,11 +149,22 @@ class NativeSimulation:
         self.walls.go_on(before)
 
     def _start(self) -> None:
-        """Forces of the start, weight included, the velocities of half a step before, and the energy."""
+        """Forces of the start, weight included, the velocities of half a step before, and the energy.
+
+        Discs of an earlier run feel the forces that its last step would give them here, with springs as they stand.
+        Where walls and law are the same too, these are its forces, and the run goes on bit for bit.
+        """
         d, share = self.discs, shares_of(self.scene, self.discs) / self._share
         d.fx[: d.n], d.fy[: d.n] = np.multiply.outer(self._weight, share)
+        earlier = self.scene.earlier
+        if earlier is not None:
+            d.see_half_step(self.scene)
         self._forces()
+        if earlier is not None:
+            d.set_velocities(starting(self.scene))
         self._start_half_step_back()
+        if earlier is not None and earlier.exact and self._grid is None:
+            d.keep_bits(self.scene)
         self.walls.sums[:] = 0.0
         self.books.start, self.books.start_work = self.energy(), self.books.work[:3] + self._half_work()
         self.books.start_fallen = fallen(self.scene, self.discs)

@@ -15,12 +15,14 @@ from zipfile import BadZipFile
 
 import numpy as np
 
+from lammps_jump.dump.beside.ended import Ended, ended
 from lammps_jump.errors import ResumeError
 from lammps_jump.files import read_arrays, write_arrays
 from lammps_jump.scene.scene import Scene
 
 from .arrays import Loops
-from .ledger import Energy
+from .discs import EXACT
+from .ledger import Energy, spin, velocities
 from .simulation import NativeSimulation
 
 COUNTS = ("step", "disc_steps", "rebuilds", "rebuild_seconds")
@@ -35,7 +37,7 @@ def save_state(simulation: NativeSimulation, path: Path) -> None:
         With neighbour lists (`CellSimulation` makes its lists every step and is not saved).
     path : Path
     """
-    d, pairs = simulation.discs, simulation.listed_pairs()
+    d = simulation.discs
     boundaries, windows, books = simulation.boundaries, simulation.windows, simulation.books
     plain = {
         "n": d.n,
@@ -56,9 +58,7 @@ def save_state(simulation: NativeSimulation, path: Path) -> None:
     write_arrays(
         path,
         plain=np.array(json.dumps(plain)),
-        list_start=d.start[: pairs.rows + 1],
-        list_discs=d.neighbours[: d.start[pairs.rows]],
-        **({} if d.owner is None else {"list_owner": d.owner, "list_shift": d.shift}),
+        **{f"list_{name}": array for name, array in d.listed(simulation.listed_pairs()).items()},
         wall_sum=simulation.walls.sums,
         **near,
         **_moves(simulation),
@@ -129,12 +129,29 @@ def _load_discs(discs, n: int, stored) -> None:
         if stored[name].shape != held.shape:
             raise ValueError(f"{name}: {stored[name].shape} in place of {held.shape} numbers")
         held[:] = stored[name]
-    rows = n
-    if discs.period is not None:
-        discs.owner, discs.shift = stored["list_owner"], stored["list_shift"]
-        rows = len(discs.shift)
-    discs.start[: rows + 1] = stored["list_start"]
-    listed = stored["list_discs"]
-    if discs.neighbours.size < listed.size:
-        discs.neighbours = np.empty(2 * listed.size, np.int32)
-    discs.neighbours[: listed.size] = listed
+    names = ("start", "discs", *(("owner", "shift") if discs.period is not None else ()))
+    discs.put_list(**{name: stored[f"list_{name}"] for name in names})
+
+
+def ended_of(simulation: NativeSimulation) -> Ended:
+    """The state of a simulation that stands between two steps, from which another run goes on.
+
+    The order in memory and the lists are there too: they decide the order of sums.
+    """
+    d, scene = simulation.discs, simulation.scene
+    n, still = d.n, np.zeros(d.n)
+    vx, vy = velocities(scene, d)
+    columns = {
+        **{"id": d.ids[:n], "x": d.x[:n], "y": d.y[:n], "vx": vx, "vy": vy},
+        "spin": still if d.omega is None else spin(scene, d),
+        **{"half_vx": d.vx[:n], "half_vy": d.vy[:n], "half_spin": still if d.omega is None else d.omega[:n]},
+        "diameter": still + scene.diameter if d.radius is None else 2.0 * d.radius[:n],
+    }
+    slots = (d.partner[:n], d.sigma[:n], d.spring[:n], d.roll[:n]) if d.slots else None
+    bed = np.zeros(n, bool) if scene.fixed is None else scene.fixed.holds(d.ids[:n])
+    rows = np.lexsort((d.ids[:n], bed))  # fixed discs come last in another run
+    exact = {name: getattr(d, name)[:n] for name in EXACT if name in d.columns}
+    exact |= {f"list_{name}": array for name, array in d.listed(simulation.listed_pairs()).items()}
+    exact |= {"order": np.argsort(rows), "skin": np.array(simulation.skin)}
+    exact["fixed"] = np.column_stack([d.x[:n], d.y[:n]])[rows[n - int(bed.sum()) :]]
+    return ended(scene, simulation.step, columns, slots, exact)

@@ -55,6 +55,9 @@ FixJumpStep::FixJumpStep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
       a = add_wall(a + 1, narg, arg);
     } else if (key == "sizes") {
       a = add_pieces(a + 1, narg, arg);
+    } else if (key == "known" && a + 1 < narg) {
+      known = utils::tnumeric(FLERR, arg[a + 1], false, lmp);
+      a += 2;
     } else if (key == "slots") {
       a = add_slots(a + 1, narg, arg);
     } else if (key == "contacts") {
@@ -123,7 +126,7 @@ void FixJumpStep::init()
   if (!pair) error->all(FLERR, "fix jump/step needs pair_style jump/disc");
   if (domain->dimension != 2) error->all(FLERR, "fix jump/step needs dimension 2");
   if (!pieces.empty() && !pair->sizes) error->all(FLERR, "fix jump/step sizes needs the sizes of pair_style jump/disc");
-  sized = 0;
+  sized = known;
   const bool many = std::any_of(walls.begin(), walls.end(), [](const Wall &w) { return w.faces.faces.size() > jump::FEW; });
   near_margin = (many ? NEAR_MARGIN_OF_MANY : NEAR_MARGIN) * pair->diameter;
   for (auto &wall : walls) {

@@ -2,7 +2,7 @@
 /* fix ID all jump/step [gravity GX GY] [k_wall K gamma_wall GN gammat_wall GT mu_wall MU]
                         [wall NAME X0 Y0 DEEP N FACE... [law K GN GT MU] [roll MUR] [seam] [until STEP]
                               [move CX CY START N ROW...] [lid CX CY START MASS FX FY X Y BEGIN]]...
-                        [sizes EVERY DENSITY SHIFT TURN N [BEGIN END LOW SLOPE]...]
+                        [sizes EVERY DENSITY SHIFT TURN N [BEGIN END LOW SLOPE]...] [known ID]
                         [slots S] [contacts EVERY FILE]
                         [probe EVERY NAME...]                                   (probe comes last)
 
@@ -21,7 +21,7 @@
      `lid` is pushed by the discs and by a force, and free along x and y (1) or not (0). t = 0 is at the step START.
    - sizes: discs are inserted with the largest diameter. At the end of a step that is a multiple of EVERY new ones get
      their own diameter d by id, and the mass DENSITY d^2: u is the fraction of (id + SHIFT) TURN, d is
-     LOW + SLOPE (u - BEGIN) in the one of N pieces with BEGIN <= u < END.
+     LOW + SLOPE (u - BEGIN) in the one of N pieces with BEGIN <= u < END. Discs up to ID keep the diameter they have.
    - slots: each disc keeps S of them, of four numbers (slots.h): the array of the fix. The law history needs them.
    - contacts: those of each step that is a multiple of EVERY, with their forces, go to FILE (record.h).
    - probes: mean over each window of EVERY steps of the force ON the wall and of its moment (counter-clockwise)
@@ -111,6 +111,7 @@ class FixJumpStep : public Fix {
   int columns = 3;            // of a probe
   double density = 0.0, shift = 0.0, turn = 0.0;    // of sizes
   std::vector<Piece> pieces;
+  tagint known = 0;           // discs up to this id begin with their own size
   tagint sized = 0;           // discs up to this id have their own size
   bigint near_order = -1;
   bool others_push = false;     // other fixes add forces: fix gravity, which pours need

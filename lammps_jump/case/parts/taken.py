@@ -1,0 +1,382 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Discs of earlier runs: read beside a case, chosen and placed as the case says."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from functools import lru_cache
+from math import inf
+from pathlib import Path
+from typing import NamedTuple
+from weakref import WeakValueDictionary
+
+import numpy as np
+
+from lammps_jump.case.fields import CaseFields
+from lammps_jump.case.text import Begun, CaseSource, PathKey, parse_source, read_text
+from lammps_jump.dump.beside.ended import DISC, NONE, Ended, at_frame, read_ended
+from lammps_jump.errors import CaseError, DumpError
+from lammps_jump.files import END_FILE, START_FILE, read_json
+from lammps_jump.folders import holder
+from lammps_jump.quoting import echoed
+from lammps_jump.scene import MovingWall, Sizes, Wall
+from lammps_jump.scene.scene import CONTACT, Earlier, Fixed, chains_of
+from lammps_jump.units import to_si
+
+from .earlier import EarlierRun, Found
+from .places import depths
+
+SAME_DENSITY = 1e-12
+"""Relative difference of densities that is round-off."""
+FIXED = 1 << 40
+"""An id above all others."""
+KNOWN: WeakValueDictionary[str, Ended] = WeakValueDictionary()
+"""Discs that cases of this process hold, by their keys: a study reads a run once."""
+
+
+def read_runs(source: CaseSource) -> None:
+    """Read the discs of the earlier runs that a case names; those that are read already are kept.
+
+    Raises
+    ------
+    CaseError
+        A folder outside the places where runs may lie, without a run, or with one that goes on or failed; a time
+        outside its dump; discs other than those of the key.
+    """
+    known, source.begun = source.begun, {}
+    items = source.data.get("initial")
+    for index, item in enumerate(items if isinstance(items, list) else []):
+        if not isinstance(item, dict) or item.get("kind") != "run" or not isinstance(item.get("folder"), str):
+            continue
+        path, name, time, key = ("initial", index), item["folder"], item.get("time", "last"), item.get("key")
+        old = next((one for one in known.values() if (one.folder, one.time) == (name, time)), None)
+        if old is None:
+            old = Begun(name, time, _own(source, key) or _of_folder(source, path, name, time))
+        if key is not None and key != old.state.key:
+            raise source.error(
+                f"initial.{index}.key: the discs of {name} are not those of key {echoed(key)}: that run was made anew; "
+                "drop key to begin from the discs that are there now"
+            )
+        source.begun[path] = old
+        KNOWN[old.state.key] = old.state
+
+
+def _own(source: CaseSource, key: object) -> Ended | None:
+    """The discs of this key: known in this process, or in the folder of the case, which is then a run folder."""
+    if not isinstance(key, str) or not key.isalnum():
+        return None
+    if source.folder is None or key in KNOWN:
+        return KNOWN.get(key)
+    path = source.folder / START_FILE.format(key=key)
+    try:
+        found = _read(path) if path.is_file() else None
+    except DumpError as error:
+        raise CaseError(f"{error}; without it the run cannot be read: put the file back") from None
+    return found
+
+
+def _of_folder(source: CaseSource, path: PathKey, name: str, time: object) -> Ended:
+    """The discs of a run folder, at a time as the case has it."""
+    place = source.place((*path, "folder"))
+    base = source.folder or Path()
+    folder = Path(os.path.normpath(base / name))
+    roots = {base.resolve(), Path.cwd().resolve()}
+    if not any(folder.resolve().is_relative_to(root) for root in roots):
+        raise CaseError(
+            f"{place}: {echoed(name)} lies outside the folder of the case and the working directory; allowed is a run "
+            "folder in one of them: copy the run there"
+        )
+    try:
+        moment = inf if time in (None, "last") else to_si(time, "s")
+    except ValueError:
+        return Ended(0.0, 1.0, np.empty(0, DISC))  # the field is refused for itself
+    if not (folder / "case.yaml").is_file():
+        raise CaseError(f"{place}: {echoed(name)} holds no run; {_how_to_make(base, folder)}")
+    try:
+        return read_state(folder, moment)
+    except DumpError as error:
+        field = source.place((*path, "time")) if moment < inf else place
+        raise CaseError(f"{field}: {name}: {error}") from None
+
+
+def _how_to_make(base: Path, folder: Path) -> str:
+    """What to do where a run is missing: the command that makes it, where a case of its name is there."""
+    case = base / f"{folder.name}.yaml"
+    if not case.is_file():
+        return "name the folder of a run that has ended"
+    shown = [os.path.relpath(path) for path in (case, folder)]
+    return f"`lammps-jump build-and-run {shown[0]} --out {shown[1]}` makes it"
+
+
+def read_state(folder: Path, time: float = inf) -> Ended:
+    """The discs of a run folder at a time (s; infinite: at its end).
+
+    Raises
+    ------
+    DumpError
+        The run goes on, or failed; nothing there can be read; a time outside its dump.
+    """
+    if writer := holder(folder):
+        raise DumpError(f"{writer} writes to this folder; wait until the run has ended")
+    try:
+        status = read_json(folder / "summary.json").get("status")
+    except (OSError, ValueError, AttributeError):
+        status = None
+    if status == "failed":
+        raise DumpError("the run there failed; allowed is one that ended or was stopped")
+    end = folder / END_FILE
+    last = _read(end) if end.is_file() else None
+    if time == inf and last is not None:
+        return last
+    try:
+        data = parse_source(read_text(folder / "case.yaml"), "case.yaml").data
+        density, diameter = float(data["discs"]["density"]), float(data["discs"]["diameter"])
+        rough = any(wall["kind"] == "rough" for wall in data.get("walls") or ())
+    except (CaseError, LookupError, TypeError, ValueError, AttributeError) as error:
+        raise DumpError(f"its case.yaml cannot be read ({error})") from None
+    if rough and last is None:
+        raise DumpError(f"has rough beds and no {END_FILE}, so that its fixed discs are not known; run it again")
+    return at_frame(folder, time, density, diameter, NONE if last is None else last.fixed)
+
+
+def _read(path: Path) -> Ended:
+    """A file of a state, read once as long as it stays the same."""
+    told = path.stat()
+    return _read_once(path.resolve(), told.st_size, told.st_mtime_ns)
+
+
+@lru_cache(maxsize=4)
+def _read_once(path: Path, size: int, changed: int) -> Ended:
+    return read_ended(path)
+
+
+def from_run(source: CaseSource, folder: Path, time: object) -> dict[str, object]:
+    """Put the discs of a run into the source of a case, as its first item of ``initial``; that item."""
+    try:
+        moment = inf if time == "last" else float(time)  # type: ignore[arg-type]
+        if not (folder / "case.yaml").is_file():
+            raise DumpError("holds no run; name the folder of a run that has ended")
+        source.begun = {("initial", 0): Begun(str(folder), time, read_state(folder, moment))}
+    except (DumpError, TypeError, ValueError) as error:
+        raise CaseError(f"{folder}: {error}") from None
+    return {"kind": "run", "folder": str(folder), "time": time}
+
+
+def with_found(initial: Sequence[object], source: CaseSource) -> tuple[object, ...]:
+    """The items of ``initial``, those of earlier runs with what their runs hold."""
+    found = []
+    for index, item in enumerate(initial):
+        if isinstance(item, EarlierRun):
+            discs = _chosen(item, source.begun["initial", index].state)
+            x, y = discs["x"] + item.shift[0], discs["y"] + item.shift[1]
+            fastest = 0.0 if item.velocities == "rest" else float(np.hypot(discs["vx"], discs["vy"]).max(initial=0.0))
+            ends = (float(x.min(initial=inf)), float(x.max(initial=-inf))) if len(x) else (0.0, 0.0)
+            item = item.read(Found(len(x), ends, float(y.max(initial=-inf)) if len(x) else 0.0, fastest))
+        found.append(item)
+    return tuple(found)
+
+
+def _chosen(item: EarlierRun, state: Ended) -> np.ndarray:
+    """The discs that lie where the case takes them from."""
+    discs, kept = state.discs, np.ones(len(state.discs), bool)
+    for axis in "xy":
+        if item.within is not None and (ends := getattr(item.within, axis)) is not None:
+            kept &= (discs[axis] >= ends[0]) & (discs[axis] <= ends[1])
+    return discs[kept]
+
+
+class Taken(NamedTuple):
+    """Discs of earlier runs: places (m), velocities (m/s), diameters (m), and what else they have."""
+
+    positions: np.ndarray
+    velocities: np.ndarray
+    diameters: np.ndarray
+    earlier: Earlier
+
+
+def take(
+    case: CaseFields, source: CaseSource, walls: Iterable[tuple[str, Wall]], allowed: float, random: np.random.Generator
+) -> Taken | None:
+    """The discs of all earlier runs of a case, with ids from 1 on; None where it names none.
+
+    Parameters
+    ----------
+    case : CaseFields
+    source : CaseSource
+    walls : iterable of (str, Wall)
+        Walls that stand there at the start, with their fields.
+    allowed : float
+        Depth in a wall that is allowed, m.
+    random : Generator
+        Of the shifts.
+
+    Raises
+    ------
+    CaseError
+        Another density, no disc, discs deep in a wall.
+    """
+    walls, parts, first = list(walls), [], 1
+    for index, item in enumerate(case.initial):
+        if isinstance(item, EarlierRun):
+            begun = source.begun["initial", index]
+            parts.append(_one(case, source, index, begun.state, walls, allowed, first, random))
+            first += len(parts[-1].positions)
+    if not parts:
+        return None
+    whole = len(parts) == len(case.initial) == 1
+    chains = tuple(dict.fromkeys(name for part in parts for name in part.earlier.chains))
+    earlier = Earlier(
+        np.concatenate([part.earlier.spins for part in parts]),
+        np.concatenate([part.earlier.half for part in parts]),
+        np.concatenate([renamed(part.earlier, chains) for part in parts]),
+        chains,
+        parts[0].earlier.exact if whole else {},
+        tuple(text for part in parts for text in part.earlier.origins),
+    )
+    return Taken(*(np.concatenate([part[k] for part in parts]) for k in range(3)), earlier)
+
+
+def _one(
+    case: CaseFields, source: CaseSource, index: int, state: Ended, walls: Sequence[tuple[str, Wall]], allowed: float,
+    first: int, random: np.random.Generator,
+) -> Taken:  # fmt: skip
+    """The discs of one item, with ids from `first` on."""
+    item: EarlierRun = case.initial[index]  # type: ignore[assignment]
+    if abs(case.discs.density / state.density - 1) > SAME_DENSITY:
+        raise source.error(
+            f"discs.density: is {case.discs.density:g} kg/m3, the discs of {item.folder} have {state.density:g}; "
+            f"allowed is theirs: give density: {state.density!r}"
+        )
+    discs = _chosen(item, state)
+    if not len(discs):
+        raise source.error(f"initial.{index}.within: holds none of the {len(state.discs)} discs of {item.folder}")
+    places = np.column_stack([discs["x"], discs["y"]])
+    if any(item.shift):
+        places += item.shift
+    if item.jitter:
+        places += random.uniform(-item.jitter, item.jitter, places.shape) * case.discs.diameter
+    free = _free(item, source, index, (places, discs["diameter"]), walls, allowed)
+    dropped = int((~free).sum())
+    discs, places = discs[free], places[free]
+    rest = item.velocities == "rest"
+    names = ("vx", "vy", "spin")
+    moves = np.column_stack([0.0 * discs[name] if rest else discs[name] for name in names])
+    half = np.column_stack([discs[f"half_{name}"] for name in names])
+    contacts, lost = _contacts(state, discs["id"], first)
+    unmoved = len(discs) == len(state.discs) and not (any(item.shift) or item.jitter or rest)
+    when = "its end" if item.time is None and len(state.exact) + np.isfinite(half).sum() else "the nearest frame"
+    if item.time is None and when != "its end":
+        when = "the last frame of its dump: it kept no end state"
+    said = f"begins from {item.folder} at t = {state.time:.6g} s ({when}; key {state.key}): {len(discs)} discs"
+    said += f", {dropped} more dropped, deep in a wall" if dropped else ""
+    said += f"; the memory of {lost} contacts has lost its disc" if lost else ""
+    origin = Earlier(
+        moves[:, 2], np.full_like(half, np.nan) if rest else half, contacts, state.chains,
+        state.exact if unmoved else {}, (said,),
+    )  # fmt: skip
+    return Taken(places, moves[:, :2], discs["diameter"].copy(), origin)
+
+
+def _free(
+    item: EarlierRun, source: CaseSource, index: int, discs: tuple[np.ndarray, np.ndarray],
+    walls: Sequence[tuple[str, Wall]], allowed: float,
+) -> np.ndarray:  # fmt: skip
+    """Whether each disc, of places and diameters, is free of walls; refused where the case does not drop the others."""
+    free = np.ones(len(discs[0]), bool)
+    for field, wall in walls:
+        depth = depths(wall, *discs)
+        deep = depth > allowed * (1 + 1e-9)
+        if deep.any() and item.in_walls == "refuse":
+            worst = int(np.argmax(depth))
+            x, y = discs[0][worst]
+            raise source.error(
+                f"initial.{index}: {int(deep.sum())} discs of {item.folder} lie deep in wall '{wall.name}' ({field}), "
+                f"the deepest by {depth[worst]:.3g} m at ({x:g}, {y:g}); allowed is d/n = {allowed:.3g} m: move the "
+                "wall, take other discs (within, shift), or leave these out by in_walls: drop"
+            )
+        free &= ~deep
+    if not free.any():
+        raise source.error(f"initial.{index}.in_walls: all discs of {item.folder} lie deep in walls; move the walls")
+    return free
+
+
+def _contacts(state: Ended, ids: np.ndarray, first: int) -> tuple[np.ndarray, int]:
+    """Contacts between these discs, or of one and a wall, with ids from `first` on; how many lack a disc.
+
+    The k-th fixed disc of the run is `FIXED` + k, until its id is known (`padded`).
+    """
+    held, one, last = state.contacts, *state.fixed
+    new = {name: np.where(held[name] < 0, held[name], 0) for name in ("disc", "partner")}
+    for name, found in new.items():
+        at = np.minimum(np.searchsorted(ids, held[name]), len(ids) - 1)
+        found[:] = np.where(ids[at] == held[name], first + at, found)
+        found[:] = np.where((held[name] >= one) & (held[name] <= last), FIXED + held[name] - one, found)
+    loose = (new["disc"] > 0) & (new["disc"] < FIXED) | (new["partner"] > 0) & (new["partner"] < FIXED)
+    there = (new["disc"] != 0) & (new["partner"] != 0)
+    kept = held[there].copy()
+    kept["disc"], kept["partner"] = new["disc"][there], new["partner"][there]
+    return kept, int((loose & ~there).sum())
+
+
+def renamed(earlier: Earlier, chains: Sequence[str]) -> np.ndarray:
+    """The contacts with partners -1 - c that mean these chains; those of other chains are left out."""
+    place = {name: number for number, name in enumerate(chains)}
+    numbers = np.array([place.get(name, -1) for name in (*earlier.chains, "")])
+    found = earlier.contacts.copy()
+    walls = found["partner"] < 0
+    number = numbers[np.where(walls, -1 - found["partner"], -1)]
+    found["partner"][walls] = -1 - number[walls]
+    return found[~walls | (number >= 0)]
+
+
+def with_given(sizes: Sizes | None, diameter: float, taken: Taken | None) -> Sizes | None:
+    """Sizes of all discs: those of earlier runs as they are, the others as drawn, equal ones of this diameter (m)."""
+    if taken is None:
+        return sizes
+    ids = np.arange(1, len(taken.diameters) + 1)
+    drawn = np.full(len(ids), diameter) if sizes is None else sizes.diameters(ids)
+    if (drawn == taken.diameters).all():
+        return sizes
+    return replace(sizes or Sizes((1.0,), (diameter,), (diameter,)), given=tuple(taken.diameters.tolist()))
+
+
+def padded(taken: Taken | None, count: int, fixed: Fixed | None) -> Earlier | None:
+    """What so many discs at the start have of earlier runs; those that come after have nothing of them.
+
+    The fixed discs of this case stand for those of the earlier run, one for one: no slot outlives a contact that is not
+    there.
+    """
+    if taken is None:
+        return None
+    more, contacts = count - len(taken.positions), taken.earlier.contacts.copy()
+    beds = fixed or Fixed(1, 0)
+    kept = np.ones(len(contacts), bool)
+    for name in ("disc", "partner"):
+        bed = contacts[name] >= FIXED
+        kept &= ~bed | (contacts[name] - FIXED < beds.count)
+        contacts[name][bed] += beds.first - FIXED
+    other = contacts["partner"] > contacts["disc"]  # the larger id remembers; to it the discs roll the other way round
+    disc, partner = contacts["disc"][other], contacts["partner"][other]
+    contacts["disc"][other], contacts["partner"][other] = partner, disc
+    contacts["roll"][other] *= -1.0
+    return replace(
+        taken.earlier,
+        spins=np.concatenate([taken.earlier.spins, np.zeros(more)]),
+        half=np.concatenate([taken.earlier.half, np.full((more, 3), np.nan)]),
+        contacts=contacts[kept],
+    )
+
+
+def for_walls(earlier: Earlier | None, walls: Iterable[MovingWall], *, remembers: bool) -> Earlier | None:
+    """What discs have of an earlier run, for a scene of these walls; it says how much memory finds no partner."""
+    if earlier is None:
+        return None
+    chains = chains_of(walls)
+    contacts = renamed(earlier, chains) if remembers else np.empty(0, CONTACT)
+    had, kept = len(earlier.contacts), len(contacts)
+    why = "their walls are gone" if remembers else "the law of this case remembers nothing"
+    said = [f"the memory of {kept} contacts comes along"] if kept else []
+    said += [f"that of {had - kept} contacts is dropped: {why}"] if had > kept else []
+    return replace(earlier, contacts=contacts, chains=chains, origins=(*earlier.origins, *said))
