@@ -292,9 +292,8 @@ def _discs(
     random: np.random.Generator, taken: Taken | None,
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Positions and velocities at the start, each of shape (n, 2), m and m/s; those of earlier runs come first."""
-    positions, velocities = [np.empty((0, 2))], [np.empty((0, 2))]
-    if taken is not None:
-        positions, velocities = [taken.positions], [taken.velocities]
+    positions = [np.empty((0, 2)) if taken is None else taken.positions]
+    velocities = [np.empty((0, 2)) if taken is None else taken.velocities]
     first = 1 + len(positions[0])
     for index, item in enumerate(case.initial):
         if isinstance(item, EarlierRun):
