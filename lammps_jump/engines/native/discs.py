@@ -18,6 +18,7 @@ CELLS_A_DISC = 16
 
 EXACT = ("x0", "y0", "ux", "uy", "uomega", "fx", "fy", "torque")
 """Arrays that another run needs to go on bit for bit."""
+NOTHING = np.empty(0, [("order", np.int64)])
 ROUND = 1e-13
 """Difference of velocities that is round-off, over d/dt."""
 
@@ -92,6 +93,8 @@ class Discs:
         1 for discs that stay where they are.
     owner, shift : ndarray or None
         Of the rows of the list in a periodic channel (`loops.Pairs`).
+    before : ndarray
+        What an earlier run had of `EXACT`, in this order of the discs; empty where its lists were not taken.
     touched : ndarray of int8, shape (room, slots)
         Whether a contact of this step has the slot; 0 between steps.
     """
@@ -121,6 +124,7 @@ class Discs:
             for name, rows in scene.earlier.slots(self.slots).items():
                 getattr(self, name)[:n] = rows
         self.period = scene.period
+        self.before = NOTHING
         self.owner: np.ndarray | None = None
         self.shift: np.ndarray | None = None
         self.start = np.zeros(self._rows + 1, np.int64)
@@ -165,15 +169,17 @@ class Discs:
     def take_lists(self, scene: Scene, skin: float) -> bool:
         """Take order in memory and list of an earlier run whose discs these all are; False where that does not suit."""
         exact = {} if scene.earlier is None else scene.earlier.exact
-        if not exact or exact["skin"] != skin or len(exact["order"]) != self.n:
+        if not exact or exact["skin"] != skin or len(exact["discs"]) != self.n:
             return False
+        own = exact["discs"]
         moving = self.n - len(exact["fixed"])
         if ("list_shift" in exact) != (self.period is not None) or (exact["fixed"] != scene.positions[moving:]).any():
             return False
         for name in self.columns:
             held = getattr(self, name)[: self.n]
-            held[:] = held[exact["order"]]
-        self.x0[: self.n], self.y0[: self.n] = exact["x0"], exact["y0"]
+            held[:] = held[own["order"]]
+        self.x0[: self.n], self.y0[: self.n] = own["x0"], own["y0"]
+        self.before = own
         self.put_list(**{name[5:]: array for name, array in exact.items() if name.startswith("list_")})
         return True
 
@@ -182,20 +188,22 @@ class Discs:
         earlier = scene.earlier
         self.set_velocities(np.where(np.isnan(earlier.half), starting(scene), earlier.half))
         for name in ("ux", "uy", "uomega"):
-            if name in earlier.exact and name in self.columns:
-                getattr(self, name)[: self.n] = earlier.exact[name]
+            if name in self.before.dtype.names and name in self.columns:
+                getattr(self, name)[: self.n] = self.before[name]
 
     def keep_bits(self, scene: Scene) -> None:
-        """Where half step and force are those of the earlier run but for round-off, take its bits."""
-        earlier, small = scene.earlier, ROUND * scene.diameter / scene.time_step
-        half = earlier.half[self.ids[: self.n] - 1].T
+        """Where half step and force are those of the run whose lists were taken, but for round-off, take its bits."""
+        own, small = self.before, ROUND * scene.diameter / scene.time_step
+        if not len(own):
+            return
+        half = scene.earlier.half[self.ids[: self.n] - 1].T
         units = (small, small, small / scene.radius)
         for name, force, before, limit in zip(("vx", "vy", "omega"), ("fx", "fy", "torque"), half, units, strict=True):
-            if name in self.columns and force in earlier.exact:
+            if name in self.columns and force in own.dtype.names:
                 now = getattr(self, name)[: self.n]
                 same = np.abs(now - before) <= limit
                 now[same] = before[same]
-                getattr(self, force)[: self.n][same] = earlier.exact[force][same]
+                getattr(self, force)[: self.n][same] = own[force][same]
 
     def _make_work_arrays(self) -> None:
         kept = (getattr(self, name) for name, column in self.columns.items() if column.sorted)

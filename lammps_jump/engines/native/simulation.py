@@ -163,7 +163,7 @@ class NativeSimulation:
         if earlier is not None:
             d.set_velocities(starting(self.scene))
         self._start_half_step_back()
-        if earlier is not None and earlier.exact and self._grid is None:
+        if earlier is not None:
             d.keep_bits(self.scene)
         self.walls.sums[:] = 0.0
         self.books.start, self.books.start_work = self.energy(), self.books.work[:3] + self._half_work()

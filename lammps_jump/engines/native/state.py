@@ -150,8 +150,11 @@ def ended_of(simulation: NativeSimulation) -> Ended:
     slots = (d.partner[:n], d.sigma[:n], d.spring[:n], d.roll[:n]) if d.slots else None
     bed = np.zeros(n, bool) if scene.fixed is None else scene.fixed.holds(d.ids[:n])
     rows = np.lexsort((d.ids[:n], bed))  # fixed discs come last in another run
-    exact = {name: getattr(d, name)[:n] for name in EXACT if name in d.columns}
-    exact |= {f"list_{name}": array for name, array in d.listed(simulation.listed_pairs()).items()}
-    exact |= {"order": np.argsort(rows), "skin": np.array(simulation.skin)}
+    held = {"order": np.argsort(rows), **{name: getattr(d, name)[:n] for name in EXACT if name in d.columns}}
+    own = np.empty(n, [(name, array.dtype) for name, array in held.items()])  # one array: each costs time in the file
+    for name, array in held.items():
+        own[name] = array
+    exact = {f"list_{name}": array for name, array in d.listed(simulation.listed_pairs()).items()}
+    exact |= {"discs": own, "skin": np.array(simulation.skin)}
     exact["fixed"] = np.column_stack([d.x[:n], d.y[:n]])[rows[n - int(bed.sum()) :]]
     return ended(scene, simulation.step, columns, slots, exact)
