@@ -5,10 +5,9 @@ import re
 
 import pytest
 import yaml
-from made_up import INPUTS
+from made_up import INPUTS, SCENES
 
 from lammps_jump.case import load_case
-from lammps_jump.case.templates import scene_names
 from lammps_jump.errors import CaseError
 
 NOTES = {
@@ -26,7 +25,7 @@ def said(words, *found):
     return [text for text in found if words in text]
 
 
-@pytest.mark.parametrize("name", scene_names())
+@pytest.mark.parametrize("name", [path.stem for path in SCENES])
 def test_scenes_have_the_notes_that_they_have(name):
     found = load_case(INPUTS / f"{name}.yaml").scene().warnings
     assert len(found) == len(NOTES.get(name, ()))

@@ -12,11 +12,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from children import run_program
-from made_up import INPUTS, analysed_again, call, plugin_or_skip, run_case
+from made_up import INPUTS, SCENES, analysed_again, call, plugin_or_skip, run_case
 
 import lammps_jump as lj
 from lammps_jump.case import load_case, parse_case
-from lammps_jump.case.templates import scene_names
 from lammps_jump.cli.run import build
 from lammps_jump.cli.run import run as run_built
 from lammps_jump.dump.read import open_dump
@@ -72,7 +71,8 @@ NOT_STOCK = {"heap", "spillway"}
 
 
 @pytest.mark.parametrize(
-    "name", [name if name in ALL_KINDS else pytest.param(name, marks=pytest.mark.long) for name in scene_names()]
+    "name",
+    [path.stem if path.stem in ALL_KINDS else pytest.param(path.stem, marks=pytest.mark.long) for path in SCENES],
 )
 def test_every_scene_leaves_the_contract(name, tmp_path):
     settled = load_case(INPUTS / f"{name}.yaml").fields.settling[0] > 0
