@@ -95,7 +95,8 @@ def write_preview(case: ReadCase, folder: str | Path = ".") -> tuple[Path, Path]
     draw.save(draw.preview.preview(scene, regions, sequent=sequent), picture)
     page, data = report.page, base64.b64encode(read_file(picture, MOST_PICTURE)).decode()
     caption = "At the start, to scale" + ("; dashed shapes and red arrows: how walls move" if scene.moves else "")
-    first = [page.Picture(caption, f"data:{page.PNG};base64,{data}"), page.Items(scene.warnings, "Doubtful")]
+    first = [page.Picture(caption, f"data:{page.PNG};base64,{data}"), page.Items(found.begins, "Where it begins")]
+    first.append(page.Items(scene.warnings, "Doubtful"))
     walls = page.Table([_wall_row(one, scene) for one in scene.walls], ("Wall", "kind", "x [m]", "y [m]", "motion"))
     rows = [(label, value, unit) for _, group in found.tables for _, label, value, unit in group]
     numbers = page.Table(rows, ("Number", "value", "unit"), "All numbers that follow from the case")
