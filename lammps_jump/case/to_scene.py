@@ -29,7 +29,7 @@ from .derived import skipped
 from .fields import CaseFields, Column
 from .foresight import speeds, ways_out
 from .foresight.asked import in_vain, light, radians_given
-from .foresight.doubts import doubts, drowned
+from .foresight.doubts import doubts, jump_doubts
 from .foresight.grains import heap_doubts
 from .packing import TooSoft, arrange, disc_sizes
 from .parts import channel, places
@@ -111,7 +111,7 @@ def build_scene(case: CaseFields, source: CaseSource) -> Scene:
         a wall, no rows, unknown probes, discs outside the domain; with the place in the file.
     """
     scene = _scene(case, source)
-    return replace(scene, warnings=(*scene.warnings, *told)) if (told := drowned(case, scene)) else scene
+    return replace(scene, warnings=(*scene.warnings, *told)) if (told := jump_doubts(case, scene)) else scene
 
 
 def _scene(case: CaseFields, source: CaseSource) -> Scene:

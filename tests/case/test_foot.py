@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Design numbers of ``check`` say where they hold: at the inlet, and at the foot of a bed that falls."""
 
+from math import radians, tan
+
 import pytest
 
 import lammps_jump as lj
@@ -45,3 +47,46 @@ def test_a_level_bed_has_no_foot():
     found = lj.load_case(level).check()
     assert not [key for key in found.numbers if key.startswith("foot")]
     assert "\n  Froude number Fr1  " in str(found) and "at the inlet" not in str(found)
+
+
+def chute(angle, **changes):
+    """A bed that falls by 5 m at an angle, degrees, from x = 1 m, and 27 m of level bed behind it."""
+    foot = 1 + 5 / tan(radians(angle))
+    bed = {"name": "bed", "kind": "line", "points": [[-1, 5], [1, 5], [foot, 0], [foot + 28, 0]]}
+    return foot, STEPS | {"walls": [bed], "outflow": [{"x_beyond": foot + 27}, {"y_below": -1.5}]} | changes
+
+
+@pytest.mark.parametrize("angle", [10, 38, 60])
+def test_a_chute_is_not_level(angle):
+    """Points of the bed stand millimetres apart: what counts is its slope."""
+    foot, case = chute(angle)
+    numbers = lj.load_case(case).check().numbers
+    assert numbers["foot_x"] == pytest.approx(foot, abs=0.03) and numbers["foot_fall"] == pytest.approx(5, abs=1e-3)
+    assert numbers["foot_length"] == pytest.approx(27, abs=0.05)
+
+
+def test_a_chute_to_the_end_has_no_foot():
+    bed = {"name": "bed", "kind": "line", "points": [[-1, 5], [31, -20]]}
+    found = lj.load_case(STEPS | {"walls": [bed], "inflow": STEPS["inflow"] | {"y": 5}}).check()
+    assert "foot_x" not in found.numbers
+
+
+def test_doubts_on_sill_and_room_are_of_the_stream_at_the_foot():
+    """At the foot a jump needs 5 y1 + 3.5 y2 = 13.5 m and a sill of 1.2 m; at the inlet 11.7 m and 0.7 m."""
+    foot, case = chute(38, analysis={"jump": True})
+
+    def said(sill_at, height):
+        sill = {"name": "sill", "kind": "block", "x": [foot + sill_at, foot + sill_at + 0.5], "y": [-1, height]}
+        return " ".join(lj.load_case(case | {"walls": [*case["walls"], sill]}).scene().warnings)
+
+    numbers = lj.load_case(case).check().numbers
+    room = 5 * numbers["foot_depth"] + 3.5 * numbers["foot_belanger_y2"]
+    low = 0.55 * numbers["foot_sill"]
+    assert "m long from the foot of the bed, x = 7.41 m, to the sill" in said(0.98 * room, 1.2 * low)
+    assert "m long" not in said(1.02 * room, 1.2 * low) and "run over" not in said(1.02 * room, 1.2 * low)
+    assert 0.55 * numbers["sill"] < 0.95 * low and "run over the sill" in said(1.02 * room, 0.95 * low)
+    filled = {"initial": [{"kind": "column", "x": [foot + 5, foot + 26], "y": [0, 2], "hydrostatic": False}]}
+    case |= filled  # the jump is there at once: what was measured in a dry channel says nothing
+    assert "run over the sill" not in said(26.3, 0.5 * low)
+    slow = lj.load_case(case | {"inflow": STEPS["inflow"] | {"mean_speed": 2.5}})
+    assert slow.check().numbers["froude"] < 1 and "subcritical" not in " ".join(slow.scene().warnings)

@@ -17,7 +17,7 @@ from lammps_jump.scene.walls import bed_height
 from lammps_jump.units import number
 
 LEVEL = 0.05
-"""Change of the bed's height from point to point below which it is level, in diameters, as the analysis has it."""
+"""Slope below which a bed is level: its change of height over a diameter, in diameters."""
 LEAST_FALL = 0.5
 """Fall in diameters from which on a bed has a foot."""
 POINTS = 4000
@@ -46,11 +46,11 @@ def foot_of(scene: Scene, depth: float, speed: float, gravity: float) -> Foot | 
     x = np.linspace(start, min([scene.domain[0][1], *ends]), POINTS)
     bed = bed_height(scene.permanent, x, scene.smallest)
     with np.errstate(invalid="ignore"):
-        breaks = np.flatnonzero(~(np.abs(np.diff(bed)) < LEVEL * scene.diameter)) + 1
+        breaks = np.flatnonzero(~(np.abs(np.diff(bed)) < LEVEL * np.diff(x))) + 1
     stretches = [part for part in np.split(np.arange(POINTS), breaks) if isfinite(bed[part[0]])]
-    if not stretches or not isfinite(bed[0]):
+    longest = max(stretches, key=len, default=[])
+    if len(longest) < 2 or not isfinite(bed[0]):  # a chute to the end has no foot
         return None
-    longest = max(stretches, key=len)
     fall = float(bed[0] - bed[longest[0]])
     if fall < LEAST_FALL * scene.diameter:
         return None

@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 from math import inf
+from operator import itemgetter
+from typing import NamedTuple
 
 from lammps_jump.case.design.flow import studied
 from lammps_jump.case.design.foot import foot_of
@@ -28,7 +30,7 @@ over 0.46 of it without a jump, and make one at 0.65 (measured)."""
 
 
 def doubts(case: CaseFields, impact_speed: float, inlets: tuple[InletRow, ...]) -> list[str]:
-    """Sentences on what will probably not come out as asked: window, stiffness, channel, sill.
+    """Sentences on what will probably not come out as asked: window and stiffness.
 
     Parameters
     ----------
@@ -57,48 +59,100 @@ def doubts(case: CaseFields, impact_speed: float, inlets: tuple[InletRow, ...]) 
             f"{fastest / impact_speed:.2g} times deeper into each other than largest_overlap says; take "
             f"impact_speed: {fastest:.3g}"
         )
-    if isinstance(case.inflow, RowsInflow) and case.analysis.jump and case.gravity:
-        found += _jump_doubts(case, case.inflow)
     return found
 
 
-def drowned(case: CaseFields, scene: Scene) -> list[str]:
-    """A sentence on a basin whose water is deeper than its stream holds: at the foot of a bed, or on a level bed.
+class Place(NamedTuple):
+    """Where a jump is to stand, and the stream there.
 
-    The sequent depth is that of the stream there. The water is that at the start behind the foot, or what the sill
-    dams: the slow depth with the energy of the sill and of a critical depth upon it.
+    Attributes
+    ----------
+    x, level : float
+        The inlet or the foot of the bed, and the height of the bed there, m.
+    words : str
+    stream : Inflow
+    """
+
+    x: float
+    level: float
+    words: str
+    stream: jump.Inflow
+
+
+def jump_doubts(case: CaseFields, scene: Scene) -> list[str]:
+    """Sentences on a jump that cannot form, has no room, is drowned, or is not held by its sill.
+
+    The stream is that at the foot of the bed or, on a level bed, that of the inlet.
     """
     inflow = case.inflow
     if not isinstance(inflow, RowsInflow) or not (case.analysis.jump and case.gravity):
         return []
     y1, speed = inflow.over(*studied(case))
-    if not y1 or jump.froude(speed, y1, case.gravity) <= 1:
-        return []
+    if not y1:
+        return ["no disc flows in during the window of the analysis, so that it finds no jump; take another window"]
     foot = foot_of(scene, y1, speed, case.gravity)
-    if foot is not None and foot.stream is None:
+    if foot is None:
+        place = Place(inflow.x, inflow.y, "inlet", jump.inflow_theory(y1, speed, case.gravity))
+    elif foot.stream is None:
         return []
-    at, level = (inflow.x, inflow.y) if foot is None else (foot.x, inflow.y - foot.fall)
-    stream = jump.inflow_theory(y1, speed, case.gravity) if foot is None or foot.stream is None else foot.stream
-    where = "inlet" if foot is None else f"foot of the bed, x = {at:.3g} m,"
+    else:
+        place = Place(foot.x, inflow.y - foot.fall, f"foot of the bed, x = {foot.x:.3g} m,", foot.stream)
+    if place.stream.froude <= 1:
+        return [
+            f"the inflow is subcritical (Fr = {place.stream.froude:.3g}), so that no jump forms; Fr must be above 1"
+        ]
+    sills = [
+        (x[0], y[1] - place.level)
+        for x, y in (wall.extent for wall in case.walls if not isinstance(wall, RoughBed) and _stands(wall))
+        if x[0] > place.x and y[1] > place.level
+    ]
+    return _room(case, place, sills) + _drowned(case, place, [height for _, height in sills])
+
+
+def _room(case: CaseFields, place: Place, sills: list[tuple[float, float]]) -> list[str]:
+    """Sentences on a channel that is too short, and on the highest of sills (x and height, m), if it is too low.
+
+    A basin that is full at the start has its jump at once: baffles and a low sill may hold it.
+    """
+    stream, found = place.stream, []
+    outlets = [(item.x_beyond, 0.0) for item in case.outflow if item.x_beyond is not None and item.x_beyond > place.x]
+    end, sill = max(sills, key=itemgetter(1)) if sills else min(outlets, default=(inf, 0.0))  # baffles are lower
+    filled = place.words != "inlet" and any(_lies_behind(item, place) for item in case.initial)
+    room = UPSTREAM * stream.depth + DOWNSTREAM * stream.belanger_y2
+    if end - place.x < room:
+        water = jump.channel_length(stream.froude, stream.depth)
+        found.append(
+            f"the channel is {end - place.x:.3g} m long from the {place.words} to the sill or outlet; stream, jump and "
+            f"tail water need {room:.3g} m (5 y1 + 3.5 y2; 1.5 Lj of water are {water:.3g} m)"
+        )
+    if sills and not filled and sill < LOWEST_SILL * stream.sill:
+        found.append(
+            f"the jet will run over the sill of {sill:.3g} m without a jump: a broad crest that holds it has "
+            f"{stream.sill:.3g} m, and discs need {LOWEST_SILL * stream.sill:.3g} m or more"
+        )
+    return found
+
+
+def _drowned(case: CaseFields, place: Place, sills: list[float]) -> list[str]:
+    """A sentence on a basin whose water is deeper than its stream holds: 1.25 times the sequent depth.
+
+    The water is that at the start behind the foot, or what the sills (heights, m) dam: the slow depth with the energy
+    of the sill and of a critical depth upon it.
+    """
+    stream, at, near = place.stream, place.x, 0.5 * place.stream.length
     told = (
-        f"the stream at the {where} has {stream.velocity:.3g} m/s and {stream.depth:.3g} m and holds "
+        f"the stream at the {place.words} has {stream.velocity:.3g} m/s and {stream.depth:.3g} m and holds "
         f"{stream.belanger_y2:.3g} m"
     )
     most = DROWNED * stream.belanger_y2
     filled = max(
-        (item.y[1] - level for item in case.initial if isinstance(item, Column) and item.x[0] - at < 0.5 * stream.length
-         and item.x[1] > at + stream.length), default=0.0,
-    )  # fmt: skip
-    if foot is not None and filled > most:
+        (item.y[1] - place.level for item in case.initial if _lies_behind(item, place) and item.x[0] < at + near),
+        default=0.0,
+    )
+    if place.words != "inlet" and filled > most:
         return [f"the basin is drowned at the start: {told}, the water is {filled:.3g} m deep; start with less"]
-    sills = [
-        y[1] - level
-        for x, y in (wall.extent for wall in case.walls if not isinstance(wall, RoughBed) and _stands(wall))
-        if x[0] > at and y[1] > level
-    ]
     crest = max(sills, default=0.0) + 1.5 * jump.critical_depth(stream.velocity * stream.depth, case.gravity)
-    most_energy = jump.specific_energy(most, stream.velocity * stream.depth / most, case.gravity)
-    if sills and crest > most_energy:
+    if sills and crest > jump.specific_energy(most, stream.velocity * stream.depth / most, case.gravity):
         return [
             f"the sill of {max(sills):.3g} m will drown the jump: {told}, the sill dams more than {most:.3g} m; a sill "
             f"of {stream.sill:.3g} m holds it"
@@ -106,37 +160,11 @@ def drowned(case: CaseFields, scene: Scene) -> list[str]:
     return []
 
 
+def _lies_behind(item: object, place: Place) -> bool:
+    """Whether an item of `initial` is water that reaches over the length of the jump."""
+    return isinstance(item, Column) and item.x[1] > place.x + place.stream.length
+
+
 def _stands(wall: Wall) -> bool:
     """Whether a wall is a solid that may be a sill: it ends, and discs are around it."""
     return wall.finite and not wall.hollow and not open_ends(wall.faces)
-
-
-def _jump_doubts(case: CaseFields, inflow: RowsInflow) -> list[str]:
-    """Sentences on a jump that cannot form, has no room, or is not held by the sill."""
-    g, (y1, speed) = case.gravity, inflow.over(*studied(case))
-    if not y1:
-        return ["no disc flows in during the window of the analysis, so that it finds no jump; take another window"]
-    number = jump.froude(speed, y1, g)
-    if number <= 1:
-        return [f"the inflow is subcritical (Fr = {number:.3g}), so that no jump forms; Fr must be above 1"]
-    y2 = y1 * jump.belanger(number)
-    steps = [
-        (x[0], y[1] - inflow.y)
-        for x, y in (wall.extent for wall in case.walls if not isinstance(wall, RoughBed) and _stands(wall))
-        if x[0] > inflow.x and y[1] > inflow.y
-    ]
-    outlets = [(item.x_beyond, 0.0) for item in case.outflow if item.x_beyond is not None]
-    end, sill = min(steps or outlets, default=(inf, 0.0))
-    found, room = [], UPSTREAM * y1 + DOWNSTREAM * y2
-    if end - inflow.x < room:
-        found.append(
-            f"the channel is {end - inflow.x:.3g} m long from the inlet to the sill or outlet; stream, jump and tail "
-            f"water need {room:.3g} m (5 y1 + 3.5 y2; 1.5 Lj of water are {jump.channel_length(number, y1):.3g} m)"
-        )
-    height = jump.sill_holding_height(speed, y1, g)
-    if steps and sill < LOWEST_SILL * height:
-        found.append(
-            f"the jet will run over the sill of {sill:.3g} m without a jump: a broad crest that holds it has "
-            f"{height:.3g} m, and discs need {LOWEST_SILL * height:.3g} m or more"
-        )
-    return found
