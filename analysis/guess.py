@@ -26,6 +26,8 @@ from .flow import Flow, radii_of
 PACKED, CLOSE, AROUND = 20, 0.15, 1.5
 """So many discs are packed where half of them have their third neighbour within 1.5 times the closest distance, which
 may lie 15 % above a diameter that is given."""
+OF_CGS = (0.8, 20.0)
+"""Densities of solids and water in g/cm3: a dump whose masses tell one is hardly in kg and m."""
 LOOSE = 1.03
 """Half of the discs have no neighbour within so many guessed diameters: equal discs touch, or these are dilute."""
 
@@ -202,8 +204,8 @@ def _timed(dump: Dump, time_step: float | None, notes: list[str]) -> bool:
         notes.append("The dump carries its own times: the time step that was given is not used.")
     elif time_step is None and not clocked:
         notes.append(
-            "The dump carries no times and no time step was given: step numbers stand in their place, and no speed, "
-            "Froude number or head is made. Give the time step (--time-step)."
+            "The dump carries no times and no time step was given: step numbers stand in their place, and no speed of "
+            "a front, Froude number or head is made. Give the time step (--time-step)."
         )
     if dump.units not in (None, "si"):
         notes.append(f"The dump is in LAMMPS' units '{visible(dump.units)}': its numbers are taken for m, s and kg.")
@@ -251,9 +253,11 @@ def _bodies(
         )
     kinds = (given,) if given else told
     if not kinds:
+        cgs = OF_CGS[0] <= found["spheres"] <= OF_CGS[1]
+        units = " In g and cm that is usual: numbers are taken for m, s and kg, so convert the dump." if cgs else ""
         return kinds, (
-            f"Masses and diameters are of no body of one material ({listed}). Say which with --bodies; until then "
-            "masses count per metre of width. Depths hold: they count diameter^2 for each disc."
+            f"Masses and diameters are of no body of one material ({listed}).{units} Say which with --bodies; until "
+            "then masses count per metre of width. Depths hold: they count diameter^2 for each disc."
         )
     names = " or ".join(f"{kind} of {found[kind]:z.4g} kg/m3" for kind in kinds)
     how = "as given" if given else "by mass and diameter"

@@ -53,7 +53,8 @@ stations    analysis.stations (--stations), else the gauges, else the ends of th
 error       standard error within this run, from eight pieces of the window
 """,
     "front": """\
-bulk front    right edge of the last disc in x before the first gap of two diameters between neighbours' centres
+bulk front    right edge of the last disc in x before the first gap of two diameters between neighbours' centres;
+              without a back wall of the discs from the column's left edge on
 99 % front    right edge that 99 % of the discs do not pass
 column        top of the discs within one diameter of the back wall, up to the first vertical gap of two diameters
 speed         straight line through the bulk front, from a tenth of the free path to the first obstacle

@@ -317,6 +317,10 @@ def test_bodies_that_are_not_told_are_asked_for(tmp_path):
     flow = from_dump(path)
     assert any("Say which with --bodies" in note for note in flow.notes)
     assert any("Bodies: spheres of" in note for note in from_dump(path, kind="spheres").notes)
+    assert not any("g and cm" in note for note in flow.notes)
+    (tmp_path / "cgs").mkdir()
+    in_cgs = from_dump(open_dump(spheres(tmp_path / "cgs", density=2.5)))
+    assert any("In g and cm that is usual: numbers are taken for m, s and kg" in note for note in in_cgs.notes)
     with pytest.raises(DumpError, match=r"density = 1000 kg/m3: masses of 1e-06 kg .* are those of spheres of 0\.56"):
         from_dump(path, density=1000.0)
     bare = from_dump(open_dump(bore(tmp_path, frames=1)), kind="cylinders", density=1000.0, diameter=D)
