@@ -43,7 +43,8 @@ CORE_LAW, CORE_CONTACT, CORE_FACES, CORE_NEAR, CORE_SLOTS, CORE_MOTION, CORE_KIN
 CORE_STEP, CORE_LISTS, CORE_SUMS = (f"lammps_jump/core/{name}.cpp" for name in ("native", "lists", "sums"))
 TWIN_TESTS = "engines/test_twin.py"
 CHECKPOINT = "lammps_jump/engines/checkpoint.py"
-LAW_H, WALLS_CPP = (f"lammps_jump/engines/plugin/{name}" for name in ("contact_law.h", "fix_jump_step_walls.cpp"))
+LAW_H, CONTACT_H, MOTION_H = (f"lammps_jump/core/{name}.h" for name in ("law", "contact", "motion"))
+WALLS_CPP = "lammps_jump/engines/plugin/fix_jump_step_walls.cpp"
 PAIR_CPP = "lammps_jump/engines/plugin/pair_jump_disc_forces.cpp"
 FIX_CPP = "lammps_jump/engines/plugin/fix_jump_step.cpp"
 ARRAY_TESTS = "integration/test_compiled_arrays.py"
@@ -52,11 +53,7 @@ FOLDERS, FILES_PY = "lammps_jump/folders.py", "lammps_jump/files.py"
 QUOTING, PROGRESS = "lammps_jump/quoting.py", "lammps_jump/cli/progress.py"
 PLUGIN_TESTS = "integration/test_compiled_kernel.py integration/test_compiled_sizes.py"
 NATIVE_TESTS = "contacts/test_contacts.py engines"
-MOTION, TRACKS, MOTION_H = (
-    "lammps_jump/scene/motion.py",
-    "lammps_jump/scene/tracks.py",
-    "lammps_jump/engines/plugin/motion.h",
-)
+MOTION, TRACKS = "lammps_jump/scene/motion.py", "lammps_jump/scene/tracks.py"
 HYDROGRAPH, DEVICES = "lammps_jump/physics/hydrograph.py", "lammps_jump/physics/devices.py"
 MOVING_TESTS = "contacts/test_moving_forms.py engines/test_moving_walls.py"
 MOVING_PLUGIN_TESTS = "contacts/test_moving_forms.py integration/test_compiled_moving_walls.py integration/test_lids.py"
@@ -125,14 +122,13 @@ DEFECTS = [
     Defect("axis", STOCK, 'if outlet.axis == "x" else', 'if outlet.axis == "y" else', "golden"),
     Defect("off by one", "lammps_jump/engines/lammps/log.py", "0.5 * (previous[1] + summary.discs)",
            "0.5 * (summary.discs + summary.discs)", "runs/test_while_running.py"),
-    Defect("factor", LAW_H, "0.75 * share : beyond", "0.5 * share : beyond", PLUGIN_TESTS),
-    Defect("sign", LAW_H, "vty -= dx * wr;", "vty += dx * wr;", PLUGIN_TESTS),
-    Defect("factor", WALLS_CPP, "behind.reach = 2.0 * reach - at.gap;", "behind.reach = reach - at.gap;",
-           PLUGIN_TESTS),
+    Defect("factor", LAW_H, "root(0.75 * overlap", "root(0.5 * overlap", PLUGIN_TESTS),
+    Defect("sign", CONTACT_H, "- vx * ny - rim;", "- vx * ny + rim;", PLUGIN_TESTS),
+    Defect("sign", CONTACT_H, "at.radius - at.gap, at.nx", "at.radius - magnitude(at.gap), at.nx", PLUGIN_TESTS),
     Defect("off by one", WALLS_CPP, "update->ntimestep < wall.until;", "update->ntimestep <= wall.until;",
            PLUGIN_TESTS),
     Defect("sign", WALLS_CPP, "* out.fy - (a.y", "* out.fy + (a.y", PLUGIN_TESTS),
-    Defect("sign", PAIR_CPP, "rims[c] = rim[i] + rim[j];", "rims[c] = rim[i] - rim[j];", PLUGIN_TESTS),
+    Defect("sign", PAIR_CPP, "spin_two[c] = omega[j];", "spin_two[c] = -omega[j];", PLUGIN_TESTS),
     Defect("left out", FIX_CPP, "  if (own) end_steps();\n  own = false;", "  own = false;", ARRAY_TESTS),
     Defect("left out", FIX_CPP, "others_look || step == output->next || step", "others_look || step", ARRAY_TESTS),
     Defect("left out", PAIR_CPP, "if (sizes) radii[to] = radii[from];", "", "integration/test_threads.py"),
@@ -169,7 +165,7 @@ DEFECTS = [
     Defect("derivative", TRACKS, "3 * a * s + 6 * b * s**2, a +", "3 * a * s + 4 * b * s**2, a +",
            f"scene {MOVING_TESTS}"),
     Defect("off by one", MOTION, "if step >= self.gone:", "if step > self.gone:", f"scene {MOVING_TESTS} golden"),
-    Defect("derivative", MOTION_H, "rate = {(now.x - before.x) / dt,", "rate = {(behind.x - before.x) / dt,",
+    Defect("derivative", MOTION_H, "rate = {(wall.now.x - before.x) / dt,", "rate = {(behind.x - before.x) / dt,",
            MOVING_PLUGIN_TESTS),
     Defect("factor", MOTION_H, "* force / lid.mass;", "* force / (2.0 * lid.mass);", MOVING_PLUGIN_TESTS),
     Defect("factor", HYDROGRAPH, "+ h0 * u1 + h1 * u0 +", "+ 2 * h0 * u1 + h1 * u0 +",

@@ -70,7 +70,7 @@ def nodes(words: set[str]):
 
 
 def test_the_files_of_the_table_are_there():
-    assert len(table()) == 6
+    assert len(table()) == 7
     for files in table().values():
         assert files and all((ROOT / file).exists() for file in files), files
 
@@ -99,7 +99,7 @@ def test_nothing_else_knows_a_friction_law_by_its_name():
     knowing = {file for file, node in nodes(names) if isinstance(node, ast.Constant) and node.value in names}
     quoted = re.compile(f'"({"|".join(names)})"')
     knowing |= {file for file, text in texts().items() if not file.endswith(".py") and quoted.search(text)}
-    formulas = {"lammps_jump/physics/law.py", "lammps_jump/engines/plugin/contact_law.h"}
+    formulas = {"lammps_jump/physics/law.py", "lammps_jump/core/law.h"}
     assert knowing | formulas == law_files()
 
 

@@ -11,22 +11,6 @@
 namespace jump {
 namespace {
 
-/** Calls run(law): a soft start where `touch` is a width (NaN: sharp), friction where `rubs`, by sign where `slope` is. */
-template <class Run> void with_law(double touch, bool rubs, double slope, const Run &run)
-{
-  const auto with = [&](const auto &normal, const auto &damping) {
-    const auto whole = [&](const auto &tangential) {
-      run(Law<std::decay_t<decltype(normal)>, std::decay_t<decltype(damping)>, std::decay_t<decltype(tangential)>>{
-          normal, damping, tangential});
-    };
-    if (!rubs) whole(NoFriction{});
-    else if (slope == slope) whole(Sign{slope});
-    else whole(Ramp{});
-  };
-  if (touch == touch) with(SmoothSpring{touch}, SmoothDashpot{touch});
-  else with(Spring{}, Dashpot{});
-}
-
 /** Bins of equal width along x. */
 struct Bins {
   double low, width;
@@ -80,9 +64,9 @@ JUMP_API int64_t jump_touch_wall(int64_t n, const double *x, const double *y, co
 JUMP_API void jump_normal_forces(int64_t n, const double *overlap, const double *opening, const double *stiffness,
                                  const double *damping, double touch, double *force)
 {
-  with_law(touch, false, NAN, [&](const auto &law) {
+  with_touch(touch, [&](const auto &normal, const auto &dashpot) {
     for (int64_t k = 0; k < n; k++)
-      force[k] = law.normal.force(stiffness[k], overlap[k]) + law.damping.force(damping[k], opening[k], overlap[k]);
+      force[k] = normal.force(stiffness[k], overlap[k]) + dashpot.force(damping[k], opening[k], overlap[k]);
   });
 }
 
@@ -90,8 +74,8 @@ JUMP_API void jump_normal_forces(int64_t n, const double *overlap, const double 
 JUMP_API double jump_elastic_sum(int64_t n, const double *overlap, const double *stiffness, double touch)
 {
   double energy = 0.0;
-  with_law(touch, false, NAN, [&](const auto &law) {
-    for (int64_t k = 0; k < n; k++) energy += stiffness[k] * law.normal.energy(overlap[k]);
+  with_touch(touch, [&](const auto &normal, const auto &) {
+    for (int64_t k = 0; k < n; k++) energy += stiffness[k] * normal.energy(overlap[k]);
   });
   return energy;
 }
@@ -102,7 +86,8 @@ JUMP_API void jump_whole_forces(int64_t n, const int64_t *first, const int64_t *
                                 const double *contact, int64_t rubs, double slope, double touch, double *fx, double *fy)
 {
   const double *const u = state, *const v = state + discs, *const rim = state + 2 * discs;
-  with_law(touch, rubs != 0, slope, [&](const auto &law) {
+  const auto tangential = !rubs ? Choice::NONE : slope == slope ? Choice::SIGN : Choice::RAMP;
+  with_slots({tangential, touch, slope, {}}, [&](const auto &law) {
     for (int64_t k = 0; k < n; k++) {
       const int64_t i = first[k], j = second[k];
       const auto at = [&](int row) { return contact[row * n + k]; };
@@ -141,10 +126,10 @@ JUMP_API void jump_contact_fields(int64_t n, const int64_t *first, const int64_t
   const double *const u = state, *const v = u + discs, *const kick = v + discs;
   const double *const weight_x = kick + discs, *const weight_y = weight_x + discs;
   const int64_t walls = discs - 1;
-  with_law(touch, false, NAN, [&](const auto &law) {
+  with_touch(touch, [&](const auto &normal, const auto &damping) {
     const auto at = [&](int row, int64_t k) { return contact[row * n + k]; };
-    const auto dash_of = [&](int64_t k, double opening) { return law.damping.force(at(3, k), opening, at(2, k)); };
-    const auto force_of = [&](int64_t k, double dash) { return law.normal.force(at(4, k), at(2, k)) + dash; };
+    const auto dash_of = [&](int64_t k, double opening) { return damping.force(at(3, k), opening, at(2, k)); };
+    const auto force_of = [&](int64_t k, double dash) { return normal.force(at(4, k), at(2, k)) + dash; };
     const auto opening_of = [&](int64_t k, const double *a, const double *b) {
       const int64_t i = first[k], j = second[k];
       return (a[j] - a[i]) * at(0, k) + (b[j] - b[i]) * at(1, k);
@@ -170,7 +155,7 @@ JUMP_API void jump_contact_fields(int64_t n, const int64_t *first, const int64_t
       const double ex = at(0, k), ey = at(1, k);
       const double dash = dash_of(k, opening_of(k, hu.data(), hv.data())), force = force_of(k, dash);
       const double opening = opening_of(k, u, v), share = i == walls ? 1.0 : 0.5;
-      const double energy = share * at(4, k) * law.normal.energy(at(2, k));
+      const double energy = share * at(4, k) * normal.energy(at(2, k));
       for (const int64_t disc : {i, j}) {
         const int64_t b = disc < walls ? over.of(x[disc]) : -1;
         if (b < 0 || b >= bins) continue;

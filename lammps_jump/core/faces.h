@@ -161,6 +161,13 @@ struct WallFaces {
     const bool before = f.is_before(px, py), behind = f.is_behind(px, py);
     if (before || behind) return at_end(index, behind, px, py);
     if (f.kind == ARC) return on_arc(f, index, px, py);
+    return on_line(index, px, py);
+  }
+
+  /** The contact with a segment beside which a point is. */
+  FaceContact on_line(int64_t index, double px, double py) const
+  {
+    const Face &f = faces[index];
     return {INSIDE, f.off_line(px, py), -f.ty0, f.tx0, 0.0, index};
   }
 

@@ -7,8 +7,7 @@
 #include "contact.h"
 #include "native.h"
 #include "slots.h"
-
-#include <type_traits>
+#include "wall.h"
 
 namespace jump {
 
@@ -23,29 +22,15 @@ double slope_of(const jump_state &s, const Seen &seen);
 
 inline bool has(double number) { return number == number; }
 
-/** Calls run(law, sizes, spin) with the law of a state and two integral constants: radii of their own, spin. */
+/** Calls run(law, sizes, spin) with the law of a state. */
 template <class Run> inline void with_law(const jump_state &s, double slope, const Run &run)
 {
-  const auto sized = [&](const auto &law, auto spin) {
-    if (s.radius) run(law, std::true_type{}, spin);
-    else run(law, std::false_type{}, spin);
-  };
-  const auto slot = [&](const auto &normal, const auto &damping) {
-    const auto with = [&](const auto &tangential) {
-      const Law<std::decay_t<decltype(normal)>, std::decay_t<decltype(damping)>, std::decay_t<decltype(tangential)>> law{
-          normal, damping, tangential};
-      if constexpr (std::decay_t<decltype(tangential)>::RUBS) {
-        if (s.omega) return sized(law, std::true_type{});
-      }
-      sized(law, std::false_type{});
-    };
-    if (s.partner) with(Slider{s.spring_ratio, s.spring_damping, s.memory_step});
-    else if (!has(s.friction)) with(NoFriction{});
-    else if (has(s.sign)) with(Sign{slope});
-    else with(Ramp{});
-  };
-  if (has(s.touch)) slot(SmoothSpring{s.touch}, SmoothDashpot{s.touch});
-  else slot(Spring{}, Dashpot{});
+  const auto tangential = s.partner          ? Choice::SLIDER
+                          : !has(s.friction) ? Choice::NONE
+                          : has(s.sign_ramp)      ? Choice::SIGN
+                                             : Choice::RAMP;
+  const Choice choice{tangential, s.touch, slope, {s.spring_ratio, s.spring_damping, s.memory_step}};
+  with_law(choice, s.radius, s.omega, run);
 }
 
 /** Numbers of the contact of two discs. */
@@ -179,13 +164,9 @@ inline Pair<double> pair_of(const jump_state &s, const Seen &seen, int64_t i, in
   return pair;
 }
 
-/** A wall as a disc meets it: its faces, and where it is. */
-struct WallView {
-  WallFaces faces;
-  const Placed *placed;    // null where it stands
-  double cx, cy;
-
-  WallView(const jump_state &s, int64_t wall) : faces{s.faces, s.deep[wall] == 1}, placed(nullptr), cx(0.0), cy(0.0)
+/** A wall of a state as a disc meets it. */
+struct WallView : WallInPlace {
+  WallView(const jump_state &s, int64_t wall) : WallInPlace{{s.faces, s.deep[wall] == 1}, nullptr, 0.0, 0.0}
   {
     if (!s.moving || s.moving[wall] == 0) return;
     placed = s.placed + wall;
@@ -198,34 +179,8 @@ struct WallView {
   {
     const int64_t *const near = s.near_faces + s.near_last[row];
     if (!s.near_plain[row]) return faces.touching(near, s.near_last[row + 1] - s.near_last[row], px, py, radius, found);
-    const Face &f = s.faces[*near];    // one straight face whose ends are out of reach
-    found[0] = {INSIDE, f.off_line(px, py), -f.ty0, f.tx0, 0.0, *near};
+    found[0] = faces.on_line(*near, px, py);    // one straight face whose ends are out of reach
     return found[0].gap < radius && (faces.deep || found[0].gap > -radius);
-  }
-
-  /** The point of a disc in the wall's own frame. */
-  void see(double &px, double &py) const
-  {
-    if (placed) inward(*placed, cx, cy, px, py);
-  }
-
-  /** The contact of a disc at (x, y) that moves at (vx, vy), as the wall is: `found` is of its own frame. */
-  AtWall<double> at(const FaceContact &found, double x, double y, double radius, double vx, double vy, double spin) const
-  {
-    AtWall<double> out{radius, found.gap, found.nx, found.ny, vx, vy, spin};
-    if (placed) {
-      outward(*placed, out.nx, out.ny);
-      const Pose v = velocity(placed->rate, x - out.gap * out.nx, y - out.gap * out.ny);
-      out.vx -= v.x;
-      out.vy -= v.y;
-    }
-    return out;
-  }
-
-  /** Velocity of the wall at a point, of one of its rates. */
-  Pose velocity(const Pose &rate, double x, double y) const
-  {
-    return {rate.x - rate.angle * (y - cy - placed->now.y), rate.y + rate.angle * (x - cx - placed->now.x), rate.angle};
   }
 };
 

@@ -20,6 +20,8 @@
 
 #include "number.h"
 
+#include <type_traits>
+
 namespace jump {
 
 // --- normal: force of the spring, and its energy over the stiffness --------------------------------------------------
@@ -145,6 +147,53 @@ template <class Normal, class Damping, class Tangential> struct Law {
   Tangential tangential;
   using Friction = Tangential;
 };
+
+/** Which struct of each slot, and its numbers beside those of a contact. */
+struct Choice {
+  enum Tangential { NONE, RAMP, SIGN, SLIDER } tangential;
+  double width;     // of a smooth touch, m; not above 0: a sharp one
+  double slope;     // of the sign law, s/m
+  Slider slider;
+};
+
+/** Calls run(normal, damping) with a touch of this width, m; not above 0: a sharp one. */
+template <class Run> inline void with_touch(double width, const Run &run)
+{
+  if (width > 0.0) run(SmoothSpring{width}, SmoothDashpot{width});
+  else run(Spring{}, Dashpot{});
+}
+
+/** Calls run(law) with the law that is chosen. */
+template <class Run> inline void with_slots(const Choice &choice, const Run &run)
+{
+  const auto with = [&](const auto &tangential) {
+    with_touch(choice.width, [&](const auto &normal, const auto &damping) {
+      run(Law<std::decay_t<decltype(normal)>, std::decay_t<decltype(damping)>, std::decay_t<decltype(tangential)>>{
+          normal, damping, tangential});
+    });
+  };
+  switch (choice.tangential) {
+    case Choice::NONE: return with(NoFriction{});
+    case Choice::RAMP: return with(Ramp{});
+    case Choice::SIGN: return with(Sign{choice.slope});
+    case Choice::SLIDER: return with(choice.slider);
+  }
+}
+
+/** Calls run(law, sizes, spin) with the law that is chosen and two integral constants; without friction nothing turns. */
+template <class Run> inline void with_law(const Choice &choice, bool sizes, bool spin, const Run &run)
+{
+  with_slots(choice, [&](const auto &law) {
+    const auto sized = [&](auto turns) {
+      if (sizes) run(law, std::true_type{}, turns);
+      else run(law, std::false_type{}, turns);
+    };
+    if constexpr (std::decay_t<decltype(law)>::Friction::RUBS) {
+      if (spin) return sized(std::true_type{});
+    }
+    sized(std::false_type{});
+  });
+}
 
 }    // namespace jump
 

@@ -26,7 +26,7 @@ double slope_of(const jump_state &s, const Seen &seen)
     for (int chain = 0; chain < CHAINS; chain++) see(i + chain, chain);
   for (; i < s.n; i++) see(i, 0);
   const double fastest = most(most(most_of[0], most_of[1]), most(most_of[2], most_of[3]));
-  const double eps = s.sign * std::sqrt(fastest);
+  const double eps = s.sign_ramp * std::sqrt(fastest);
   return eps > 1e-300 ? 1.0 / eps : 1e300;    // nothing moves: the limit of the law, sat -> sign
 }
 
@@ -199,7 +199,7 @@ static void end_step(const jump_state &s)
 
 static void forces(const jump_state &s)
 {
-  const double slope = has(s.sign) ? slope_of(s, seen_by(s)) : 0.0;
+  const double slope = has(s.sign_ramp) ? slope_of(s, seen_by(s)) : 0.0;
   if (s.moving) s.work[3] = s.work[4] = s.work[5] = 0.0;
   with_law(s, slope, [&](const auto &law, auto sizes, auto spin) {
     if (s.dash_x) pair_forces<sizes.value, spin.value, true>(s, law);

@@ -64,7 +64,7 @@ struct jump_state {
   // law
   double diameter, stiffness, damping, tangential;
   double time_step, mass, inertia, weight_x, weight_y, reach2;
-  double friction, sign, touch;    // NaN: there is none
+  double friction, sign_ramp, touch;    // NaN: there is none
   // memory; partner NULL: none
   int64_t slots;
   int64_t *partner;

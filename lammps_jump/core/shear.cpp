@@ -99,7 +99,7 @@ void forces(const Swarm &s, const Box &box, double rate, const jump_state &state
   std::fill(s.torque, s.torque + s.n, 0.0);
   const double speed = rate * box.ly;
   const Seen seen{s.vx, s.vy, s.omega};
-  with_law(state, state.sign, [&](const auto &law, auto sizes, auto spin) {
+  with_law(state, state.sign_ramp, [&](const auto &law, auto sizes, auto spin) {
     using Friction = typename std::decay_t<decltype(law)>::Friction;
     constexpr bool SPIN = decltype(spin)::value;
     if constexpr (decltype(sizes)::value && SPIN == Friction::RUBS) {
@@ -196,7 +196,7 @@ jump_state state_of(const Swarm &s, const Control &c, const double *law, const j
   state.damping = c.damping;
   state.tangential = c.tangential;
   state.friction = law[0];
-  state.sign = law[1];
+  state.sign_ramp = law[1];
   state.touch = law[2];
   if (springs) {
     state.ids = springs->ids;

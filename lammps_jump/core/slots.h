@@ -36,7 +36,8 @@ inline int held(const Row &row, Partner partner, double foot, double limit, doub
   double nearest = limit;
   for (int s = 0; s < row.count(); s++) {
     if (row.partner(s) != partner || (anew && row.used(s))) continue;
-    const double way = partner < 0 ? way_of(foot, row.foot(s), around) : 0.0;
+    if (!(partner < 0)) return s;    // a disc is in one slot
+    const double way = way_of(foot, row.foot(s), around);
     if (way <= nearest) {
       best = s;
       nearest = way;

@@ -184,7 +184,7 @@ static void between(const jump_state &s, const jump_stations &at, double *sums)
   between_discs(s, at, sums, push, lost, slid);
   if (!at.pushed) return;
   const Seen seen = seen_by(s);
-  with_law(s, has(s.sign) ? slope_of(s, seen) : 0.0, [&](const auto &law, auto sizes, auto spin) {
+  with_law(s, has(s.sign_ramp) ? slope_of(s, seen) : 0.0, [&](const auto &law, auto sizes, auto spin) {
     constexpr bool SIZES = decltype(sizes)::value, SPIN = decltype(spin)::value;
     each_pair(s, 0, [&](double, int64_t i, int64_t j, double, double, double r2, double, double) {
       const int64_t a = s.x[i] < s.x[j] ? i : j, b = a == i ? j : i;
@@ -262,8 +262,11 @@ double jump_elastic(const jump_state *state, int64_t begin, int64_t known, doubl
 {
   *worst = 0.0;
   where[0] = where[1] = -1;
-  if (has(state->touch)) return elastic(*state, SmoothSpring{state->touch}, begin, known, worst, where);
-  return elastic(*state, Spring{}, begin, known, worst, where);
+  double energy = 0.0;
+  with_touch(state->touch, [&](const auto &normal, const auto &) {
+    energy = elastic(*state, normal, begin, known, worst, where);
+  });
+  return energy;
 }
 
 /** List the contacts with the forces of the velocities `seen`; their number, or -1 where there is no room.
@@ -274,7 +277,7 @@ int64_t jump_contacts(const jump_state *state, const Seen *at_step, const Seen *
                       int64_t room)
 {
   Record record(who, found, room);
-  with_law(*state, has(state->sign) ? slope_of(*state, *seen) : 0.0, [&](const auto &law, auto sizes, auto spin) {
+  with_law(*state, has(state->sign_ramp) ? slope_of(*state, *seen) : 0.0, [&](const auto &law, auto sizes, auto spin) {
     list_contacts<sizes.value, spin.value>(*state, law, *at_step, *seen, record);
   });
   return record.is_short ? -1 : record.count;

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from lammps_jump.core.library import CORE
 from lammps_jump.engines import plugin as plugin_package
 from lammps_jump.scene import faces as rule
 from lammps_jump.scene import near
@@ -194,7 +195,8 @@ def test_at_the_border_of_face_and_joint_the_plugin_has_one_contact(evaluate):
 
 
 def test_constants_of_the_plugin_are_those_of_the_package():
-    header = (Path(plugin_package.__file__).parent / "faces.h").read_text()
+    plugin = Path(plugin_package.__file__).parent
+    header = "".join(path.read_text() for path in (plugin / "near_faces.h", CORE.folder / "faces.h"))
     value = {
         name: re.search(rf" {name} = ([^;]+);", header)[1] for name in ("MOST", "FEW", "MOST_CELLS", "SMOOTH_TURN")
     }

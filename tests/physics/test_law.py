@@ -80,8 +80,8 @@ def test_the_dashpot_never_exceeds_the_sharp_one(width, share):
     assert 0 < dashpot_share(share * width, width) < 1 + 1e-12
 
 
-def test_the_plugins_form_of_the_dashpot():
-    # contact_law.h: sqrt(3 delta/(4 s)) below, q / sqrt(q^2 + s^2/12) beyond
+def test_the_cores_form_of_the_dashpot():
+    # core/law.h: sqrt(3 delta/(4 s)) below, q / sqrt(q^2 + s^2/12) beyond
     assert dashpot_share(0.3, 1.0) == pytest.approx(sqrt(0.75 * 0.3), rel=1e-14)
     assert dashpot_share(2.0, 1.0) == pytest.approx(1.5 / sqrt(1.5**2 + 1 / 12), rel=1e-14)
 
@@ -136,5 +136,5 @@ def test_the_table_of_the_documentation(e, f, w):
 
 
 def test_constants_of_the_plugin_are_those_of_the_package():
-    header = (PACKAGE / "engines" / "plugin" / "contact_law.h").read_text()
+    header = (PACKAGE / "engines" / "plugin" / "disc_law.h").read_text()
     assert float(re.search(r"SIGN_RAMP = ([\d.e-]+);", header)[1]) == SIGN_RAMP

@@ -127,20 +127,20 @@ void FixJumpStep::init()
   if (domain->dimension != 2) error->all(FLERR, "fix jump/step needs dimension 2");
   if (!pieces.empty() && !pair->sizes) error->all(FLERR, "fix jump/step sizes needs the sizes of pair_style jump/disc");
   sized = known;
-  const bool many = std::any_of(walls.begin(), walls.end(), [](const Wall &w) { return w.faces.faces.size() > jump::FEW; });
+  const bool many = std::any_of(walls.begin(), walls.end(), [](const Wall &w) { return w.faces.size() > jump::FEW; });
   near_margin = (many ? NEAR_MARGIN_OF_MANY : NEAR_MARGIN) * pair->diameter;
   for (auto &wall : walls) {
-    wall.near.prepare(wall.faces, 0.5 * pair->largest, near_margin, pair->diameter);
+    wall.near.prepare(wall.in_place().faces, (int) wall.faces.size(), 0.5 * pair->largest, near_margin, pair->diameter);
     if (!wall.own) wall.numbers[0] = k, wall.numbers[1] = gamma, wall.numbers[2] = gamma_t, wall.numbers[3] = mu;
     const double *const of = wall.numbers;
-    wall.friction = jump::friction_of(of[3], of[2], pair->sign, pair->spin, pair->springs.there);
-    wall.law = jump::make_law(of[0], of[1], of[2], of[3], pair->mass, 0.5 * pair->diameter, pair->width);
-    pair->springs.put(wall.law, wall.rolling < 0.0 ? pair->springs.rolling_friction : wall.rolling);
+    const double rolling = wall.rolling < 0.0 ? pair->springs.rolling_friction : wall.rolling;
+    wall.law = {of[0], of[1], of[2], of[3], pair->mass, pair->sizes ? 0.5 * pair->diameter : 1.0, pair->sign, pair->width,
+                pair->springs, rolling};
   }
   if (pair->springs.there && !array_atom) error->all(FLERR, "fix jump/step needs slots for the law history");
   watch_others();
   pair->slots.rows = &array_atom;
-  pair->slots.count = array_atom ? size_peratom_cols / SLOT : 0;
+  pair->slots.number = array_atom ? size_peratom_cols / SLOT : 0;
 }
 
 /** Find out which fixes look at the discs, and when. */
@@ -230,7 +230,7 @@ double FixJumpStep::spin_rate(int i) const
   return update->dt * force->ftm2v / (radius * radius * (pair->sizes ? atom->rmass[i] : pair->mass));
 }
 
-/** Spin over half a step, and the speeds of the rims. */
+/** Spin over half a step. */
 void FixJumpStep::turn_discs(const int *discs, int from, int to)
 {
   double *const __restrict omega = atom->omega[0];
@@ -239,7 +239,7 @@ void FixJumpStep::turn_discs(const int *discs, int from, int to)
   for (int n = from; n < to; n++) {
     const int i = discs ? discs[n] : n;
     omega[3 * i + 2] += (pair->sizes ? spin_rate(i) : rate) * torque[i];
-    pair->rim[i] = pair->radius_of(i) * omega[3 * i + 2];
+    pair->spins[i] = omega[3 * i + 2];
   }
 }
 
@@ -258,7 +258,9 @@ FixJumpStep::Drift FixJumpStep::drift_of(bool own, bool seen) const
 
 void FixJumpStep::initial_integrate(int)
 {
-  for (auto &wall : walls) wall.motion.drift(update->ntimestep, update->dt);
+  for (auto &wall : walls)
+    if (auto &motion = wall.motion; motion.is_lid)
+      jump::drift(motion.pushed, motion.lid, {motion.start, update->dt}, (double) update->ntimestep);
   pair->pace.begin_step(atom->nlocal);
   if (others_push && starts) pair->take_forces();
   starts = false;
@@ -368,13 +370,14 @@ double FixJumpStep::compute_scalar()
   for (const auto &wall : walls) {
     if (!is_there(wall)) continue;
     const auto &near = wall.near;
+    const auto view = wall.in_place();
     for (size_t r = 0; r < near.discs.size(); r++) {
       const int i = near.discs[r], first = near.last[r];
       if (pair->is_fixed(i)) continue;
       const double radius = pair->radius_of(i);
       double x = pair->disc[i].x, y = pair->disc[i].y;
-      if (wall.motion.moves) wall.motion.inward(x, y);
-      const int contacts = wall.faces.touching(&near.near[first], near.last[r + 1] - first, x, y, radius, found);
+      view.see(x, y);
+      const int contacts = view.faces.touching(&near.near[first], near.last[r + 1] - first, x, y, radius, found);
       for (int c = 0; c < contacts; c++) here = std::max(here, radius - found[c].gap);
     }
   }
@@ -387,7 +390,7 @@ double FixJumpStep::compute_vector(int n)
   if (n >= (int) mean.size()) {    // places of lids, which all ranks have
     int left = n - (int) mean.size();
     for (const auto &wall : walls)
-      if (wall.motion.is_lid && (left -= 2) < 0) return wall.motion.lid.place[left + 2];
+      if (wall.motion.is_lid && (left -= 2) < 0) return wall.motion.pushed.place[left + 2];
   }
   double sum;
   MPI_Allreduce(&mean[n], &sum, 1, MPI_DOUBLE, MPI_SUM, world);
@@ -401,8 +404,8 @@ void FixJumpStep::write_restart(FILE *fp)
   std::vector<double> state;
   for (const auto &wall : walls)
     if (wall.motion.is_lid) {
-      const auto &lid = wall.motion.lid;
-      state.insert(state.end(), {lid.place[0], lid.place[1], lid.speed[0], lid.speed[1], lid.push[0], lid.push[1]});
+      const auto &lid = wall.motion.pushed;
+      state.insert(state.end(), {lid.place[0], lid.place[1], lid.speed[0], lid.speed[1], lid.force[0], lid.force[1]});
     }
   const int size = (int) (state.size() * sizeof(double));
   fwrite(&size, sizeof(int), 1, fp);
@@ -414,8 +417,8 @@ void FixJumpStep::restart(char *buf)
   const auto *state = reinterpret_cast<const double *>(buf);
   for (auto &wall : walls)
     if (wall.motion.is_lid) {
-      auto &lid = wall.motion.lid;
-      for (double *const to : {lid.place, lid.speed, lid.push})
+      auto &lid = wall.motion.pushed;
+      for (double *const to : {lid.place, lid.speed, lid.force})
         for (int axis = 0; axis < 2; axis++) to[axis] = *state++;
     }
 }

@@ -11,18 +11,18 @@
 
    - velocity Verlet, as fix nve (with spin: as fix nve/sphere disc, I = m R^2/2); gravity enters the velocities
      here and not the force array;
-   - walls: N faces, by the rule of faces.h. A face is 22 numbers, the columns of `Faces` in
+   - walls: N faces, by the rule of core/faces.h. A face is 22 numbers, the columns of `Faces` in
      lammps_jump/scene/chains.py without the wall's own: kind, run, loop, before, after, at_start, at_end (neighbours
      count from 0 within the wall), then its shape. DEEP 1: a centre behind a face is pushed back from any depth,
      0: from less than its radius. The push goes on growing behind a face. GN, GT in 1/s: force = M GN v.
      With sizes M, GN and GT are of the nominal disc; GN and GT of others are theirs times sqrt(M/m).
      A wall with a `law` has its own in place of that of the other walls, one with `roll` its own friction of rolling, one with `seam` crosses that of a periodic x. One with `until STEP` is felt by the forces of
-     the steps before STEP. One with `move` follows N rows of 21 numbers (motion.h), turning about (CX, CY); one with
+     the steps before STEP. One with `move` follows N rows of 21 numbers (core/motion.h), turning about (CX, CY); one with
      `lid` is pushed by the discs and by a force, and free along x and y (1) or not (0). t = 0 is at the step START.
    - sizes: discs are inserted with the largest diameter. At the end of a step that is a multiple of EVERY new ones get
      their own diameter d by id, and the mass DENSITY d^2: u is the fraction of (id + SHIFT) TURN, d is
      LOW + SLOPE (u - BEGIN) in the one of N pieces with BEGIN <= u < END. Discs up to ID keep the diameter they have.
-   - slots: each disc keeps S of them, of four numbers (slots.h): the array of the fix. The law history needs them.
+   - slots: each disc keeps S of them, of four numbers (disc_slots.h): the array of the fix. The law history needs them.
    - contacts: those of each step that is a multiple of EVERY, with their forces, go to FILE (record.h).
    - probes: mean over each window of EVERY steps of the force ON the wall and of its moment (counter-clockwise)
      about (X0, Y0).
@@ -34,10 +34,13 @@
 #ifndef LMP_FIX_JUMP_STEP_H
 #define LMP_FIX_JUMP_STEP_H
 
-#include "contact_law.h"
-#include "faces.h"
+#include "disc_law.h"
 #include "fix.h"
-#include "motion.h"
+#include "near_faces.h"
+#include "slots.h"
+#include "wall.h"
+
+#include <array>
 
 namespace LAMMPS_NS {
 
@@ -73,6 +76,17 @@ class FixJumpStep : public Fix {
   // diameters; of walls of many faces each one more near a disc costs time
   static constexpr double NEAR_MARGIN = 0.5, NEAR_MARGIN_OF_MANY = 0.15;
 
+  /** How a wall moves: along the rows of a track, or pushed by the discs. */
+  struct Motion {
+    bool moves = false, is_lid = false;
+    double cx = 0.0, cy = 0.0;    // point of turning where the case has it, m
+    double start = 0.0;           // step of t = 0
+    std::vector<std::array<double, jump::TRACK_WORDS>> track;
+    jump::Lid lid{};
+    jump::Pushed pushed{};        // by the discs of all ranks
+    jump::Placed placed{{}, 1.0, 0.0, {}, {}};
+    jump::Pose listed{};
+  };
   struct Wall {
     std::string name;
     double x0, y0;          // point that the moment is about
@@ -83,20 +97,34 @@ class FixJumpStep : public Fix {
     double rolling;         // friction coefficient of rolling, below 0: that of the pairs
     bool seam;              // crosses the seam of a periodic channel: a foot on it repeats with the period
     std::vector<double> chain, around;    // of each face: what stands for its chain in slots, length of a closed one, m
-    jump::Friction friction;
-    jump::Law law;
-    jump::Motion motion;
+    jump::DiscLaw law;
+    Motion motion;
     double far;             // largest distance of a face from the point of turning, m
-    jump::WallFaces faces;
+    std::vector<jump::Face> faces;
+    bool deep = false;      // pushes from any depth behind its faces
     jump::NearFaces near;   // discs that can touch it before they have moved by the margin
     double low = 0.0, high = 0.0;    // ends along x of one that discs push, where the case has it, m
+
+    jump::WallInPlace in_place() const
+    {
+      return {{faces.data(), deep}, motion.moves ? &motion.placed : nullptr, motion.cx, motion.cy};
+    }
   };
-  /** Where a disc touches a wall, in the frame in which the wall stands. */
-  struct Touched {
-    double dx, dy;          // from the partner of the contact to the disc, m
-    double to_x, to_y;      // from the contact to the disc, m
-    int face;
-    double x, y;            // the disc, m
+  /** What disc i remembers of its contact with a face; (x, y): its place in the wall's own frame, m. */
+  class WallMemory {
+   public:
+    WallMemory(const FixJumpStep &fix, const Wall &wall, int i, int face, double x, double y)
+        : fix(fix), wall(wall), i(i), face(face), x(x), y(y)
+    {
+    }
+    jump::Stretch<double> begin(double slip);
+    void end(const jump::Stretch<double> &) const;
+
+   private:
+    const FixJumpStep &fix;
+    const Wall &wall;
+    int i, face, slot = jump::FULL;
+    double x, y;
   };
   /** Discs of one share of all, by number: their diameters lie on a line over the quantile of their ids. */
   struct Piece {
@@ -161,10 +189,10 @@ class FixJumpStep : public Fix {
   void turn_discs(const int *, int, int);
   void write_contacts();
   void push(Wall &);
-  template <jump::Friction, jump::Touch, bool SIZES> void push(Wall &);
-  template <jump::Friction, jump::Touch, bool SIZES> void push(const Wall &, int, double *);
-  template <jump::Friction, jump::Touch, class Own>
-  void touch(const Wall &, int, const Touched &, const Own &, double *);
+  template <bool SIZES, bool SPIN, class Law> void push(Wall &, const Law &);
+  template <bool SIZES, bool SPIN, class Law> void push(const Wall &, const Law &, int, double *);
+  template <bool SIZES, bool SPIN, class Law>
+  void touch(const Wall &, const Law &, int, const jump::FaceContact &, double, double, double *);
 };
 
 }    // namespace LAMMPS_NS

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /* Slots of fix jump/step: what a disc remembers of its contacts. They lie in an array of the fix, so that LAMMPS sorts
-   them with the discs, sends them to another rank with them, and saves them (what they hold: slots.h). */
+   them with the discs, sends them to another rank with them, and saves them (what they hold: disc_slots.h). */
 
 #include "fix_jump_step.h"
 
@@ -8,7 +8,7 @@
 #include "domain.h"
 #include "error.h"
 #include "memory.h"
-#include "slots.h"
+#include "pair_jump_disc.h"
 
 #include <algorithm>
 
@@ -39,7 +39,7 @@ FixJumpStep::~FixJumpStep()
 /** Number the chains of a wall, behind those of the walls before it. */
 void FixJumpStep::number_chains(Wall &wall)
 {
-  const auto &faces = wall.faces.faces;
+  const auto &faces = wall.faces;
   const int n = (int) faces.size();
   for (int first = 0, end; first < n; first = end) {
     double length = faces[first].length;
@@ -47,6 +47,26 @@ void FixJumpStep::number_chains(Wall &wall)
     wall.chain.insert(wall.chain.end(), end - first, -1.0 - chains++);
     wall.around.insert(wall.around.end(), end - first, wall.seam ? domain->prd[0] : faces[first].before >= 0 ? length : 0.0);
   }
+}
+
+jump::Stretch<double> FixJumpStep::WallMemory::begin(double slip)
+{
+  auto &slots = fix.pair->slots;
+  const double foot = jump::foot_of(wall.faces[face], x, y);
+  const double limit = 0.5 * fix.pair->radius_of(i) + std::fabs(slip) * wall.law.choice.slider.time_step;
+  slot = slots.of(i, wall.chain[face], foot, limit, wall.around[face]);
+  if (slot != jump::FULL) return {*slots.spring(i, slot), *slots.roll(i, slot)};
+  if (slots.full >= 0)
+    fix.error->one(FLERR, "jump/disc: disc {} touches more than the {} others it can remember: contacts are too deep",
+                   fix.atom->tag[i], slots.number);
+  return {0.0, 0.0};
+}
+
+void FixJumpStep::WallMemory::end(const jump::Stretch<double> &held) const
+{
+  if (slot == jump::FULL || !(wall.law.choice.slider.time_step > 0.0)) return;
+  *fix.pair->slots.spring(i, slot) = held.slide;
+  *fix.pair->slots.roll(i, slot) = held.roll;
 }
 
 void FixJumpStep::grow_arrays(int room)

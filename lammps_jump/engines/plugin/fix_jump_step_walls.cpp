@@ -15,33 +15,28 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <type_traits>
 
 using namespace LAMMPS_NS;
-using jump::ContactForce;
-using jump::Friction;
-using jump::Touch;
 
 namespace {
 constexpr int FACE_WORDS = 22;
-constexpr double ON_FACE = 1e-100;    // m; the square of a smaller distance may be 0
 }    // namespace
 
 int FixJumpStep::add_wall(int a, int narg, char **arg)
 {
   if (a + 5 > narg) error->all(FLERR, "fix jump/step: a wall needs NAME X0 Y0 DEEP N and N faces");
-  Wall wall{arg[a], 0.0, 0.0, MAXBIGINT, -1, false, {}, -1.0, false, {}, {}, jump::Friction::NONE, {}, {}, 0.0, {}, {}};
+  Wall wall{arg[a], 0.0, 0.0, MAXBIGINT, -1, false, {}, -1.0, false, {}, {}, {}, {}, 0.0, {}, false, {}};
   for (const auto &other : walls)
     if (other.name == wall.name) error->all(FLERR, "fix jump/step: two walls are called '{}'", wall.name);
   wall.x0 = utils::numeric(FLERR, arg[a + 1], false, lmp);
   wall.y0 = utils::numeric(FLERR, arg[a + 2], false, lmp);
-  wall.faces.deep = utils::logical(FLERR, arg[a + 3], false, lmp);
+  wall.deep = utils::logical(FLERR, arg[a + 3], false, lmp);
   const int n = utils::inumeric(FLERR, arg[a + 4], false, lmp);
   a += 5;
   if (n < 1 || n > (narg - a) / FACE_WORDS)
     error->all(FLERR, "fix jump/step: wall '{}' needs {} numbers for each of {} faces", wall.name, FACE_WORDS, n);
-  wall.faces.faces.reserve(n);
-  for (int f = 0; f < n; f++, a += FACE_WORDS) wall.faces.faces.push_back(face_of(wall, n, a, arg));
+  wall.faces.reserve(n);
+  for (int f = 0; f < n; f++, a += FACE_WORDS) wall.faces.push_back(face_of(wall, n, a, arg));
   for (; a < narg; ) {
     const std::string key = arg[a];
     if (key == "until") {
@@ -83,7 +78,7 @@ int FixJumpStep::add_motion(Wall &wall, int a, int narg, char **arg) const
   motion.moves = true;
   motion.cx = next();
   motion.cy = next();
-  motion.start = utils::bnumeric(FLERR, arg[a++], false, lmp);
+  motion.start = (double) utils::bnumeric(FLERR, arg[a++], false, lmp);
   const int n = utils::inumeric(FLERR, arg[a++], false, lmp);
   if (n < 0 || n > (narg - a) / jump::TRACK_WORDS)
     error->all(FLERR, "fix jump/step: move of wall '{}' needs {} numbers for each of {} rows", wall.name,
@@ -92,8 +87,8 @@ int FixJumpStep::add_motion(Wall &wall, int a, int narg, char **arg) const
   for (auto &row : motion.track)
     for (double &number : row) number = next();
   double far = 0.0;
-  for (int f = 0; f < (int) wall.faces.faces.size(); f++) {
-    const jump::Extent box = wall.faces.box(f, false);
+  for (const auto &face : wall.faces) {
+    const jump::Extent box = jump::box_of(face, false);
     for (const double x : {box.xlo, box.xhi})
       for (const double y : {box.ylo, box.yhi}) far = std::max(far, std::hypot(x - motion.cx, y - motion.cy));
   }
@@ -111,16 +106,16 @@ int FixJumpStep::add_lid(Wall &wall, int a, int narg, char **arg) const
   motion.moves = motion.is_lid = true;
   motion.cx = next();
   motion.cy = next();
-  motion.start = utils::bnumeric(FLERR, arg[a++], false, lmp);
+  motion.start = (double) utils::bnumeric(FLERR, arg[a++], false, lmp);
   lid.mass = next();
   for (double &force : lid.force) force = next();
-  for (bool &free : lid.free) free = utils::logical(FLERR, arg[a++], false, lmp);
+  for (double &free : lid.free) free = utils::logical(FLERR, arg[a++], false, lmp);
   lid.begin = next();
   if (!(lid.mass > 0.0)) error->all(FLERR, "fix jump/step: the mass of wall '{}' must be above 0", wall.name);
   wall.low = 1e300;
   wall.high = -1e300;
-  for (int f = 0; f < (int) wall.faces.faces.size(); f++) {
-    const jump::Extent box = wall.faces.box(f, false);
+  for (const auto &face : wall.faces) {
+    const jump::Extent box = jump::box_of(face, false);
     wall.low = std::min(wall.low, box.xlo);
     wall.high = std::max(wall.high, box.xhi);
   }
@@ -135,12 +130,14 @@ jump::Face FixJumpStep::face_of(const Wall &wall, int n, int a, char **arg) cons
   auto integer = [&]() { return utils::inumeric(FLERR, arg[a++], false, lmp); };
   auto next = [&]() { return utils::numeric(FLERR, arg[a++], false, lmp); };
   // the words of a list in braces are read in their order
-  const jump::Face f{integer(), integer(), integer(), integer(), integer(), integer(), integer(), next(),
-                     next(),    next(),    next(),    next(),    next(),    next(),    next(),    next(),
-                     next(),    next(),    next(),    next(),    next(),    next()};
+  jump::Face f{};
+  for (int64_t *const word : {&f.kind, &f.run, &f.loop, &f.before, &f.after, &f.at_start, &f.at_end}) *word = integer();
+  for (double *const word : {&f.x0, &f.y0, &f.x1, &f.y1, &f.tx0, &f.ty0, &f.tx1, &f.ty1, &f.cx, &f.cy, &f.radius, &f.phi,
+                             &f.sweep, &f.length, &f.arc_length})
+    *word = next();
   if (f.kind != jump::SEGMENT && f.kind != jump::ARC)
     error->all(FLERR, "fix jump/step: a face of wall '{}' is a segment (0) or an arc (1), not {}", wall.name, f.kind);
-  auto check = [&](int joint, int neighbour) {
+  auto check = [&](int64_t joint, int64_t neighbour) {
     if (joint < jump::CONVEX || joint > jump::ENDLESS)
       error->all(FLERR, "fix jump/step: a joint of wall '{}' has the unknown kind {}", wall.name, joint);
     if (joint < jump::FREE && (neighbour < 0 || neighbour >= n))
@@ -154,15 +151,20 @@ jump::Face FixJumpStep::face_of(const Wall &wall, int n, int a, char **arg) cons
 void FixJumpStep::place_walls()
 {
   for (auto &wall : walls) {
-    wall.motion.place(update->ntimestep, update->dt);
-    if (wall.motion.is_lid && domain->xperiodic) require_off_seam(wall);
+    auto &motion = wall.motion;
+    if (!motion.moves) continue;
+    const jump::Clock clock{motion.start, update->dt};
+    const auto *const track = reinterpret_cast<const double(*)[jump::TRACK_WORDS]>(motion.track.data());
+    if (motion.is_lid) jump::follow(motion.placed, motion.pushed);
+    else jump::follow(motion.placed, track, (int64_t) motion.track.size(), clock.time((double) update->ntimestep), update->dt);
+    if (motion.is_lid && domain->xperiodic) require_off_seam(wall);
   }
 }
 
 /** Walls do not repeat with the period: beyond the seam discs would not feel one that they have pushed there. */
 void FixJumpStep::require_off_seam(const Wall &wall) const
 {
-  const double low = wall.low + wall.motion.now.x, high = wall.high + wall.motion.now.x, margin = pair->largest;
+  const double low = wall.low + wall.motion.placed.now.x, high = wall.high + wall.motion.placed.now.x, margin = pair->largest;
   if (low < domain->boxlo[0] + margin || high > domain->boxhi[0] - margin)
     error->all(FLERR, "fix jump/step: wall '{}' comes to the seam on step {}", wall.name, update->ntimestep);
 }
@@ -172,7 +174,9 @@ bool FixJumpStep::is_worn() const
 {
   if (near_order != pair->order || update->setupflag || !(near_moved < near_margin)) return true;
   return any_moves && std::any_of(walls.begin(), walls.end(), [&](const Wall &wall) {
-    return wall.motion.moves && !(M_SQRT2 * near_moved + wall.motion.travel(wall.far) < near_margin);
+    const auto &motion = wall.motion;
+    return motion.moves &&
+           !(M_SQRT2 * near_moved + jump::travel(motion.placed.now, motion.listed, wall.far) < near_margin);
   });
 }
 
@@ -182,54 +186,28 @@ void FixJumpStep::find_near()
   near_moved = 0.0;
   near_order = pair->order;
   for (auto &wall : walls) {
-    wall.motion.listed = wall.motion.now;
+    const auto view = wall.in_place();
+    wall.motion.listed = wall.motion.placed.now;
     if (!is_there(wall)) wall.near.clear();
-    else if (!wall.motion.moves) wall.near.list(wall.faces, atom->nlocal, pair->disc.data());
+    else if (!wall.motion.moves) wall.near.list(view.faces, atom->nlocal, pair->disc.data());
     else {
       std::vector<PairJumpDisc::Disc> seen(pair->disc.begin(), pair->disc.begin() + atom->nlocal);
-      for (auto &disc : seen) wall.motion.inward(disc.x, disc.y);
-      wall.near.list(wall.faces, atom->nlocal, seen.data());
+      for (auto &disc : seen) view.see(disc.x, disc.y);
+      wall.near.list(view.faces, atom->nlocal, seen.data());
     }
   }
 }
 
-/** Force of a contact on a disc and on the wall. */
-template <Friction FRICTION, Touch TOUCH, class Own>
-void FixJumpStep::touch(const Wall &wall, int i, const Touched &where, const Own &own, double *on_wall)
+/** Force of a contact on a disc and on the wall; (x, y): the disc in the wall's own frame. */
+template <bool SIZES, bool SPIN, class Law>
+void FixJumpStep::touch(const Wall &wall, const Law &law, int i, const jump::FaceContact &where, double x, double y,
+                        double *on_wall)
 {
-  double dx = where.dx, dy = where.dy, to_x = where.to_x, to_y = where.to_y;
   const auto &a = pair->disc[i];
-  const double rim = jump::has_spin(FRICTION) ? pair->rim[i] : 0.0;
-  double vx = a.vx, vy = a.vy, x0 = wall.x0, y0 = wall.y0;
-  if (wall.motion.moves) {
-    const auto &m = wall.motion;
-    m.outward(dx, dy);
-    m.outward(to_x, to_y);
-    vx -= m.rate.x - m.rate.angle * (a.y - to_y - m.cy - m.now.y);
-    vy -= m.rate.y + m.rate.angle * (a.x - to_x - m.cx - m.now.x);
-    x0 = m.cx + m.now.x;
-    y0 = m.cy + m.now.y;
-  }
-  jump::Stretch<double> held{0.0, 0.0, rim, 0.0};
-  int slot = -1;
-  if constexpr (jump::has_springs(FRICTION)) {
-    const double foot = jump::foot_of(wall.faces.faces[where.face], where.x, where.y);
-    const double slip = (vy * dx - vx * dy) / std::sqrt(dx * dx + dy * dy) - rim;
-    const double limit = 0.5 * pair->radius_of(i) + std::fabs(slip) * wall.law.dt;
-    slot = pair->slots.of_wall(i, wall.chain[where.face], foot, limit, wall.around[where.face]);
-    if (slot >= 0) {
-      held.slide = *pair->slots.spring(i, slot);
-      held.roll = *pair->slots.roll(i, slot);
-    } else if (pair->slots.full >= 0) {
-      error->one(FLERR, "jump/disc: disc {} touches more than the {} others it can remember: contacts are too deep",
-                 atom->tag[i], pair->slots.count);
-    }
-  }
-  const ContactForce<double> out = jump::contact_force<FRICTION, TOUCH>(wall.law, own, dx, dy, vx, vy, rim, &held);
-  if (jump::has_springs(FRICTION) && slot >= 0 && wall.law.dt > 0.0) {
-    *pair->slots.spring(i, slot) = held.slide;
-    *pair->slots.roll(i, slot) = held.roll;
-  }
+  const auto at = wall.in_place().at(where, a.x, a.y, pair->radius_of(i), a.vx, a.vy, SPIN ? pair->spins[i] : 0.0);
+  const jump::WallForce<double> out = jump::wall_contact<SIZES, SPIN>(law, wall.law.of, wall.law.rolling, at,
+                                                                      WallMemory(*this, wall, i, (int) where.face, x, y));
+  const double to_x = at.gap * at.nx, to_y = at.gap * at.ny;
   if (pair->record) {
     pair->record->push_back({(int32_t) pair->tags[i], (int32_t) (-1 - (&wall - walls.data())), (float) (a.x - to_x),
                              (float) (a.y - to_y), (float) out.fx, (float) out.fy, NAN});
@@ -238,23 +216,22 @@ void FixJumpStep::touch(const Wall &wall, int i, const Touched &where, const Own
   double *const f = &pair->pushes[2 * i];
   f[0] += out.fx;
   f[1] += out.fy;
-  if (jump::has_spin(FRICTION)) pair->turns[i] -= pair->radius_of(i) * (out.twist - held.resist);
+  if constexpr (SPIN) pair->turns[i] += out.torque;
+  const auto &motion = wall.motion;
+  const double x0 = motion.moves ? motion.cx + motion.placed.now.x : wall.x0;
+  const double y0 = motion.moves ? motion.cy + motion.placed.now.y : wall.y0;
   on_wall[0] -= out.fx;
   on_wall[1] -= out.fy;
   on_wall[2] -= (a.x - to_x - x0) * out.fy - (a.y - to_y - y0) * out.fx;
 }
 
 /** Forces of a wall on its discs, or on those of one part (from 0), and the sums on the wall. */
-template <Friction FRICTION, Touch TOUCH, bool SIZES> void FixJumpStep::push(const Wall &wall, int part, double *on_wall)
+template <bool SIZES, bool SPIN, class Law>
+void FixJumpStep::push(const Wall &wall, const Law &law, int part, double *on_wall)
 {
-  double reach = wall.law.reach;
-  using Own = std::conditional_t<SIZES, jump::OwnLaw<double>, const jump::Law &>;
-  const auto own = [&]() -> Own {
-    if constexpr (SIZES) return jump::own_law(wall.law, reach);
-    else return wall.law;
-  };
   const auto *const disc = pair->disc.data();
   const bool stays = pair->any_fixed();
+  const jump::WallInPlace view = wall.in_place();
   jump::FaceContact found[jump::MOST];
   const auto &near = wall.near;
   const int rows = (int) near.discs.size();
@@ -263,53 +240,42 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void FixJumpStep::push(con
     if (part >= 0 && pair->part_of(i) != part) continue;
     if (stays && pair->is_fixed(i)) continue;    // walls and fixed discs do not feel each other
     double x = disc[i].x, y = disc[i].y;
-    if (wall.motion.moves) wall.motion.inward(x, y);
-    if (SIZES) reach = pair->radii[i];
+    view.see(x, y);
+    const double radius = pair->radius_of(i);
     const int *const listed = &near.near[first];
-    const int only = count == 1 ? listed[0] : wall.faces.deep ? -1 : wall.faces.only(listed, count, x, y, reach);
-    if (only >= 0 && wall.faces.faces[only].kind == jump::SEGMENT) {    // most rows; the same as below
-      const jump::Face &face = wall.faces.faces[only];
-      const double gap = face.off_line(x, y);
-      if (gap >= reach) continue;
-      if (gap > ON_FACE && face.is_beside(x, y)) {
-        const double dx = gap * -face.ty0, dy = gap * face.tx0;
-        touch<FRICTION, TOUCH>(wall, i, {dx, dy, dx, dy, only, x, y}, own(), on_wall);
+    const int64_t only = count == 1 ? listed[0] : wall.deep ? -1 : view.faces.only(listed, count, x, y, radius);
+    if (only >= 0 && wall.faces[only].kind == jump::SEGMENT) {    // most rows; the same as below
+      const jump::Face &face = wall.faces[only];
+      const jump::FaceContact line = view.faces.on_line(only, x, y);
+      if (line.gap >= radius) continue;
+      if (line.gap > 0.0 && !face.is_before(x, y) && !face.is_behind(x, y)) {
+        touch<SIZES, SPIN>(wall, law, i, line, x, y, on_wall);
         continue;
       }
     }
-    const int contacts = wall.faces.touching(listed, count, x, y, reach, found);
-    for (int c = 0; c < contacts; c++) {
-      const auto &at = found[c];
-      if (at.gap > ON_FACE) {
-        touch<FRICTION, TOUCH>(wall, i, {at.dx, at.dy, at.dx, at.dy, at.face, x, y}, own(), on_wall);
-      } else {
-        // the centre is behind the face: the push back goes on growing (contact of the same overlap in front)
-        auto behind = own();
-        behind.reach = 2.0 * reach - at.gap;
-        touch<FRICTION, TOUCH>(wall, i, {reach * at.nx, reach * at.ny, at.gap * at.nx, at.gap * at.ny, at.face, x, y},
-                               behind, on_wall);
-      }
-    }
+    const int contacts = view.faces.touching(listed, count, x, y, radius, found);
+    for (int c = 0; c < contacts; c++) touch<SIZES, SPIN>(wall, law, i, found[c], x, y, on_wall);
   }
 }
 
-template <Friction FRICTION, Touch TOUCH, bool SIZES> void FixJumpStep::push(Wall &wall)
+template <bool SIZES, bool SPIN, class Law> void FixJumpStep::push(Wall &wall, const Law &law)
 {
   double on_wall[4] = {0.0, 0.0, 0.0, 0.0};
   const bool sums = wall.probe >= 0 || wall.motion.is_lid || pair->record;    // in the order of the discs
-  const int parts = sums || jump::has_springs(FRICTION) || wall.near.discs.size() < FEW_NEAR ? 0 : pair->number_of_parts();
+  const bool alone = sums || Law::Friction::REMEMBERS || wall.near.discs.size() < FEW_NEAR;
+  const int parts = alone ? 0 : pair->number_of_parts();
   if (parts > 0) {
     pair->team.run(parts, [&](int part) {
       double of_part[4] = {0.0, 0.0, 0.0, 0.0};
-      push<FRICTION, TOUCH, SIZES>(wall, part, of_part);
+      push<SIZES, SPIN>(wall, law, part, of_part);
     });
     return;
   }
-  push<FRICTION, TOUCH, SIZES>(wall, -1, on_wall);
+  push<SIZES, SPIN>(wall, law, -1, on_wall);
   if (pair->record) return;    // the forces of this step are summed already
-  wall.motion.lid.push[0] = on_wall[0];
-  wall.motion.lid.push[1] = on_wall[1];
-  const auto &rate = wall.motion.centred;
+  wall.motion.pushed.force[0] = on_wall[0];
+  wall.motion.pushed.force[1] = on_wall[1];
+  const auto &rate = wall.motion.placed.centred;
   on_wall[3] = -(on_wall[0] * rate.x + on_wall[1] * rate.y + on_wall[2] * rate.angle);
   if (wall.probe >= 0)
     for (int c = 0; c < columns; c++) window[columns * wall.probe + c] += on_wall[c];
@@ -318,12 +284,11 @@ template <Friction FRICTION, Touch TOUCH, bool SIZES> void FixJumpStep::push(Wal
 /** Forces of a wall on its discs, and what a probe sums. */
 void FixJumpStep::push(Wall &wall)
 {
-  wall.law.eps = jump::SIGN_RAMP * pair->largest_speed;
-  wall.law.dt = pair->slots.grows ? update->dt : 0.0;
-  jump::with_branch(wall.friction, pair->touch, [&](auto f, auto t) {
-    constexpr Friction F = decltype(f)::value;
-    constexpr Touch T = decltype(t)::value;
-    pair->sizes ? push<F, T, true>(wall) : push<F, T, false>(wall);
+  auto &choice = wall.law.choice;
+  choice.slope = jump::sign_slope(pair->largest_speed);
+  choice.slider.time_step = pair->slots.grows ? update->dt : 0.0;
+  jump::with_law(choice, pair->sizes, pair->spin, [&](const auto &law, auto own_sizes, auto turns) {
+    push<own_sizes.value, turns.value>(wall, law);
   });
 }
 
@@ -353,15 +318,16 @@ void FixJumpStep::write_contacts()
 void FixJumpStep::push_lids()
 {
   for (auto &wall : walls) {
-    if (!wall.motion.is_lid) continue;
-    auto &lid = wall.motion.lid;
-    const double here[2] = {lid.push[0], lid.push[1]};
-    MPI_Allreduce(here, lid.push, 2, MPI_DOUBLE, MPI_SUM, world);
-    if (wall.probe < 0 || !((double) (update->ntimestep - wall.motion.start) * update->dt > lid.begin)) continue;
-    for (int axis = 0; axis < 2; axis++)
-      if (lid.free[axis])
-        window[columns * wall.probe + 3] -=
-            here[axis] * (lid.speed[axis] + 0.5 * update->dt * (lid.push[axis] + lid.force[axis]) / lid.mass);
+    auto &motion = wall.motion;
+    if (!motion.is_lid) continue;
+    double *const force = motion.pushed.force;
+    const double here[2] = {force[0], force[1]};
+    MPI_Allreduce(here, force, 2, MPI_DOUBLE, MPI_SUM, world);
+    if (wall.probe < 0) continue;
+    jump::Placed at = motion.placed;
+    jump::centre(at, motion.pushed, motion.lid, update->dt);
+    window[columns * wall.probe + 3] -= here[0] * at.centred.x;
+    window[columns * wall.probe + 3] -= here[1] * at.centred.y;
   }
 }
 

@@ -89,7 +89,7 @@ void JumpHalo::start(const PairJumpDisc &pair)
       to[1] = disc.y;
       to[2] = disc.vx;
       to[3] = disc.vy;
-      if (pair.spin) to[4] = pair.rim[i];
+      if (pair.spin) to[4] = pair.spins[i];
       if (pair.sizes) to[words - 1] = pair.radii[i];
       if (pair.any_fixed()) to[words - 2] = pair.bulk[i];
       if (pair.springs.there) to[4 + pair.spin] = pair.tags[i];
@@ -113,7 +113,7 @@ void JumpHalo::finish(PairJumpDisc &pair)
     const double *from = partner.in.data();
     for (int n = 0; n < partner.incoming; n++, i++, from += words) {
       pair.disc[i] = {from[0], from[1], from[2], from[3]};
-      if (pair.spin) pair.rim[i] = from[4];
+      if (pair.spin) pair.spins[i] = from[4];
       if (pair.springs.there) pair.tags[i] = from[4 + pair.spin];
       if (pair.any_fixed()) pair.bulk[i] = from[words - 2];
       if (pair.sizes) pair.radii[i] = from[words - 1];    // each step: inserted discs change theirs

@@ -7,7 +7,8 @@
 #ifndef JUMP_LANES_H
 #define JUMP_LANES_H
 
-#include <cmath>
+#include "number.h"
+
 #ifdef __SSE2__
 #include <immintrin.h>
 #endif
@@ -26,8 +27,6 @@ constexpr int LANES = 2;
 
 typedef double Lanes __attribute__((vector_size(LANES * sizeof(double)), may_alias));
 
-inline double root(double x) { return std::sqrt(x); }
-
 inline Lanes root(const Lanes &x)
 {
 #if defined(__AVX512F__)
@@ -41,14 +40,11 @@ inline Lanes root(const Lanes &x)
 #endif
 }
 
-/** A number in the form of another: itself, or the same in every lane. */
-inline double spread(double x, double) { return x; }
+/** The same in every lane. */
 inline Lanes spread(double x, const Lanes &) { return x - Lanes{}; }
 inline Lanes spread(const Lanes &x, const Lanes &) { return x; }
 
-template <class Number> inline Number least(const Number &a, const Number &b) { return a < b ? a : b; }
-template <class Number> inline Number most(const Number &a, const Number &b) { return a > b ? a : b; }
-template <class Number> inline Number magnitude(const Number &x) { return x < 0.0 ? -x : x; }
+inline Lanes magnitude(const Lanes &x) { return x < 0.0 ? -x : x; }
 
 #if defined(__has_builtin)
 #if __has_builtin(__builtin_shufflevector)

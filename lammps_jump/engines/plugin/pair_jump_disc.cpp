@@ -21,8 +21,6 @@
 #include <vector>
 
 using namespace LAMMPS_NS;
-using jump::Friction;
-using jump::Touch;
 
 PairJumpDisc::PairJumpDisc(LAMMPS *lmp) : Pair(lmp), ring(lmp)
 {
@@ -94,10 +92,8 @@ void PairJumpDisc::settings(int narg, char **arg)
   if (springs.ratio < 0.0 || springs.rolling < 0.0 || springs.rolling_damping < 0.0 || springs.rolling_friction < 0.0)
     error->all(FLERR, "pair_style jump/disc: numbers of springs and rolling must not be negative");
   if (springs.there && width > 0.0) error->all(FLERR, "pair_style jump/disc: the law history has no smooth touch");
-  friction = jump::friction_of(mu, gamma_t, sign, spin, springs.there);
-  touch = width > 0.0 ? Touch::SMOOTH : Touch::SHARP;
-  law = jump::make_law(k, gamma, gamma_t, mu, mass * mass / (mass + mass), 0.5 * diameter + 0.5 * diameter, width);
-  springs.put(law, springs.rolling_friction);
+  law = {k, gamma, gamma_t, mu, 0.5 * mass, sizes ? jump::pair_size(0.5 * diameter, 0.5 * diameter) : 1.0, sign, width, springs,
+         springs.rolling_friction};
 }
 
 void PairJumpDisc::coeff(int narg, char **arg)
@@ -153,7 +149,7 @@ void PairJumpDisc::reserve(int n)
   if ((size_t) n > disc.size()) {
     disc.resize(n + n / 4 + 64);
     pushes.resize(2 * disc.size());
-    if (spin) rim.resize(disc.size());
+    if (spin) spins.resize(disc.size());
     if (spin) turns.resize(disc.size());
     if (sizes) {
       radii.resize(disc.size());
@@ -172,7 +168,7 @@ void PairJumpDisc::pack()
   for (int i = 0; i < atom->nlocal; i++) {
     disc[i] = {x[i][0], x[i][1], v[i][0], v[i][1]};
     if (sizes) pack_size(i);
-    if (spin) rim[i] = radius_of(i) * atom->omega[i][2];
+    if (spin) spins[i] = atom->omega[i][2];
     if (springs.there) tags[i] = (double) atom->tag[i];
   }
   std::fill_n(pushes.begin(), 2 * (size_t) atom->nlocal, 0.0);
@@ -244,18 +240,18 @@ void PairJumpDisc::share_memory()
     const auto found = local.find(row[0]);
     if (found == local.end()) return false;
     const int i = found->second;
-    if (slots.of_pair(i, row[1]) >= 0) return true;
+    if (slots.of(i, row[1]) != jump::FULL) return true;
     slots.grows = true;
-    const int slot = slots.of_pair(i, row[1]);
+    const int slot = slots.of(i, row[1]);
     slots.grows = false;
-    if (slot < 0) return true;    // compute() tells
+    if (slot == jump::FULL) return true;    // compute() tells
     *slots.spring(i, slot) = row[2];
     *slots.roll(i, slot) = row[3];
     return true;
   };
   std::vector<double> away, all;
   for (int i = 0; i < atom->nlocal; i++)
-    for (int s = 0; s < slots.count; s++) {
+    for (int s = 0; s < slots.number; s++) {
       const double partner = (*slots.rows)[i][s];
       const double row[WORDS] = {partner, tags[i], *slots.spring(i, s), -*slots.roll(i, s)};
       if (partner > 0.0 && !put(row)) away.insert(away.end(), row, row + WORDS);

@@ -4,7 +4,7 @@
                         [springs RATIO] [rolling RATIO DAMPING MUR] [fixed FIRST LAST]
    pair_coeff * *
 
-   Contact forces between discs (laws: contact_law.h). gamma in 1/s: the force is (M/2) GN v. Discs are equal: one of
+   Contact forces between discs (laws: core/law.h). gamma in 1/s: the force is (M/2) GN v. Discs are equal: one of
    another mass or diameter is an error. With sizes their diameters lie from SMALLEST to LARGEST and their masses are
    M (diameter/D)^2; M, D, GN and GT are then of nominal discs, and GN and GT of a pair are theirs times
    sqrt((M/2)/m_eff). Discs with ids from FIRST to LAST stay where they are (sizes are needed). The law history has a tangential spring of RATIO K, and GT is that of its dashpot; rolling has one
@@ -25,11 +25,13 @@
 #ifndef LMP_PAIR_JUMP_DISC_H
 #define LMP_PAIR_JUMP_DISC_H
 
-#include "contact_law.h"
+#include "lanes.h"    // before the core: its templates take vectors
+
+#include "disc_law.h"
+#include "disc_slots.h"
 #include "halo.h"
 #include "pair.h"
 #include "record.h"
-#include "slots.h"
 #include "team.h"
 
 #include <atomic>
@@ -61,12 +63,10 @@ class PairJumpDisc : public Pair {
   double skin = 0.0, smallest = 0.0, largest = 0.0;  // diameters from smallest to largest
   bool sign = false, sizes = false, spin = false;
   jump::Springs springs;
-  jump::Slots slots;                                 // of the fix, with springs
-  jump::Friction friction = jump::Friction::NONE;
-  jump::Touch touch = jump::Touch::SHARP;
+  jump::DiscSlots slots;                                 // of the fix, with springs
   double largest_speed = 0.0;                        // all ranks, of the last force evaluation, m/s
   std::vector<Disc, jump::Lines<Disc>> disc;         // local discs, then those of other ranks
-  std::vector<double> rim;                           // R omega, with spin
+  std::vector<double> spins;                         // rad/s, with spin
   // forces (x, y of each disc) and moments; not in LAMMPS' array, which it clears in one thread each step
   std::vector<double, jump::Lines<double>> pushes;
   std::vector<double> turns;
@@ -93,10 +93,10 @@ class PairJumpDisc : public Pair {
   void hand_over_forces();
   void take_forces();
   double radius_of(int i) const { return sizes ? radii[i] : 0.5 * diameter; }
-  double reach_of(int i, int j) const { return sizes ? radii[i] + radii[j] : law.reach; }
+  double reach_of(int i, int j) const { return sizes ? radii[i] + radii[j] : diameter; }
 
  private:
-  jump::Law law;
+  jump::DiscLaw law;
   std::vector<int> first, second;    // candidate pairs, flat, cell by cell
   size_t interior = 0, candidates = 0;    // pairs of local discs, which come first where there are others; and all
   double moved[2] = {0.0, 0.0};      // bound of the relative displacement of all discs since the list was built
@@ -161,7 +161,7 @@ class PairJumpDisc : public Pair {
   void fill(Part &, int);
   void take_copies(const Part &);
   void evaluate_list(size_t, size_t, Part *);
-  template <jump::Friction, jump::Touch, bool SIZES> void evaluate_list(size_t, size_t, Part *);
+  template <bool SIZES, bool SPIN, class Law> void evaluate_list(const Law &, size_t, size_t, Part *);
   void add(Part &, int, int, const double *, double, double);
   void add_late();
   double *remembered(int, int, const Part *);

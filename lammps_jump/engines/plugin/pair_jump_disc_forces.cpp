@@ -15,15 +15,17 @@ using namespace LAMMPS_NS;
 using jump::Four;
 using jump::four;
 using jump::FourInts;
-using jump::Friction;
 using jump::Lanes;
 using jump::LANES;
-using jump::Touch;
+using jump::spread;
 
 namespace {
 typedef double Vec2 __attribute__((vector_size(16), aligned(8), may_alias));
 constexpr size_t FEW_PAIRS = 512;    // for a thread of its own
 constexpr int BATCH = 256;    // contacts evaluated together: their arrays stay in the first-level cache
+
+/** As many numbers as a vector has, from an aligned place. */
+inline Lanes &lanes(double *from) { return *reinterpret_cast<Lanes *>(from); }
 }    // namespace
 
 double PairJumpDisc::largest_squared_speed() const
@@ -42,19 +44,19 @@ void PairJumpDisc::find_largest_speed()
   double most = largest_squared_speed();
   if (comm->nprocs > 1) MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE, MPI_MAX, world);
   largest_speed = std::sqrt(most);
-  law.eps = jump::SIGN_RAMP * largest_speed;
+  law.choice.slope = jump::sign_slope(largest_speed);
 }
 
-/** Where disc i remembers its contact with disc j: its tangential spring, COUNT before its rolling one; null: nowhere. */
+/** Where disc i remembers its contact with disc j: its tangential spring, `slots.number` before its rolling one; null: nowhere. */
 double *PairJumpDisc::remembered(int i, int j, const Part *part)
 {
   const bool shared = part && beside[i];
   auto &lock = locks[i % LOCKS];
   if (shared)
     while (lock.test_and_set(std::memory_order_acquire)) {}    // another thread is in the slots of this disc, or one like it
-  const int slot = slots.of_pair(i, tags[j]);
+  const int slot = slots.of(i, tags[j]);
   if (shared) lock.clear(std::memory_order_release);
-  return slot < 0 ? nullptr : slots.spring(i, slot);
+  return slot == jump::FULL ? nullptr : slots.spring(i, slot);
 }
 
 /** A row of a contact of two discs; of one across a cut or seam, which is listed twice, the larger id has it. */
@@ -73,13 +75,14 @@ void PairJumpDisc::note(int i, int j, const double *push)
 void PairJumpDisc::list_contacts(std::vector<jump::ContactRow> &rows)
 {
   const bool grew = slots.grows;
-  const double dt = law.dt;
+  double &goes_on = law.choice.slider.time_step;
+  const double dt = goes_on;
   slots.grows = false;
-  law.dt = 0.0;
+  goes_on = 0.0;
   record = &rows;
   evaluate(0, candidates);
   record = nullptr;
-  law.dt = dt;
+  goes_on = dt;
   slots.grows = grew;
 }
 
@@ -91,7 +94,7 @@ void PairJumpDisc::take_copies(const Part &part)
     disc[to] = disc[from];
     pushes[2 * to] = pushes[2 * to + 1] = 0.0;    // of no use
     if (spin) {
-      rim[to] = rim[from];
+      spins[to] = spins[from];
       turns[to] = 0.0;
     }
     if (sizes) radii[to] = radii[from];    // inserted discs change theirs
@@ -137,27 +140,29 @@ void PairJumpDisc::add_late()
 }
 
 /** Forces of the pairs from one place to another in the list, or in a part of it. */
-template <Friction FRICTION, Touch TOUCH, bool SIZES>
-void PairJumpDisc::evaluate_list(size_t from, size_t to, Part *part)
+template <bool SIZES, bool SPIN, class Law>
+void PairJumpDisc::evaluate_list(const Law &rule, size_t from, size_t to, Part *part)
 {
   const Disc *const __restrict at = disc.data();
   const int *const __restrict one = part ? part->first.data() : first.data();
   const int *const __restrict two = part ? part->second.data() : second.data();
   const double *const __restrict own_radius = radii.data();
-  const jump::Law rule = law;
   const int nlocal = atom->nlocal;
   const double radius = 0.5 * diameter;
   double *const __restrict f = pushes.data();
   double *const __restrict torque = turns.data();
+  const double *const __restrict omega = spins.data();
+  const jump::Rolling rolling = law.rolling;
+  const jump::Numbers<Lanes> of{law.of.k, spread(law.of.damping, Lanes{}), spread(law.of.ramp, Lanes{}), law.of.friction};
 
   // a batch of candidates at a time: differences of those that touch, then their forces, then the sums
   alignas(64) double between[BATCH][4];
-  alignas(64) double rims[BATCH], twist[BATCH], force_on[BATCH][2];
-  constexpr bool SPRINGS = jump::has_springs(FRICTION), SPIN = jump::has_spin(FRICTION);
-  constexpr bool DENT = SIZES || SPRINGS;    // the lever of friction ends in the middle of the overlap, as in LAMMPS' granular
-  alignas(64) double radius_one[SIZES ? BATCH : 1], radius_two[SIZES ? BATCH : 1], twist_two[DENT ? BATCH : 1];
+  alignas(64) double force_on[BATCH][2];
+  constexpr bool SPRINGS = Law::Friction::REMEMBERS;
+  alignas(64) double spin_one[SPIN ? BATCH : 1], spin_two[SPIN ? BATCH : 1], on_one[SPIN ? BATCH : 1], on_two[SPIN ? BATCH : 1];
+  alignas(64) double radius_one[SIZES ? BATCH : 1], radius_two[SIZES ? BATCH : 1];
   alignas(64) double bulk_one[SIZES ? BATCH : 1], bulk_two[SIZES ? BATCH : 1];
-  alignas(64) double stretch[SPRINGS ? BATCH : 1], bent[SPRINGS ? BATCH : 1], turns[SPRINGS ? BATCH : 1];
+  alignas(64) double stretch[SPRINGS ? BATCH : 1], bent[SPRINGS ? BATCH : 1];
   double *of_one[SPRINGS ? BATCH : 1], *of_two[SPRINGS ? BATCH : 1];    // springs of the two discs, or null
   const bool both = ring.is_needed(), stays = any_fixed();
   const double *const __restrict own_bulk = bulk.data();
@@ -168,7 +173,7 @@ void PairJumpDisc::evaluate_list(size_t from, size_t to, Part *part)
     const auto apart = [&](int i, int j) {
       return *reinterpret_cast<const Four *>(&at[i]) - *reinterpret_cast<const Four *>(&at[j]);
     };
-    const auto reach = [&](size_t p) { return SIZES ? own_radius[one[p]] + own_radius[two[p]] : rule.reach; };
+    const auto reach = [&](size_t p) { return SIZES ? own_radius[one[p]] + own_radius[two[p]] : diameter; };
     // without a branch, which would be guessed wrong often; the last ones, and all of them without AVX, one at a time
     size_t p = begin;
     for (; jump::HAS_FOUR && p + 4 <= end; p += 4) {
@@ -192,7 +197,10 @@ void PairJumpDisc::evaluate_list(size_t from, size_t to, Part *part)
     for (int c = 0; c < n; c++) {
       const int i = i_of[c], j = j_of[c];
       *reinterpret_cast<Four *>(between[c]) = apart(i, j);
-      if (jump::has_spin(FRICTION)) rims[c] = rim[i] + rim[j];
+      if constexpr (SPIN) {
+        spin_one[c] = omega[i];
+        spin_two[c] = omega[j];
+      }
       if (SIZES) {
         radius_one[c] = own_radius[i];
         radius_two[c] = own_radius[j];
@@ -207,72 +215,64 @@ void PairJumpDisc::evaluate_list(size_t from, size_t to, Part *part)
         of_two[c] = j < nlocal && (both || !larger) ? remembered(j, i, part) : nullptr;
         const double *const held = of_one[c] ? of_one[c] : of_two[c];
         stretch[c] = held ? *held : 0.0;
-        if constexpr (SPIN) {    // of disc i against disc j
-          bent[c] = !held ? 0.0 : of_one[c] ? held[slots.count] : -held[slots.count];
-          const double a = SIZES ? own_radius[i] : radius, b = SIZES ? own_radius[j] : radius;
-          turns[c] = (b * rim[i] - a * rim[j]) / (a + b);
-        }
+        if constexpr (SPIN)    // of disc i against disc j
+          bent[c] = !held ? 0.0 : of_one[c] ? held[slots.number] : -held[slots.number];
       }
     }
     // whole vectors only: the rest of the last one is filled with a contact that nobody reads
     const int whole = (n + LANES - 1) / LANES * LANES;
     for (int c = n; c < whole; c++) {
-      between[c][0] = between[c][1] = 0.5 * rule.reach;
+      between[c][0] = between[c][1] = 0.5 * diameter;
       between[c][2] = between[c][3] = 0.0;
-      rims[c] = 0.0;
+      if constexpr (SPIN) spin_one[c] = spin_two[c] = 0.0;
       if (SIZES) radius_one[c] = radius_two[c] = bulk_one[c] = bulk_two[c] = radius;
-      if constexpr (SPRINGS) stretch[c] = bent[c] = turns[c] = 0.0;
+      if constexpr (SPRINGS) stretch[c] = bent[c] = 0.0;
     }
     for (int c = 0; c < whole; c += LANES) {
       Lanes gap[4];
       jump::columns(between + c, gap);
-      const Lanes rim_speed = jump::has_spin(FRICTION) ? *reinterpret_cast<const Lanes *>(rims + c) : Lanes{};
-      const Lanes *const ri = reinterpret_cast<const Lanes *>(radius_one + c);
-      const Lanes *const rj = reinterpret_cast<const Lanes *>(radius_two + c);
-      const Lanes *const bi = stays ? reinterpret_cast<const Lanes *>(bulk_one + c) : ri;
-      const Lanes *const bj = stays ? reinterpret_cast<const Lanes *>(bulk_two + c) : rj;
-      jump::ContactForce<Lanes> out;
-      jump::Stretch<Lanes> held{};
-      if constexpr (SPRINGS) {
-        held.slide = *reinterpret_cast<const Lanes *>(stretch + c);
-        if constexpr (SPIN) {
-          held.roll = *reinterpret_cast<const Lanes *>(bent + c);
-          held.turn = *reinterpret_cast<const Lanes *>(turns + c);
-        }
-      }
-      if constexpr (SIZES)
-        out = jump::contact_force<FRICTION, TOUCH>(rule, jump::own_law(rule, *ri + *rj, *bi, *bj), gap[0], gap[1],
-                                                   gap[2], gap[3], rim_speed, &held);
-      else
-        out = jump::contact_force<FRICTION, TOUCH>(rule, rule, gap[0], gap[1], gap[2], gap[3], rim_speed, &held);
-      jump::rows_of_two(out.fx, out.fy, force_on + c);
-      if constexpr (SPRINGS) {
-        *reinterpret_cast<Lanes *>(stretch + c) = held.slide;
-        if constexpr (SPIN) *reinterpret_cast<Lanes *>(bent + c) = held.roll;
+      jump::Pair<Lanes> pair;
+      pair.dx = gap[0];
+      pair.dy = gap[1];
+      pair.vx = gap[2];
+      pair.vy = gap[3];
+      pair.apart2 = pair.dx * pair.dx + pair.dy * pair.dy;
+      if constexpr (SIZES) {
+        pair.a = lanes(radius_one + c);
+        pair.b = lanes(radius_two + c);
+        pair.bulk_a = stays ? lanes(bulk_one + c) : pair.a;
+        pair.bulk_b = stays ? lanes(bulk_two + c) : pair.b;
+      } else {
+        pair.a = pair.b = spread(radius, Lanes{});
       }
       if constexpr (SPIN) {
-        const Lanes one = SIZES ? *ri : radius + Lanes{}, two = SIZES ? *rj : radius + Lanes{};
-        Lanes on_one = (DENT ? one - 0.5 * out.overlap : one) * out.twist;
-        if constexpr (DENT) {
-          Lanes on_two = (two - 0.5 * out.overlap) * out.twist;
-          if constexpr (SPRINGS) {
-            const Lanes rolls = one * two / (one + two) * held.resist;
-            on_one -= rolls;
-            on_two += rolls;
-          }
-          *reinterpret_cast<Lanes *>(twist_two + c) = on_two;
-        }
-        *reinterpret_cast<Lanes *>(twist + c) = on_one;
+        pair.spin_a = lanes(spin_one + c);
+        pair.spin_b = lanes(spin_two + c);
+      }
+      jump::Stretch<Lanes> held{};
+      if constexpr (SPRINGS) {
+        held.slide = lanes(stretch + c);
+        if constexpr (SPIN) held.roll = lanes(bent + c);
+      }
+      const auto out = jump::pair_contact<SIZES, SPIN>(rule, of, rolling, pair, held);
+      jump::rows_of_two(out.fx, out.fy, force_on + c);
+      if constexpr (SPRINGS) {
+        lanes(stretch + c) = held.slide;
+        if constexpr (SPIN) lanes(bent + c) = held.roll;
+      }
+      if constexpr (SPIN) {
+        lanes(on_one + c) = out.on_a;
+        lanes(on_two + c) = out.on_b;
       }
     }
     if constexpr (SPRINGS)
-      if (rule.dt > 0.0)
+      if (rule.tangential.time_step > 0.0)
         for (int c = 0; c < n; c++) {
           if (of_one[c]) of_one[c][0] = stretch[c];
           if (of_two[c]) of_two[c][0] = stretch[c];
           if constexpr (SPIN) {
-            if (of_one[c]) of_one[c][slots.count] = bent[c];
-            if (of_two[c]) of_two[c][slots.count] = -bent[c];
+            if (of_one[c]) of_one[c][slots.number] = bent[c];
+            if (of_two[c]) of_two[c][slots.number] = -bent[c];
           }
         }
     if (record) {
@@ -283,14 +283,14 @@ void PairJumpDisc::evaluate_list(size_t from, size_t to, Part *part)
       const int i = i_of[c], j = j_of[c];
       const Vec2 push = *reinterpret_cast<const Vec2 *>(force_on[c]);
       if (SPRINGS && part && (beside[i] || beside[j])) {
-        add(*part, i, j, force_on[c], SPIN ? -twist[c] : 0.0, SPIN ? -(DENT ? twist_two : twist)[c] : 0.0);
+        add(*part, i, j, force_on[c], SPIN ? on_one[c] : 0.0, SPIN ? on_two[c] : 0.0);
         continue;
       }
       *reinterpret_cast<Vec2 *>(f + 2 * i) += push;
-      if (jump::has_spin(FRICTION)) torque[i] -= twist[c];
+      if constexpr (SPIN) torque[i] += on_one[c];
       if (j < nlocal) {
         *reinterpret_cast<Vec2 *>(f + 2 * j) -= push;
-        if (jump::has_spin(FRICTION)) torque[j] -= DENT ? twist_two[c] : twist[c];
+        if constexpr (SPIN) torque[j] += on_two[c];
       }
     }
   }
@@ -317,7 +317,7 @@ void PairJumpDisc::compute(int eflag, int vflag)
     slots.grows = !update->setupflag;
     slots.begin(atom->nlocal);
     if (ranks && update->setupflag) share_memory();
-    law.dt = slots.grows ? update->dt : 0.0;
+    law.choice.slider.time_step = slots.grows ? update->dt : 0.0;
   }
   travel(moved_here);
   const bool early = ranks && !fresh && !worn(moved_here);    // contacts of local discs, while the others travel
@@ -357,15 +357,13 @@ void PairJumpDisc::evaluate(size_t from, size_t to)
   evaluate_list(from, to, nullptr);
   if (slots.full >= 0)
     error->one(FLERR, "jump/disc: disc {} touches more than the {} others it can remember: contacts are too deep",
-               atom->tag[slots.full], slots.count);
+               atom->tag[slots.full], slots.number);
 }
 
 void PairJumpDisc::evaluate_list(size_t from, size_t to, Part *part)
 {
-  jump::with_branch(friction, touch, [&](auto f, auto t) {
-    constexpr Friction F = decltype(f)::value;
-    constexpr Touch T = decltype(t)::value;
-    sizes ? evaluate_list<F, T, true>(from, to, part) : evaluate_list<F, T, false>(from, to, part);
+  jump::with_law(law.choice, sizes, spin, [&](const auto &slots, auto own_sizes, auto turns) {
+    evaluate_list<own_sizes.value, turns.value>(slots, from, to, part);
   });
 }
 

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+/* A wall where it is, as a disc meets it. */
+
+#ifndef JUMP_CORE_WALL_H
+#define JUMP_CORE_WALL_H
+
+#include "contact.h"
+#include "faces.h"
+#include "motion.h"
+
+namespace jump {
+
+struct WallInPlace {
+  WallFaces faces;
+  const Placed *placed;    // null where it stands
+  double cx, cy;           // point of turning where the case has it, m
+
+  /** The point of a disc in the wall's own frame. */
+  void see(double &px, double &py) const
+  {
+    if (placed) inward(*placed, cx, cy, px, py);
+  }
+
+  /** The contact of a disc at (x, y) that moves at (vx, vy), as the wall is: `found` is of its own frame. */
+  AtWall<double> at(const FaceContact &found, double x, double y, double radius, double vx, double vy, double spin) const
+  {
+    AtWall<double> out{radius, found.gap, found.nx, found.ny, vx, vy, spin};
+    if (placed) {
+      outward(*placed, out.nx, out.ny);
+      const Pose v = velocity(placed->rate, x - out.gap * out.nx, y - out.gap * out.ny);
+      out.vx -= v.x;
+      out.vy -= v.y;
+    }
+    return out;
+  }
+
+  /** Velocity of the wall at a point, of one of its rates. */
+  Pose velocity(const Pose &rate, double x, double y) const
+  {
+    return {rate.x - rate.angle * (y - cy - placed->now.y), rate.y + rate.angle * (x - cx - placed->now.x), rate.angle};
+  }
+};
+
+}    // namespace jump
+
+#endif
