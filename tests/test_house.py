@@ -190,7 +190,7 @@ def test_no_python_of_the_current_folder_is_run():
 
 SHOWN = (
     "analysis/",
-    *(f"lammps_jump/{name}/" for name in ("cli", "runs", "sweeps", "studies")),
+    *(f"lammps_jump/{name}/" for name in ("case", "cli", "engines", "runs", "scene", "studies", "sweeps")),
     "lammps_jump/units.py",
 )
 """What makes text for readers."""

@@ -43,18 +43,18 @@ def check_size(
     if settle_steps and settle_steps + steps > MOST_STEPS >= steps:
         settle, index = case.settling
         raise source.error(
-            f"initial.{index}.settle: {settle:g} s behind the gate are {settle_steps:.3g} steps, with those of "
-            f"run.duration {settle_steps + steps:.3g}; allowed are {MOST_STEPS:.0e}: shorten it"
+            f"initial.{index}.settle: {settle:zg} s behind the gate are {settle_steps:z.3g} steps, with those of "
+            f"run.duration {settle_steps + steps:z.3g}; allowed are {MOST_STEPS:z.0e}: shorten it"
         )
     if steps > MOST_STEPS:
         raise source.error(
-            f"run.duration: {case.run.duration:g} s are {steps:.3g} steps; allowed are {MOST_STEPS:.0e}: shorten it, "
-            "raise run.time_step_fraction or lower the stiffness"
+            f"run.duration: {case.run.duration:zg} s are {steps:z.3g} steps; allowed are {MOST_STEPS:z.0e}: "
+            "shorten it, raise run.time_step_fraction or lower the stiffness"
         )
     frames = (settle_steps + steps) // output_steps + 1  # the first is that of the start
     if frames > MOST_FRAMES:
         raise source.error(
-            f"run.output_interval: {case.output_interval:g} s make {frames} frames; allowed are {MOST_FRAMES}: write "
+            f"run.output_interval: {case.output_interval:zg} s make {frames} frames; allowed are {MOST_FRAMES}: write "
             "fewer"
         )
     discs = sum(disc_count(item, case.discs.diameter, sizes) for item in case.initial)
@@ -68,20 +68,20 @@ def check_domain(case: CaseFields, source: CaseSource, domain: tuple[Interval, I
     cells = (xhi - xlo) * (yhi - ylo) / case.discs.diameter**2
     if cells > MOST_CELLS:
         raise source.error(
-            f"domain: x [{xlo:g}, {xhi:g}], y [{ylo:g}, {yhi:g}] has room for {cells:.3g} discs of "
-            f"{case.discs.diameter:g} m; allowed is room for {MOST_CELLS:.0e}: give a smaller domain or take larger "
+            f"domain: x [{xlo:zg}, {xhi:zg}], y [{ylo:zg}, {yhi:zg}] has room for {cells:z.3g} discs of "
+            f"{case.discs.diameter:zg} m; allowed is room for {MOST_CELLS:z.0e}: give a smaller domain or take larger "
             "discs"
         )
     width = case.analysis.bin_width
     length = xhi - xlo
     if width is not None and length / width > MOST_BINS:
         raise source.error(
-            f"analysis.bin_width: {width:g} m would make {length / width:.0f} bins over {length:g} m; allowed are "
+            f"analysis.bin_width: {width:zg} m would make {length / width:z.0f} bins over {length:zg} m; allowed are "
             f"{MOST_BINS}: widen it"
         )
     if width is not None and width > length:
         raise source.error(
-            f"analysis.bin_width: {width:g} m is wider than the domain; allowed is up to its {length:g} m: make the "
+            f"analysis.bin_width: {width:zg} m is wider than the domain; allowed is up to its {length:zg} m: make the "
             "bins narrower"
         )
 
@@ -126,25 +126,25 @@ def check_pour(case: CaseFields, source: CaseSource, domain: tuple[Interval, Int
         raise source.error("gravity: is 0, so that poured discs do not fall; allowed is > 0 with inflow kind: pour")
     if case.slope != 0:
         raise source.error(
-            f"slope: is {case.slope:g} degree; discs are poured straight down: allowed is 0 with inflow kind: pour"
+            f"slope: is {case.slope:zg} degree; discs are poured straight down: allowed is 0 with inflow kind: pour"
         )
     d = largest
     for axis, (low, high), limits in zip("xy", (pour.x, pour.y), domain, strict=True):
         if high - low < d * (1 - 1e-9):
             raise source.error(
-                f"inflow.{axis}: [{low:g}, {high:g}] is {high - low:g} m wide; allowed is a disc's {d:g} m or more: "
-                "widen it"
+                f"inflow.{axis}: [{low:zg}, {high:zg}] is {high - low:zg} m wide; allowed is a disc's {d:zg} m "
+                "or more: widen it"
             )
         if low < limits[0] or high > limits[1]:
             raise source.error(
-                f"inflow.{axis}: [{low:g}, {high:g}] reaches out of the domain; allowed is within [{limits[0]:g}, "
-                f"{limits[1]:g}]: move the pour or widen domain.{axis}"
+                f"inflow.{axis}: [{low:zg}, {high:zg}] reaches out of the domain; allowed is within [{limits[0]:zg}, "
+                f"{limits[1]:zg}]: move the pour or widen domain.{axis}"
             )
     held = pour.volume_fraction * (pour.x[1] - pour.x[0]) * (pour.y[1] - pour.y[0]) / (pi * d * d / 4)
     if held < 1:
         raise source.error(
-            f"inflow.volume_fraction: {pour.volume_fraction:g} of the region is {held:.3g} discs; allowed is one disc "
-            "or more: raise it or widen inflow.x or inflow.y"
+            f"inflow.volume_fraction: {pour.volume_fraction:zg} of the region is {held:z.3g} discs; allowed is "
+            "one disc or more: raise it or widen inflow.x or inflow.y"
         )
 
 
@@ -158,9 +158,9 @@ def check_time(case: CaseFields, source: CaseSource, scene: Scene) -> None:
     hours = twin_seconds(scene) / 3600
     if case.engine.name == "twin" and hours > MOST_TWIN_HOURS:
         raise source.error(
-            f"engine.name: twin: {scene.steps} steps of up to {scene.expected_discs} discs take about {hours:.0f} h in "
-            f"plain Python; allowed are {MOST_TWIN_HOURS}: lower run.duration or the number of discs, or use "
-            "engine.name: native"
+            f"engine.name: twin: {scene.steps} steps of up to {scene.expected_discs} discs take about "
+            f"{hours:z.0f} h in plain Python; allowed are {MOST_TWIN_HOURS}: lower run.duration or the number "
+            "of discs, or use engine.name: native"
         )
 
 
@@ -208,8 +208,8 @@ def _against_inflow(case: CaseFields) -> list[str]:
         depth, speed = item.y[1] - item.y[0], item.velocity[0]
         if abs(depth / first - 1) > CONTRADICTION or abs(speed / towards - 1) > CONTRADICTION:
             notes.append(
-                f"initial.{index}: the column at the inlet is {depth:.3g} m deep at {speed:.3g} m/s, the inflow "
-                f"{first:.3g} m at {towards:.3g} m/s: both meet at t = 0 and a wave runs off; give the "
+                f"initial.{index}: the column at the inlet is {depth:z.3g} m deep at {speed:z.3g} m/s, the inflow "
+                f"{first:z.3g} m at {towards:z.3g} m/s: both meet at t = 0 and a wave runs off; give the "
                 "column the inflow's depth and velocity, or begin it further down"
             )
     return notes
@@ -224,14 +224,14 @@ def check_sizes(case: CaseFields, source: CaseSource, sizes: Sizes | None) -> li
     friction = case.contact.friction
     if sizes and friction and case.contact.restitution == 1 and not case.contact.springs:
         raise source.error(
-            f"contact.friction: is {friction:g} with restitution 1; with discs.sizes the tangential dashpot is a "
+            f"contact.friction: is {friction:zg} with restitution 1; with discs.sizes the tangential dashpot is a "
             "multiple of the normal one, which is 0 then: allowed is friction 0, restitution below 1, or equal discs"
         )
     notes = []
     if isinstance(case.inflow, RowsInflow) and case.inflow.spacing < REFUSAL_GAP:
         notes.append(
-            f"inflow.spacing {case.inflow.spacing:g}: discs so close slow each other down and find their places "
-            f"occupied, so that some per cent do not enter; take {LEAST_GAP:g}"
+            f"inflow.spacing {case.inflow.spacing:zg}: discs so close slow each other down and find their places "
+            f"occupied, so that some per cent do not enter; take {LEAST_GAP:zg}"
         )
     if isinstance(case.inflow, RowsInflow) and case.analysis.jump:
         if not sizes:
@@ -241,8 +241,8 @@ def check_sizes(case: CaseFields, source: CaseSource, sizes: Sizes | None) -> li
             )
         if friction - tan(radians(case.slope)) > LEVEL_FRICTION:
             notes.append(
-                f"friction {friction:g} on this bed makes a heap that runs upstream, not a level jump: the bed holds a "
-                f"sloping surface; for a hydraulic jump take contact.friction up to {LEVEL_FRICTION:g}"
+                f"friction {friction:zg} on this bed makes a heap that runs upstream, not a level jump: the bed "
+                f"holds a sloping surface; for a hydraulic jump take contact.friction up to {LEVEL_FRICTION:zg}"
             )
     notes += [*_against_inflow(case), *_leaping(case)]
     return notes + _sinking(case, sizes)
@@ -256,9 +256,9 @@ def _leaping(case: CaseFields) -> list[str]:
     if ratio < LEAP:
         return []
     return [
-        f"inflow.table: from t = {time:g} s on the speed grows {ratio:.3g}-fold within {TRAVEL:g} depths of its way: "
-        "fast discs run into slow ones, the flow backs up, and discs may be refused at the inlet (0.6 % where a speed "
-        f"doubled so, 6 % where it grew fourfold); let it grow less than {LEAP:g}-fold over that way"
+        f"inflow.table: from t = {time:zg} s on the speed grows {ratio:z.3g}-fold within {TRAVEL:zg} depths of "
+        "its way: fast discs run into slow ones, the flow backs up, and discs may be refused at the inlet (0.6 "
+        f"% where a speed doubled so, 6 % where it grew fourfold); let it grow less than {LEAP:zg}-fold over that way"
     ]
 
 
@@ -309,8 +309,8 @@ def check_stability(
         # the correction lowers the damping as f grows: the limit without it is safe for every f
         limit = min(limit, contact.stable_fraction(coefficients.damping_ratio, integrator))
         raise source.error(
-            f"run.time_step_fraction: {fraction:g} is unstable in a dense packing; allowed is up to {limit:.3f} of "
-            f"2/omega for {integrator} at restitution {coefficients.restitution:g}; lower it (0.05 is the thesis' "
+            f"run.time_step_fraction: {fraction:zg} is unstable in a dense packing; allowed is up to {limit:z.3f} of "
+            f"2/omega for {integrator} at restitution {coefficients.restitution:zg}; lower it (0.05 is the thesis' "
             "value) or set run.allow_unstable: true"
         )
     given = case.contact
@@ -319,13 +319,13 @@ def check_stability(
     found += spring_warnings(coefficients, given.springs, given.rotation)
     if coefficients.restitution > 0.9 and fraction >= 0.2 and given.touch == "sharp":
         found.append(
-            f"time_step_fraction {fraction:g} is stable, but at restitution {coefficients.restitution:g} the kink at "
+            f"time_step_fraction {fraction:zg} is stable, but at restitution {coefficients.restitution:zg} the kink at "
             "first touch heats the discs from 0.2 on; use 0.1 or less, or contact.touch: smooth"
         )
     if fraction > 0.8 * limit:
         found.insert(
             0,
-            f"time_step_fraction {fraction:g} is close to the limit of stability {limit:.3f} (hexagonal packing, "
+            f"time_step_fraction {fraction:zg} is close to the limit of stability {limit:z.3f} (hexagonal packing, "
             f"{integrator}); energies near it are not to be trusted",
         )
     return found

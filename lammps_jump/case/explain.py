@@ -184,4 +184,4 @@ def _limits(location: tuple, model: type) -> str:
     if field is None:
         return ""
     bounds = ((sign, getattr(item, key, None)) for item in field.metadata for key, sign in SIGNS.items())
-    return " and ".join(f"{sign} {bound:g}" for sign, bound in bounds if bound is not None)
+    return " and ".join(f"{sign} {bound:zg}" for sign, bound in bounds if bound is not None)

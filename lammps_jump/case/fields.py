@@ -73,7 +73,7 @@ class ListSizes(Strict):
                 f"shares has {len(self.shares)} values, diameters {len(self.diameters)}; give one for each"
             )
         if abs(sum(self.shares) - 1.0) > 1e-6:
-            raise ValueError(f"shares add up to {sum(self.shares):g}; their sum must be 1")
+            raise ValueError(f"shares add up to {sum(self.shares):zg}; their sum must be 1")
         return self
 
 
@@ -94,8 +94,8 @@ class Discs(Strict):
         for value in self.sizes.diameters if isinstance(self.sizes, ListSizes) else ():
             if not 1 / WIDEST_SIZES <= value / self.diameter <= WIDEST_SIZES:
                 raise ValueError(
-                    f"sizes.diameters holds {value:g} m; allowed are {self.diameter / WIDEST_SIZES:g} to "
-                    f"{self.diameter * WIDEST_SIZES:g} m, a quarter to four times the nominal diameter"
+                    f"sizes.diameters holds {value:zg} m; allowed are {self.diameter / WIDEST_SIZES:zg} to "
+                    f"{self.diameter * WIDEST_SIZES:zg} m, a quarter to four times the nominal diameter"
                 )
         return self
 
@@ -369,6 +369,6 @@ class CaseFields(Strict):
     def _some_or_none(cls, value: float) -> float:
         if 0 < value < LEAST_GRAVITY:
             raise ValueError(
-                f"{value:g} is out of range; allowed is 0 for none, or {LEAST_GRAVITY:g} to {MOST_GRAVITY:g} m/s^2"
+                f"{value:zg} is out of range; allowed is 0 for none, or {LEAST_GRAVITY:zg} to {MOST_GRAVITY:zg} m/s^2"
             )
         return value

@@ -95,7 +95,7 @@ def column_positions(column: Column, discs: Discs, gravity: float, contact: Coef
     deepest = max(vertical.max(initial=0.0), pressure.max(initial=0.0) * d / contact.stiffness)
     if deepest > radius:
         error = TooSoft(
-            f"its own weight would press the discs {deepest:.3g} m into each other; allowed is a radius, {radius:g} m"
+            f"its own weight would press the discs {deepest:z.3g} m into each other; allowed is a radius, {radius:zg} m"
         )
         error.factor = 10.0 * deepest / d
         raise error
@@ -141,8 +141,8 @@ def arrange(
         positions = pile(item, sizes, first) if sizes else column_positions(item, discs, gravity, contact)
         if not len(positions):
             raise ValueError(
-                f"not one disc of {discs.diameter:g} m fits into x [{item.x[0]:g}, {item.x[1]:g}], "
-                f"y [{item.y[0]:g}, {item.y[1]:g}]; make the column wider or higher than one diameter, or "
+                f"not one disc of {discs.diameter:zg} m fits into x [{item.x[0]:zg}, {item.x[1]:zg}], "
+                f"y [{item.y[0]:zg}, {item.y[1]:zg}]; make the column wider or higher than one diameter, or "
                 'take smaller discs (numbers are in m; text may have a unit, "100 mm")'
             )
         velocities = np.tile(np.array(item.velocity, float), (len(positions), 1))

@@ -356,8 +356,8 @@ def _outlets(
         room = high - at if side == "above" else at - low
         if room <= begun.largest:
             raise source.error(
-                f"outflow.{index}.{field}: {at:g} m leaves no room before the edge of the domain ([{low:g}, "
-                f"{high:g}]); discs need a few metres to be taken out in: widen domain or move the outlet"
+                f"outflow.{index}.{field}: {at:zg} m leaves no room before the edge of the domain ([{low:zg}, "
+                f"{high:zg}]); discs need a few metres to be taken out in: widen domain or move the outlet"
             )
         every = max(1, min(begun.output_steps, int(room / (MAX_SPEED_MARGIN * speed * begun.time_step))))
         outlets.append(Outlet(axis, at, side, every))

@@ -122,8 +122,8 @@ def _unjoined(lines: dict[int, Line], ends: dict, order: list[int], left: list[i
     gap, index = min((hypot(*np.subtract(here, ends[i][0])), i) for i in left)
     x, y = here
     return (
-        f"walls.{index}.join: no line of join '{lines[index].join}' begins at ({x:g}, {y:g}) m, where '{last.name}' "
-        f"ends; '{lines[index].name}' begins {gap:.3g} m away: give both the same point"
+        f"walls.{index}.join: no line of join '{lines[index].join}' begins at ({x:zg}, {y:zg}) m, where '{last.name}' "
+        f"ends; '{lines[index].name}' begins {gap:z.3g} m away: give both the same point"
     )
 
 
@@ -181,20 +181,20 @@ def check_own_laws(
             )
         if begun.sizes and law.friction and not law.gamma_normal and not case.contact.springs:
             raise source.error(
-                f"{item.field}: wall '{item.wall.name}' has friction {law.friction:g} and restitution 1; with "
+                f"{item.field}: wall '{item.wall.name}' has friction {law.friction:zg} and restitution 1; with "
                 "discs.sizes the tangential dashpot is a multiple of the normal one, which is 0 then: allowed is "
                 "friction 0, restitution below 1, or equal discs"
             )
         limit = contact.own_stable_fraction(begun.coefficients, law, begun.smallest / begun.diameter, integrator)
         if fraction > limit and not case.run.allow_unstable:
             raise source.error(
-                f"{item.field}.stiffness: {law.stiffness:g} N/m is too stiff for run.time_step_fraction {fraction:g}; "
-                f"at this wall allowed is a fraction up to {limit:.3f}: lower one of the two, or set "
+                f"{item.field}.stiffness: {law.stiffness:zg} N/m is too stiff for run.time_step_fraction "
+                f"{fraction:zg}; at this wall allowed is a fraction up to {limit:z.3f}: lower one of the two, or set "
                 "run.allow_unstable: true"
             )
         if fraction > 0.8 * limit:
             notes.append(
-                f"time_step_fraction {fraction:g} is close to the limit of stability {limit:.3f} at wall "
+                f"time_step_fraction {fraction:zg} is close to the limit of stability {limit:z.3f} at wall "
                 f"'{item.wall.name}'"
             )
     return notes
@@ -274,8 +274,8 @@ def check_bends(source: CaseSource, walls: tuple[CaseWall, ...], largest: float)
         for field, radius in item.wall.bends_given():
             if radius < least:
                 raise source.error(
-                    f"{item.field}.{field}: the arc of radius {radius:g} m bends towards the discs, and the largest "
-                    f"one of {largest / 2:g} m does not fit; allowed is {least:.4g} m or more: widen the arc"
+                    f"{item.field}.{field}: the arc of radius {radius:zg} m bends towards the discs, and the largest "
+                    f"one of {largest / 2:zg} m does not fit; allowed is {least:z.4g} m or more: widen the arc"
                 )
 
 
@@ -287,8 +287,8 @@ def wall_doubts(walls: Sequence[MovingWall], begun: Beginning, laws: Laws, inlet
             continue
         if at := flush(one.faces, two.faces):
             found.append(
-                f"walls '{one.name}' and '{two.name}' meet flush at ({at[0]:g}, {at[1]:g}) m: a disc there feels both, "
-                "up to twice the force; make them one wall"
+                f"walls '{one.name}' and '{two.name}' meet flush at ({at[0]:zg}, {at[1]:zg}) m: a disc there "
+                "feels both, up to twice the force; make them one wall"
                 + (", or give both the same join" if open_ends(one.faces) and open_ends(two.faces) else "")
             )
     return found + _gap_doubts([one.wall for one in walls], begun.smallest)
@@ -324,8 +324,8 @@ def _speed_doubt(one: MovingWall, begun: Beginning, laws: Laws) -> list[str]:
     thickness = begun.smallest if isinf(wall.thickness) else wall.thickness  # from one side it is pushed twice as far
     through = limit * (1 + thickness / begun.smallest)
     return [
-        f"wall '{wall.name}' moves at up to {speed:.3g} m/s: a disc that it meets at {through:.3g} m/s passes through "
-        f"it, and overlaps end the run before; move it more slowly, or {begun.stiffer}"
+        f"wall '{wall.name}' moves at up to {speed:z.3g} m/s: a disc that it meets at {through:z.3g} m/s passes "
+        f"through it, and overlaps end the run before; move it more slowly, or {begun.stiffer}"
     ]
 
 
@@ -336,9 +336,9 @@ def _bend_doubt(wall: Wall, largest: float) -> list[str]:
         return []
     radius, (x, y) = found
     return [
-        f"wall '{wall.name}' bends towards the discs with a radius of about {radius:.3g} m at ({x:g}, {y:g}) m; below "
-        f"{TIGHTEST_LINE:g} radii of the largest disc ({TIGHTEST_LINE * largest / 2:.3g} m) discs lose or gain "
-        "energy there: take an arc, or fewer points"
+        f"wall '{wall.name}' bends towards the discs with a radius of about {radius:z.3g} m at ({x:zg}, {y:zg}) "
+        f"m; below {TIGHTEST_LINE:zg} radii of the largest disc ({TIGHTEST_LINE * largest / 2:z.3g} m) discs "
+        "lose or gain energy there: take an arc, or fewer points"
     ]
 
 
@@ -355,8 +355,8 @@ def _gap_doubts(walls: Sequence[Wall], smallest: float) -> list[str]:
                 gap = np.hypot(*(points - (x, y)).T).min() if len(points) else inf
                 if SAME_END * max(1.0, abs(x), abs(y)) < gap < smallest:
                     found.append(
-                        f"an end of wall '{wall.name}' at ({x:g}, {y:g}) m is {gap:.3g} m from {what}: too little for "
-                        "a disc, and not closed; let them meet, or move them apart"
+                        f"an end of wall '{wall.name}' at ({x:zg}, {y:zg}) m is {gap:z.3g} m from {what}: too "
+                        "little for a disc, and not closed; let them meet, or move them apart"
                     )
     return found
 
@@ -365,13 +365,15 @@ def told(one: MovingWall, scene: Scene) -> str:
     """Contact numbers and motion of a wall in words; empty where it has none of its own."""
     wall = one.wall
     names = {"friction": "", "restitution": "", "stiffness": " N/m", "rolling": ""}
-    parts = [f"{name} {getattr(wall, name):g}{unit}" for name, unit in names.items() if getattr(wall, name) is not None]
+    parts = [
+        f"{name} {getattr(wall, name):zg}{unit}" for name, unit in names.items() if getattr(wall, name) is not None
+    ]
     kind = one.motion.kind
     if kind is not None:
-        end = "" if kind.until is None else f" until {kind.until:g} s"
+        end = "" if kind.until is None else f" until {kind.until:zg} s"
         speed = largest_speed(one, *span(scene))
-        pace = f", at up to {speed:.3g} m/s" if speed else ""
-        parts.append(f"motion {kind.kind} from {kind.begin:g} s{end}{pace}")  # type: ignore[attr-defined]
+        pace = f", at up to {speed:z.3g} m/s" if speed else ""
+        parts.append(f"motion {kind.kind} from {kind.begin:zg} s{end}{pace}")  # type: ignore[attr-defined]
     return "; ".join(parts)
 
 

@@ -138,9 +138,9 @@ def choose_setting(
     good = [row for row in rows if row.shown <= accuracy]
     if not good:
         best = min(rows, key=lambda row: row.shown, default=None)
-        shown = f"the best shown is {100 * best.shown:.2g} % ({best.label})" if best else "none fits"
+        shown = f"the best shown is {100 * best.shown:z.2g} % ({best.label})" if best else "none fits"
         raise CaseError(
-            f"run.accuracy: {100 * accuracy:g} % in {KINDS[kind][1]} is shown by no stored setting that fits here; "
+            f"run.accuracy: {100 * accuracy:zg} % in {KINDS[kind][1]} is shown by no stored setting that fits here; "
             f"{shown}. Ask for that, or set run.time_step_fraction"
         )
     chosen = min(good, key=lambda row: row.seconds)
@@ -172,13 +172,13 @@ def fits(row: Calibrated, case: CaseFields, usable: set[str]) -> bool:
 def _reason(row: Calibrated, base: Calibrated | None, entry: dict, case: CaseFields, accuracy: float) -> str:
     """Return which setting, how sure, how much quicker than the thesis' step, and what the calibration lacks."""
     words, quantity = KINDS[scene_kind(case)]
-    quicker = f", {base.seconds / row.seconds:.1f} times quicker than stock LAMMPS at f = 0.05" if base else ""
+    quicker = f", {base.seconds / row.seconds:z.1f} times quicker than stock LAMMPS at f = 0.05" if base else ""
     text = (
-        f"{row.label}: the cheapest shown to be within {100 * accuracy:g} % in {quantity} of a {words} "
-        f"(measured on {entry['case']}: {100 * row.error:.2g} %, scatter {100 * row.floor:.2g} %{quicker})"
+        f"{row.label}: the cheapest shown to be within {100 * accuracy:zg} % in {quantity} of a {words} "
+        f"(measured on {entry['case']}: {100 * row.error:z.2g} %, scatter {100 * row.floor:z.2g} %{quicker})"
     )
     if case.contact.friction and not entry["friction"]:
         text += "; the calibration is without friction, this case has some"
     if abs(case.contact.restitution - entry["restitution"]) > 0.05:
-        text += f"; the calibration is for e = {entry['restitution']:g}, this case has {case.contact.restitution:g}"
+        text += f"; the calibration is for e = {entry['restitution']:zg}, this case has {case.contact.restitution:zg}"
     return text

@@ -121,7 +121,7 @@ def _without_result(job: Job, child: Child) -> RunResult:
         outside = not (blamed or log)
     else:
         scene, last = job.scene, child.last or Progress(0, job.scene.steps, 0.0, len(job.scene.positions))
-        ended = f"the engine's process ended at t = {last.time:.4g} s: {error}. What it wrote is kept in {job.folder}."
+        ended = f"the engine's process ended at t = {last.time:z.4g} s: {error}. What it wrote is kept in {job.folder}."
         if child.asked:
             reason = "it was ended by force, so its state was not saved"
             ended = interruption(scene, last.step, job.folder, again=again, reason=reason)
@@ -133,5 +133,5 @@ def _without_result(job: Job, child: Child) -> RunResult:
     killed = status == -signal.SIGKILL or any(KILLED in line for line in child.output)
     if found.status != "failed" or not outside or (again is None and not killed):
         return found
-    how = "starts it again" if again is None else f"goes on from t = {again:.4g} s"
+    how = "starts it again" if again is None else f"goes on from t = {again:z.4g} s"
     return replace(found, message=f"{found.message} `lammps-jump run {job.folder} --resume` {how}.", outside=True)

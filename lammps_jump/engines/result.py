@@ -114,12 +114,12 @@ def interruption(scene: Scene, step: int, folder: object, *, again: float | None
         Why it cannot, where there is no checkpoint.
     """
     kept = (
-        f"the run was ended at t = {scene.time(step):.4g} s of {scene.time(scene.steps):.4g} s; the frames up to there "
-        f"are kept in {folder}: `lammps-jump analyze {folder}` looks at them"
+        f"the run was ended at t = {scene.time(step):z.4g} s of {scene.time(scene.steps):z.4g} s; the frames up "
+        f"to there are kept in {folder}: `lammps-jump analyze {folder}` looks at them"
     )
     if again is not None:
         return (
             f"{kept}, `lammps-jump run {folder} --resume` (or the same command with --resume) goes on from "
-            f"t = {again:.4g} s, with --force in its place it starts anew"
+            f"t = {again:z.4g} s, with --force in its place it starts anew"
         )
     return f"{kept}, the same command with --force starts anew" + (f"; it cannot go on: {reason}" if reason else "")

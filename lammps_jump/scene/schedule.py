@@ -108,7 +108,7 @@ def told(
         What has changed them.
     """
     return tuple(
-        f"{name}: {made:.4g} {unit} in place of {value:.4g} {unit}, because {why}"
+        f"{name}: {made:z.4g} {unit} in place of {value:z.4g} {unit}, because {why}"
         for name, (value, made) in asked.items()
         if abs(made - value) > TOLD * abs(value)
     )
@@ -119,8 +119,8 @@ def told_of_window(asked: float, made: float, output_interval: float) -> tuple[s
     why = "windows are whole steps, and whole numbers of them make the time between frames"
     if asked > (1 + TOLD) * output_interval:
         why = (
-            f"a window is at most the time between frames: for {asked:.4g} s set run.output_interval to {asked:.4g} s "
-            "or a multiple of it"
+            f"a window is at most the time between frames: for {asked:z.4g} s set run.output_interval to "
+            f"{asked:z.4g} s or a multiple of it"
         )
     return told({"probes.interval": (asked, made)}, why=why)
 
@@ -140,17 +140,17 @@ def plan_stations(x: Interval, speed: float, window: Interval, scene: Beginning,
     first, last = (frame * scene.output_steps for frame in frames)
     if not 0 <= first < last <= scene.steps:
         raise ValueError(
-            f"window [{window[0]:g}, {window[1]:g}] s; allowed are times of two frames or more within "
-            f"[{scene.time(0):g}, {scene.time(scene.steps):g}] s"
+            f"window [{window[0]:zg}, {window[1]:zg}] s; allowed are times of two frames or more within "
+            f"[{scene.time(0):zg}, {scene.time(scene.steps):zg}] s"
         )
     if x[1] - x[0] < least:
-        raise ValueError(f"x [{x[0]:g}, {x[1]:g}] m; allowed is a distance of {least:g} m, two discs, or more")
+        raise ValueError(f"x [{x[0]:zg}, {x[1]:zg}] m; allowed is a distance of {least:zg} m, two discs, or more")
     moved = speed * (last - first) * dt
     low, high = x[0] + min(0.0, moved), x[1] + max(0.0, moved)
     for place in places:
         if low - least < place < high + least:
             raise ValueError(
-                f"the stations pass x = {low:.4g} to {high:.4g} m, and discs come or go at {place:g} m; allowed is a "
-                f"stretch that stays {least:g} m away from it: move the stations or shorten the window"
+                f"the stations pass x = {low:z.4g} to {high:z.4g} m, and discs come or go at {place:zg} m; "
+                f"allowed is a stretch that stays {least:zg} m away from it: move the stations or shorten the window"
             )
     return Stations(x, speed, first, last)

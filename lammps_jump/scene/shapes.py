@@ -65,8 +65,8 @@ class PlaceError(ValueError):
 def _some_radius(value: float) -> float:
     if abs(value) < LEAST_RADIUS:
         raise ValueError(
-            f"{value:g} m is no radius; allowed is {LEAST_RADIUS:g} m or more (turns left) or {-LEAST_RADIUS:g} m or "
-            "less (turns right): for a straight line write the point alone, [x, y]"
+            f"{value:zg} m is no radius; allowed is {LEAST_RADIUS:zg} m or more (turns left) or "
+            f"{-LEAST_RADIUS:zg} m or less (turns right): for a straight line write the point alone, [x, y]"
         )
     return value
 
@@ -155,12 +155,14 @@ def drawn(given: Sequence[Point | ArcTo], *, least: int, ring: bool = False) -> 
     for i, ((x0, y0), (x1, y1)) in enumerate(pairwise(corners), 1):
         chord, bend = hypot(x1 - x0, y1 - y0), bends[i - 1]
         if chord <= same:
-            raise PlaceError(("points", i), f"({x1:g}, {y1:g}) m stands where the point before it stands; leave it out")
+            raise PlaceError(
+                ("points", i), f"({x1:zg}, {y1:zg}) m stands where the point before it stands; leave it out"
+            )
         if bend and chord > 2 * abs(bend) * (1 + SAME):
             raise PlaceError(
                 ("points", i),
-                f"the arc from ({x0:g}, {y0:g}) to ({x1:g}, {y1:g}) spans {chord:.6g} m, which is more than its "
-                f"diameter; allowed is a radius of {chord / 2:.6g} m or more",
+                f"the arc from ({x0:zg}, {y0:zg}) to ({x1:zg}, {y1:zg}) spans {chord:z.6g} m, which is more than its "
+                f"diameter; allowed is a radius of {chord / 2:z.6g} m or more",
             )
     ends_meet = len(corners) > 2 and hypot(*np.subtract(corners[0], corners[-1])) <= same
     if ends_meet:
@@ -182,7 +184,7 @@ def closed_path(given: Sequence[Point | ArcTo], *, clockwise: bool) -> Path:
     """
     path = drawn(given, least=3, ring=True)
     if abs(path.area) <= SAME * path.size**2:
-        raise PlaceError(("points",), f"hold an area of {abs(path.area):.3g} m^2; a polygon needs one")
+        raise PlaceError(("points",), f"hold an area of {abs(path.area):z.3g} m^2; a polygon needs one")
     return path if (path.area < 0) == clockwise else path.reversed()
 
 
@@ -198,15 +200,15 @@ def _check(path: Path, given: int) -> None:
             x, y = ends[i]
             raise PlaceError(
                 ("points", i % given),
-                f"the wall turns right back at ({x:g}, {y:g}) m; move the point, or take a line with sheet: true, felt "
-                "from both sides",
+                f"the wall turns right back at ({x:zg}, {y:zg}) m; move the point, or take a line with sheet: "
+                "true, felt from both sides",
             )
     if found := _meeting(ends, parts, SAME * path.size):
         (first, second), (x, y) = found
         raise PlaceError(
             ("points", (second + 1) % given),
-            f"the wall meets itself at ({x:.6g}, {y:.6g}) m: here and between points {first} and {first + 1}; move the "
-            "points apart",
+            f"the wall meets itself at ({x:z.6g}, {y:z.6g}) m: here and between points {first} and {first + 1}; "
+            "move the points apart",
         )
 
 

@@ -83,7 +83,7 @@ class Kind:
 
     def __post_init__(self) -> None:
         if self.until is not None and self.until <= self.begin:
-            raise ValueError(f"until is {self.until:g} s; allowed is a time behind from ({self.begin:g} s)")
+            raise ValueError(f"until is {self.until:zg} s; allowed is a time behind from ({self.begin:zg} s)")
 
     @property
     def end(self) -> float:
@@ -187,12 +187,12 @@ class Table(Kind):
             raise ValueError("needs points, rows [t, x, y, angle], or file: a table of them")
         first = self.points[0]
         if first[0] < self.begin:
-            raise ValueError(f"points: the first t is {first[0]:g} s; allowed is from ({self.begin:g} s) or later")
+            raise ValueError(f"points: the first t is {first[0]:zg} s; allowed is from ({self.begin:zg} s) or later")
         if first[0] == self.begin and any(first[1:]):
-            raise ValueError(f"points: at t = from = {first[0]:g} s the wall is where the case has it: write 0, 0, 0")
+            raise ValueError(f"points: at t = from = {first[0]:zg} s the wall is where the case has it: write 0, 0, 0")
         for (before, *_), (after, *_) in pairwise(self._rows()):
             if after <= before:
-                raise ValueError(f"points: t {after:g} s follows {before:g} s; times must grow")
+                raise ValueError(f"points: t {after:zg} s follows {before:zg} s; times must grow")
 
     def _rows(self) -> list[Row]:
         there = self.points[0][0] == self.begin

@@ -32,7 +32,7 @@ Interval = tuple[float, float]
 def ordered(value: Interval) -> Interval:
     """The interval itself; ValueError where its ends are not in order."""
     if value[0] >= value[1]:
-        raise ValueError(f"[{value[0]:g}, {value[1]:g}] runs backwards; expected [low, high] with low < high")
+        raise ValueError(f"[{value[0]:zg}, {value[1]:zg}] runs backwards; expected [low, high] with low < high")
     return value
 
 
@@ -281,7 +281,7 @@ class Block(Wall):
 
     def __post_init__(self) -> None:
         if self.x[0] == self.x[1] and self.y[0] == self.y[1]:
-            raise ValueError(f"x and y are one point, ({self.x[0]:g}, {self.y[0]:g}) m; give one of them a width")
+            raise ValueError(f"x and y are one point, ({self.x[0]:zg}, {self.y[0]:zg}) m; give one of them a width")
 
     @property
     def leaf(self) -> bool:

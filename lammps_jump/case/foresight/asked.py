@@ -33,7 +33,7 @@ def in_vain(case: CaseFields, walls: Sequence[MovingWall]) -> list[str]:
         "front": (bool(asked.front), any(isinstance(item, Column) for item in case.initial),
                   "no column stands at the start, so that none collapses"),
         "heap": (asked.heap, case.contact.friction >= LEAST_FRICTION or any((w.friction or 0) > 0 for w in ends),
-                 f"with a friction below {LEAST_FRICTION:g} discs make no heap"),
+                 f"with a friction below {LEAST_FRICTION:zg} discs make no heap"),
     }  # fmt: skip
     found = {name: (wanted, there, why) for name, (wanted, there, why) in texts.items()}
     if not case.gravity:
@@ -49,13 +49,13 @@ def empty_window(case: CaseFields) -> list[str]:
     begin = 0.0 - case.settling[0]
     if window[0] >= duration * (1 + 1e-3) or window[1] < begin:
         return [
-            f"analysis.window [{window[0]:g}, {window[1]:g}] s holds no frame of the run, which goes from {begin:g} to "
-            f"{duration:g} s: no mean can be taken; take a window within, or none for the last quarter"
+            f"analysis.window [{window[0]:zg}, {window[1]:zg}] s holds no frame of the run, which goes from "
+            f"{begin:zg} to {duration:zg} s: no mean can be taken; take a window within, or none for the last quarter"
         ]
     if window[1] - window[0] < case.output_interval:
         return [
-            f"analysis.window [{window[0]:g}, {window[1]:g}] s is shorter than the time between frames, "
-            f"{case.output_interval:.3g} s: it may hold none; widen it, or lower run.output_interval"
+            f"analysis.window [{window[0]:zg}, {window[1]:zg}] s is shorter than the time between frames, "
+            f"{case.output_interval:z.3g} s: it may hold none; widen it, or lower run.output_interval"
         ]
     return []
 
@@ -63,7 +63,7 @@ def empty_window(case: CaseFields) -> list[str]:
 def radians_given(case: CaseFields) -> list[str]:
     """Sentences on angles that look like radians: all are in degrees."""
     return [
-        f"{field}: {value:g} is in degrees; if radians are meant, write {round(degrees(value)):g}"
+        f"{field}: {value:zg} is in degrees; if radians are meant, write {round(degrees(value)):zg}"
         for field, value in _angles(case)
         if _like_radians(value)
     ]
@@ -74,7 +74,7 @@ def light(case: CaseFields) -> list[str]:
     density = case.discs.density
     if not LIGHT[0] <= density <= LIGHT[1]:
         return []
-    return [f"discs.density: {density:g} is in kg/m^3; if g/cm^3 are meant, write {1000 * density:g}"]
+    return [f"discs.density: {density:zg} is in kg/m^3; if g/cm^3 are meant, write {1000 * density:zg}"]
 
 
 def _angles(case: CaseFields) -> Iterator[tuple[str, float]]:

@@ -44,20 +44,20 @@ def doubts(case: CaseFields, impact_speed: float, inlets: tuple[InletRow, ...]) 
         found += empty
     elif window and window[1] > duration * (1 + 1e-3):
         found.append(
-            f"analysis.window ends at {window[1]:g} s, the run at {duration:g} s; take a window within the run, or "
+            f"analysis.window ends at {window[1]:zg} s, the run at {duration:zg} s; take a window within the run, or "
             "none for its last quarter"
         )
     elif window and window[1] < 0.5 * duration:
         found.append(
-            f"analysis.window ends at {window[1]:g} s and misses the last half of the {duration:g} s; take a later "
+            f"analysis.window ends at {window[1]:zg} s and misses the last half of the {duration:zg} s; take a later "
             "one, or none for the last quarter"
         )
     fastest = max((row.vx for row in inlets), default=0.0)
     if case.contact.own_stiffness is None and fastest > FASTEST * impact_speed:
         found.append(
-            f"the fastest row has {fastest:.3g} m/s, contact.impact_speed is {impact_speed:.3g} m/s: discs press "
-            f"{fastest / impact_speed:.2g} times deeper into each other than largest_overlap says; take "
-            f"impact_speed: {fastest:.3g}"
+            f"the fastest row has {fastest:z.3g} m/s, contact.impact_speed is {impact_speed:z.3g} m/s: discs press "
+            f"{fastest / impact_speed:z.2g} times deeper into each other than largest_overlap says; take "
+            f"impact_speed: {fastest:z.3g}"
         )
     return found
 
@@ -96,10 +96,10 @@ def jump_doubts(case: CaseFields, scene: Scene) -> list[str]:
     elif foot.stream is None:
         return []
     else:
-        place = Place(foot.x, inflow.y - foot.fall, f"foot of the bed, x = {foot.x:.3g} m,", foot.stream)
+        place = Place(foot.x, inflow.y - foot.fall, f"foot of the bed, x = {foot.x:z.3g} m,", foot.stream)
     if place.stream.froude <= 1:
         return [
-            f"the inflow is subcritical (Fr = {place.stream.froude:.3g}), so that no jump forms; Fr must be above 1"
+            f"the inflow is subcritical (Fr = {place.stream.froude:z.3g}), so that no jump forms; Fr must be above 1"
         ]
     sills = [
         (x[0], y[1] - place.level)
@@ -122,13 +122,13 @@ def _room(case: CaseFields, place: Place, sills: list[tuple[float, float]]) -> l
     if end - place.x < room:
         water = jump.channel_length(stream.froude, stream.depth)
         found.append(
-            f"the channel is {end - place.x:.3g} m long from the {place.words} to the sill or outlet; stream, jump and "
-            f"tail water need {room:.3g} m (5 y1 + 3.5 y2; 1.5 Lj of water are {water:.3g} m)"
+            f"the channel is {end - place.x:z.3g} m long from the {place.words} to the sill or outlet; stream, "
+            f"jump and tail water need {room:z.3g} m (5 y1 + 3.5 y2; 1.5 Lj of water are {water:z.3g} m)"
         )
     if sills and not filled and sill < LOWEST_SILL * stream.sill:
         found.append(
-            f"the jet will run over the sill of {sill:.3g} m without a jump: a broad crest that holds it has "
-            f"{stream.sill:.3g} m, and discs need {LOWEST_SILL * stream.sill:.3g} m or more"
+            f"the jet will run over the sill of {sill:z.3g} m without a jump: a broad crest that holds it has "
+            f"{stream.sill:z.3g} m, and discs need {LOWEST_SILL * stream.sill:z.3g} m or more"
         )
     return found
 
@@ -141,8 +141,8 @@ def _drowned(case: CaseFields, place: Place, sills: list[float]) -> list[str]:
     """
     stream, at, near = place.stream, place.x, 0.5 * place.stream.length
     told = (
-        f"the stream at the {place.words} has {stream.velocity:.3g} m/s and {stream.depth:.3g} m and holds "
-        f"{stream.belanger_y2:.3g} m"
+        f"the stream at the {place.words} has {stream.velocity:z.3g} m/s and {stream.depth:z.3g} m and holds "
+        f"{stream.belanger_y2:z.3g} m"
     )
     most = DROWNED * stream.belanger_y2
     filled = max(
@@ -150,12 +150,12 @@ def _drowned(case: CaseFields, place: Place, sills: list[float]) -> list[str]:
         default=0.0,
     )
     if place.words != "inlet" and filled > most:
-        return [f"the basin is drowned at the start: {told}, the water is {filled:.3g} m deep; start with less"]
+        return [f"the basin is drowned at the start: {told}, the water is {filled:z.3g} m deep; start with less"]
     crest = max(sills, default=0.0) + 1.5 * jump.critical_depth(stream.velocity * stream.depth, case.gravity)
     if sills and crest > jump.specific_energy(most, stream.velocity * stream.depth / most, case.gravity):
         return [
-            f"the sill of {max(sills):.3g} m will drown the jump: {told}, the sill dams more than {most:.3g} m; a sill "
-            f"of {stream.sill:.3g} m holds it"
+            f"the sill of {max(sills):z.3g} m will drown the jump: {told}, the sill dams more than {most:z.3g} "
+            f"m; a sill of {stream.sill:z.3g} m holds it"
         ]
     return []
 

@@ -53,7 +53,9 @@ def heap_doubts(case: CaseFields, begun: Beginning, walls: Iterable[MovingWall])
     if c.friction < LEAST_FRICTION or not makes_heap(case, begun.diameter, walls):
         return []
     speed = creep_speed(case.gravity, STATED_SLOPE, c.gamma_tangential)
-    told = f"at {speed:.2g} m/s on {STATED_SLOPE:g} degrees ({speed / sqrt(case.gravity * begun.diameter):.2g} √(g d))"
+    told = (
+        f"at {speed:z.2g} m/s on {STATED_SLOPE:zg} degrees ({speed / sqrt(case.gravity * begun.diameter):z.2g} √(g d))"
+    )
     holds = [name for name, one in FRICTION_LAWS.items() if one.remembers]
     return [
         f"friction_law {case.contact.friction_law} has no tangential spring: a heap never rests, it creeps"

@@ -112,14 +112,14 @@ def expected(case: CaseFields) -> Expected:
     for start in starts(case):
         fall = max(0.0, start.top - low)
         speed = sqrt(start.speed**2 + 2 * gravity * fall)
-        told = [f"discs {start.said} at {start.speed:.3g} m/s"] if start.speed else []
-        told += [f"{'' if told else 'discs '}fall by up to {fall:.3g} m to the lowest ground"] if fall else []
+        told = [f"discs {start.said} at {start.speed:z.3g} m/s"] if start.speed else []
+        told += [f"{'' if told else 'discs '}fall by up to {fall:z.3g} m to the lowest ground"] if fall else []
         found.append(Expected(speed, " and ".join(told) or "discs start at rest"))
     for wall in case.walls:
         if not isinstance(wall, RoughBed) and wall.motion is not None:
             moving = MovingWall(wall, Motion(inf, wall.motion, wall.motion.about or wall.pivot_point))
             speed = largest_speed(moving, 0.0, case.run.duration) if wall.finite else 0.0
-            found.append(Expected(speed, f"wall '{wall.name}' moves at up to {speed:.3g} m/s"))
+            found.append(Expected(speed, f"wall '{wall.name}' moves at up to {speed:z.3g} m/s"))
     return max(found, key=lambda one: one.speed)
 
 
@@ -138,8 +138,8 @@ def softness(case: CaseFields, begun: Beginning) -> list[str]:
     share, limit = overlap_at(found.speed, c, begun.diameter), begun.overlap_limit / begun.diameter
     if share <= (limit if law.own_stiffness is None else min(limit, SOFT * DESIGN)):
         return []
-    ends = f"the run ends at {limit:.2g}" if share > limit else f"{DESIGN:g} is usual"
+    ends = f"the run ends at {limit:z.2g}" if share > limit else f"{DESIGN:zg} is usual"
     return [
-        f"contacts are soft: {found.reason}, so that discs may meet a wall at {found.speed:.3g} m/s and overlap it by "
-        f"{share:.2g} of a diameter ({ends}); {law.stiff_for(found.speed, share / DESIGN)}"
+        f"contacts are soft: {found.reason}, so that discs may meet a wall at {found.speed:z.3g} m/s and overlap it by "
+        f"{share:z.2g} of a diameter ({ends}); {law.stiff_for(found.speed, share / DESIGN)}"
     ]

@@ -74,15 +74,16 @@ def unguarded(
     for edge, at, name in (("left", left, "x_before"), ("right", right, "x_beyond")):
         if edge in found and room[0][edge == "right"] == at and case.seam is None:
             said.append(
-                f"discs come to the {edge} edge of the domain, x = {at:.4g} m, where neither a wall nor an outflow is: "
-                f"one that is lost ends the run; add outflow: [{{{name}: …}}] before it, or a wall, or widen domain.x"
+                f"discs come to the {edge} edge of the domain, x = {at:z.4g} m, where neither a wall nor an "
+                f"outflow is: one that is lost ends the run; add outflow: [{{{name}: …}}] before it, or a wall, "
+                "or widen domain.x"
             )
     time = sqrt(2 * max(0.0, highest - bottom) / (case.gravity * cos(radians(case.slope))))
     if "bottom" in found and not any(one.axis == "y" and one.side == "below" for one in outlets):
         if case.run.duration > 2 * time:
             said.append(
                 f"nothing holds discs {_spans(found['bottom'])} m: they fall to the lower edge of the "
-                f"domain, y = {bottom:.4g} m, and one that is lost ends the run; add outflow: [{{y_below: …}}] above "
+                f"domain, y = {bottom:z.4g} m, and one that is lost ends the run; add outflow: [{{y_below: …}}] above "
                 "it, or close the floor there"
             )
     return said
@@ -92,7 +93,7 @@ def _spans(places: np.ndarray) -> str:
     """Stretches of places in words, m."""
     places = np.unique(places)
     breaks = np.flatnonzero(np.diff(places) > 1.5 * np.diff(places).min(initial=np.inf)) + 1
-    parts = [f"between x = {part[0]:.3g} and {part[-1]:.3g}" for part in np.split(places, breaks)]
+    parts = [f"between x = {part[0]:z.3g} and {part[-1]:z.3g}" for part in np.split(places, breaks)]
     return ", ".join(parts[:MOST_SPANS]) + (", …" if len(parts) > MOST_SPANS else "")
 
 

@@ -55,8 +55,8 @@ def check_walls(
     period, d = high - low, begun.largest
     if period < SHORTEST * d:
         raise source.error(
-            f"domain.x: a periodic channel of {period:g} m is too short for discs of {d:g} m; allowed is "
-            f"{SHORTEST * d:g} m or more"
+            f"domain.x: a periodic channel of {period:zg} m is too short for discs of {d:zg} m; allowed is "
+            f"{SHORTEST * d:zg} m or more"
         )
     aside = np.linspace(-d, d, LOOKS[0])
     x, y = (part.ravel() for part in np.meshgrid(aside, np.linspace(bottom, top, LOOKS[1])))
@@ -71,8 +71,8 @@ def check_walls(
         felt = np.minimum(left, right) < d / 2
         if (np.abs(left - right)[felt] > SAME * d).any():
             raise source.error(
-                f"{field}: wall '{wall.name}' is not the same at both ends of the periodic channel, x = {low:g} and "
-                f"{high:g} m; let it end {d:g} m before them, or reach {d:g} m or more beyond both at one height"
+                f"{field}: wall '{wall.name}' is not the same at both ends of the periodic channel, x = {low:zg} and "
+                f"{high:zg} m; let it end {d:zg} m before them, or reach {d:zg} m or more beyond both at one height"
             )
 
 
@@ -81,7 +81,7 @@ def lid_doubts(walls: Sequence[MovingWall], domain: tuple[Interval, Interval], l
     low, high = domain[0]
     return [
         f"discs may push wall '{wall.name}' along x to the seam of the periodic channel: the run ends where it "
-        f"leaves x = {low + largest:g} to {high - largest:g} m; with motion.axis: y it stays away from it"
+        f"leaves x = {low + largest:zg} to {high - largest:zg} m; with motion.axis: y it stays away from it"
         for wall, motion in walls
         if motion.load is not None and motion.load.axis != "y"
     ]

@@ -114,10 +114,10 @@ class Contact(Strict):
     def stiff_for(self, speed: float, factor: float) -> str:
         """Advice with the value that suits a speed (m/s), at which overlaps are to be smaller by a factor."""
         if self.from_material is not None:
-            return f"take contact.from_material.young: {self.from_material.young * factor**2:.2g} or more"
+            return f"take contact.from_material.young: {self.from_material.young * factor**2:z.2g} or more"
         if self.stiffness is not None:
-            return f"take contact.stiffness: {self.stiffness * factor**2:.2g} or more"
-        return f"take contact.impact_speed: {speed:.3g}"
+            return f"take contact.stiffness: {self.stiffness * factor**2:z.2g} or more"
+        return f"take contact.impact_speed: {speed:z.3g}"
 
     @property
     def springs(self) -> Springs | None:

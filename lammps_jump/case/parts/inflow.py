@@ -72,8 +72,8 @@ class RowsInflow(Strict):
         speed = self.over(0.0, 0.0)[1]
         if not SPEED["ge"] <= speed <= SPEED["le"]:
             raise ValueError(
-                f"discharge {self.discharge:g} m^2/s over the depth is {speed:.3g} m/s; allowed is "
-                f"{SPEED['ge']:g} to {SPEED['le']:g} m/s"
+                f"discharge {self.discharge:zg} m^2/s over the depth is {speed:z.3g} m/s; allowed is "
+                f"{SPEED['ge']:zg} to {SPEED['le']:zg} m/s"
             )
         return self
 
@@ -88,7 +88,7 @@ class RowsInflow(Strict):
             raise ValueError("schedule: 'thesis' has no table; allowed is exact where table is given")
         for (before, *_), (after, *_) in pairwise(rows):
             if after <= before:
-                raise ValueError(f"table: t {after:g} s follows {before:g} s; times must grow")
+                raise ValueError(f"table: t {after:zg} s follows {before:zg} s; times must grow")
         if not any(depth for _, depth, _ in rows):
             raise ValueError("table: every depth is 0, so that no disc enters; give one above 0, or drop the inflow")
 

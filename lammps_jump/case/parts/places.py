@@ -45,9 +45,9 @@ def check_places(
         i, j = sorted(int(one if one < count else images[one - count]) for one in both)
         field = "initial" if scene.fixed is None or not scene.fixed.holds([i + 1, j + 1]).all() else "walls"
         raise source.error(
-            f"{field}: discs {i + 1} at ({positions[i, 0]:g}, {positions[i, 1]:g}) and {j + 1} at "
-            f"({positions[j, 0]:g}, {positions[j, 1]:g}) overlap by {overlap:.3g} m at the start; allowed is d/n = "
-            f"{allowed:.3g} m; {_less_jitter(case) if field == 'initial' else ''}move them apart"
+            f"{field}: discs {i + 1} at ({positions[i, 0]:zg}, {positions[i, 1]:zg}) and {j + 1} at "
+            f"({positions[j, 0]:zg}, {positions[j, 1]:zg}) overlap by {overlap:z.3g} m at the start; allowed is d/n = "
+            f"{allowed:z.3g} m; {_less_jitter(case) if field == 'initial' else ''}move them apart"
         )
     if scene.fixed is not None:
         positions, diameters = positions[: scene.fixed.first - 1], diameters[: scene.fixed.first - 1]
@@ -66,11 +66,11 @@ def gauges(case: CaseFields, source: CaseSource, room: Interval) -> tuple[float,
         if not low < place < high:
             where = "at the end of" if place in (low, high) else "outside"
             raise source.error(
-                f"probes.gauges.{index}: {place:g} m is {where} the domain; allowed is above {low:g} m and below "
-                f"{high:g} m: move the gauge or widen the domain"
+                f"probes.gauges.{index}: {place:zg} m is {where} the domain; allowed is above {low:zg} m and below "
+                f"{high:zg} m: move the gauge or widen the domain"
             )
         if place in asked[:index]:
-            raise source.error(f"probes.gauges.{index}: {place:g} m is there already: name each place once")
+            raise source.error(f"probes.gauges.{index}: {place:zg} m is there already: name each place once")
     return asked
 
 
@@ -83,14 +83,14 @@ def check_in_domain(case: CaseFields, source: CaseSource, positions, inlets, dom
         if outside.size:
             value = positions[outside[0], axis]
             raise source.error(
-                f"{'domain' if case.domain else 'initial'}: disc {outside[0] + 1} starts at {label} = {value:g} m, "
-                f"outside the domain [{low:g}, {high:g}]; widen domain.{label}"
+                f"{'domain' if case.domain else 'initial'}: disc {outside[0] + 1} starts at {label} = {value:zg} m, "
+                f"outside the domain [{low:zg}, {high:zg}]; widen domain.{label}"
             )
         for row in inlets:
             if not low < (row.x, row.y)[axis] < high:
                 raise source.error(
-                    f"inflow: the inlet at {label} = {(row.x, row.y)[axis]:g} m is outside domain.{label} "
-                    f"[{low:g}, {high:g}]"
+                    f"inflow: the inlet at {label} = {(row.x, row.y)[axis]:zg} m is outside domain.{label} "
+                    f"[{low:zg}, {high:zg}]"
                 )
 
 
@@ -101,7 +101,7 @@ def _less_jitter(case: CaseFields) -> str:
         return ""
     field, jitter = asked[0]
     return (
-        f"lower {field}, which shifts each disc by up to {jitter * case.discs.diameter:.3g} m ({jitter:g} diameters) "
+        f"lower {field}, which shifts each disc by up to {jitter * case.discs.diameter:z.3g} m ({jitter:zg} diameters) "
         "along x and y, or "
     )
 
@@ -118,8 +118,8 @@ def _check_discs_free_of(
     )
     if depth[worst] > allowed * (1 + 1e-9):
         raise source.error(
-            f"{field}: disc {worst + 1} at ({positions[worst, 0]:g}, {positions[worst, 1]:g}) starts "
-            f"{depth[worst]:.3g} m deep in wall '{wall.name}'; allowed is d/n = {allowed:.3g} m; {_less_jitter(case)}"
+            f"{field}: disc {worst + 1} at ({positions[worst, 0]:zg}, {positions[worst, 1]:zg}) starts "
+            f"{depth[worst]:z.3g} m deep in wall '{wall.name}'; allowed is d/n = {allowed:z.3g} m; {_less_jitter(case)}"
             f"move the wall or the discs{turned}"
         )
 
@@ -141,6 +141,6 @@ def _check_inlets_free_of(wall: Wall, source: CaseSource, inlets: tuple[InletRow
     for number, (row, distance) in enumerate(zip(inlets, distances.tolist(), strict=True), 1):
         if distance < largest / 2 * (1 - 1e-6):
             raise source.error(
-                f"inflow: row {number} enters at ({row.x:g}, {row.y:g}), {largest / 2 - distance:.3g} m deep in "
+                f"inflow: row {number} enters at ({row.x:zg}, {row.y:zg}), {largest / 2 - distance:z.3g} m deep in "
                 f"wall '{wall.name}'; move the inlet (inflow.x, inflow.y) or the wall"
             )

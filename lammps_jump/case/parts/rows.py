@@ -54,14 +54,14 @@ def inlet_of(inflow: RowsInflow, source: CaseSource, begun: Beginning, seed: int
     depth, field = max(graph.depths), "depth" if inflow.table is None else "table"
     if depth < d * (1 - 1e-9):
         raise source.error(
-            f"inflow.{field}: {depth:g} m holds no row of discs of {d:g} m; allowed is one diameter or more: take "
+            f"inflow.{field}: {depth:zg} m holds no row of discs of {d:zg} m; allowed is one diameter or more: take "
             'smaller discs (numbers are in m; text may have a unit, "100 mm") or a deeper inflow'
         )
     count = row_count(depth, begun.mean_square, begun.largest, graph.least_gap(inflow.spacing))
     if count > MOST_ROWS:
         raise source.error(
-            f"inflow.{field}: {depth:g} m holds {count} rows of discs of {d:g} m; allowed are {MOST_ROWS}: take larger "
-            "discs"
+            f"inflow.{field}: {depth:zg} m holds {count} rows of discs of {d:zg} m; allowed are {MOST_ROWS}: "
+            "take larger discs"
         )
     if inflow.table is not None:
         return Inlet(_rows_against_time(inflow, source, begun, seed), 1, graph)
@@ -69,8 +69,8 @@ def inlet_of(inflow: RowsInflow, source: CaseSource, begun: Beginning, seed: int
     slowest = count * begun.mean_square / (depth * speed * dt)
     if slowest > MOST_STEPS:
         raise source.error(
-            f"inflow.{'mean_speed' if inflow.discharge is None else 'discharge'}: {speed:g} m/s lets a disc in every "
-            f"{slowest:.3g} steps; allowed are {MOST_STEPS:.0e}: raise it or lower the stiffness"
+            f"inflow.{'mean_speed' if inflow.discharge is None else 'discharge'}: {speed:zg} m/s lets a disc in every "
+            f"{slowest:z.3g} steps; allowed are {MOST_STEPS:z.0e}: raise it or lower the stiffness"
         )
     if inflow.schedule == "thesis":
         if begun.sizes:
@@ -114,7 +114,7 @@ def _rows_against_time(inflow: RowsInflow, source: CaseSource, begun: Beginning,
     brought = duration * graph.means(0.0, duration)[1] / begun.mean_square
     if brought > MOST_ENTRIES:
         raise source.error(
-            f"inflow.table: lets {brought:.3g} discs in during the run; allowed are {MOST_ENTRIES:.0e}: take larger "
+            f"inflow.table: lets {brought:z.3g} discs in during the run; allowed are {MOST_ENTRIES:z.0e}: take larger "
             "discs or a shorter run"
         )
     entries = entries_of_rows(

@@ -246,7 +246,7 @@ def _one(
     item: EarlierRun = case.initial[index]  # type: ignore[assignment]
     if abs(case.discs.density / state.density - 1) > SAME_DENSITY:
         raise source.error(
-            f"discs.density: is {case.discs.density:g} kg/m3, the discs of {item.folder} have {state.density:g}; "
+            f"discs.density: is {case.discs.density:zg} kg/m3, the discs of {item.folder} have {state.density:zg}; "
             f"allowed is theirs: give density: {state.density!r}"
         )
     discs = _chosen(item, state)
@@ -269,7 +269,7 @@ def _one(
     when = "its end" if item.time is None and len(state.exact) + np.isfinite(half).sum() else "the nearest frame"
     if item.time is None and when != "its end":
         when = "the last frame of its dump: it kept no end state"
-    said = f"begins from {item.folder} at t = {state.time:.6g} s ({when}; key {state.key}): {len(discs)} discs"
+    said = f"begins from {item.folder} at t = {state.time:z.6g} s ({when}; key {state.key}): {len(discs)} discs"
     said += f", {dropped} more dropped, deep in a wall" if dropped else ""
     said += f"; the memory of {lost} contacts has lost its disc" if lost else ""
     origin = Earlier(
@@ -293,8 +293,8 @@ def _free(
             x, y = discs[0][worst]
             raise source.error(
                 f"initial.{index}: {int(deep.sum())} discs of {item.folder} lie deep in wall '{wall.name}' ({field}), "
-                f"the deepest by {depth[worst]:.3g} m at ({x:g}, {y:g}); allowed is d/n = {allowed:.3g} m: move the "
-                "wall, take other discs (within, shift), or leave these out by in_walls: drop"
+                f"the deepest by {depth[worst]:z.3g} m at ({x:zg}, {y:zg}); allowed is d/n = {allowed:z.3g} m: "
+                "move the wall, take other discs (within, shift), or leave these out by in_walls: drop"
             )
         free &= ~deep
     if not free.any():

@@ -34,10 +34,10 @@ def explain(error: str, scene: Scene, folder: Path, state: tuple | None) -> str:
         What the engine still held.
     """
     log = read_log(folder / "log.lammps")
-    step, when = log.step, f"after t = {log.time:.4g} s (step {log.step})"
+    step, when = log.step, f"after t = {log.time:z.4g} s (step {log.step})"
     if match := re.search(r"met on step (\d+)", error):
         step = int(match[1])
-        when = f"at t = {scene.time(step):.4g} s (step {step})"
+        when = f"at t = {scene.time(step):z.4g} s (step {step})"
     remedy = f"{scene.stiffer}, or lower run.time_step_fraction"
     kept = f"What was written up to there is kept in {folder}."
     if "guard_overlap" in error:
@@ -49,7 +49,7 @@ def explain(error: str, scene: Scene, folder: Path, state: tuple | None) -> str:
     if match := re.search(r"wall '(\w+)' comes to the seam on step (\d+)", error):
         name, step = match[1], int(match[2])
         wrong = at_seam(name, scene.domain[0], scene.domain[0], scene.largest)
-        return f"at t = {scene.time(step):.4g} s (step {step}) {wrong}; {PUSHED_THERE}. {kept}"
+        return f"at t = {scene.time(step):z.4g} s (step {step}) {wrong}; {PUSHED_THERE}. {kept}"
     if re.search(r"guard_finite|[Nn]on-numeric|not numeric|nan", error):
         where = _not_finite(*state) if state else ""
         return f"a position is no longer a number {when}{where}; the motion blew up: {remedy}. {kept}"
@@ -58,7 +58,8 @@ def explain(error: str, scene: Scene, folder: Path, state: tuple | None) -> str:
         where = _missing(scene, folder, state[0]) if state else ""
         return (
             f"discs were lost {when}{where}; they left the domain x "
-            f"[{xlo:g}, {xhi:g}], y [{ylo:g}, {yhi:g}] unseen: widen domain, or add an outflow before its edge. {kept}"
+            f"[{xlo:zg}, {xhi:zg}], y [{ylo:zg}, {yhi:zg}] unseen: widen domain, or add an outflow before its "
+            f"edge. {kept}"
         )
     first = error.strip().splitlines()[0] if error.strip() else "no message"
     return f"LAMMPS stopped {when}: {first} (more in {folder}/log.lammps). {kept}"
@@ -88,12 +89,12 @@ def _closest(scene: Scene, step: int, loaded: dict[str, Pose], ids: np.ndarray, 
         return ""
     depth, i, what = max(found)
     x, y = places[i]
-    return f": {what} near ({x:.4g}, {y:.4g}) by {depth:.3g} m, allowed is 2 d/n = {scene.overlap_limit:.3g} m"
+    return f": {what} near ({x:z.4g}, {y:z.4g}) by {depth:z.3g} m, allowed is 2 d/n = {scene.overlap_limit:z.3g} m"
 
 
 def _out_of_plane(ids: np.ndarray, places: np.ndarray) -> str:
     worst = int(np.argmax(np.abs(places[:, 2])))
-    return f": disc {ids[worst]} at z = {places[worst, 2]:.3g} m"
+    return f": disc {ids[worst]} at z = {places[worst, 2]:z.3g} m"
 
 
 def _not_finite(ids: np.ndarray, places: np.ndarray) -> str:
@@ -115,4 +116,4 @@ def _missing(scene: Scene, folder: Path, ids: np.ndarray) -> str:
     x, y, names = last.x[gone], last.y[gone], last.ids[gone]
     (xlo, xhi), (ylo, yhi) = scene.domain
     worst = int(np.argmin(np.minimum.reduce([x - xlo, xhi - x, y - ylo, yhi - y])))
-    return f": disc {names[worst]}, last seen at ({x[worst]:.4g}, {y[worst]:.4g})"
+    return f": disc {names[worst]}, last seen at ({x[worst]:z.4g}, {y[worst]:z.4g})"

@@ -97,7 +97,7 @@ def _with_groups(scene: Scene, lines: list[str]) -> list[str]:
     rows = ((clock, name, *map(float, values)) for clock, name, *values in cells)
     own, groups = iter(lines), dict(scene.groups)
     return [
-        ",".join([clock, name, *(f"{value:.10g}" for value in values)]) if name in groups else next(own)
+        ",".join([clock, name, *(format(value, ".10g") for value in values)]) if name in groups else next(own)
         for clock, name, *values in with_groups(rows, scene.groups, scene.walls)
     ]
 
@@ -139,7 +139,7 @@ def result_of(job: Job, outcome: Outcome, log: LogSummary) -> RunResult:
     elif lost != 0:
         status = "failed"
         message = (
-            f"the discs do not balance at t = {log.time:.4g} s: {inserted} inserted, {present} present, "
+            f"the discs do not balance at t = {log.time:z.4g} s: {inserted} inserted, {present} present, "
             f"{removed} removed, "
             f"{lost} lost; widen domain so that none leaves it unseen"
         )

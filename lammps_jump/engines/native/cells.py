@@ -36,8 +36,8 @@ class CellSimulation(NativeSimulation):
         self.cell_size = 2.0 * scene.diameter if cell_size is None else float(cell_size)
         if not (0.1 * scene.diameter <= self.cell_size < float("inf")):
             raise CaseError(
-                f"cell size {self.cell_size:g} m: use at least a tenth of the disc diameter "
-                f"({0.1 * scene.diameter:g} m); the thesis used two diameters"
+                f"cell size {self.cell_size:zg} m: use at least a tenth of the disc diameter "
+                f"({0.1 * scene.diameter:zg} m); the thesis used two diameters"
             )
         (x_low, x_high), (y_low, y_high) = scene.domain
         inverse = 1.0 / self.cell_size

@@ -230,7 +230,7 @@ class Discs:
 
     def place(self, i: int, scene: Scene, step: int) -> str:
         """Where a disc is, in words."""
-        return f"{self.ids[i]} at ({self.x[i]:.6g}, {self.y[i]:.6g}) m, time {scene.time(step):.6g} s (step {step}),"
+        return f"{self.ids[i]} at ({self.x[i]:z.6g}, {self.y[i]:z.6g}) m, time {scene.time(step):z.6g} s (step {step}),"
 
     def lost(self, i: int, scene: Scene, step: int) -> str:
         """What to say of a disc outside the domain."""
@@ -241,7 +241,7 @@ class Discs:
                 "run.time_step_fraction and look for discs that overlap at the start."
             )
         return (
-            f"disc {self.place(i, scene, step)} has left the domain x {a:g} … {b:g} m, y {c:g} … {e:g} m. Put an "
+            f"disc {self.place(i, scene, step)} has left the domain x {a:zg} … {b:zg} m, y {c:zg} … {e:zg} m. Put an "
             "outflow where discs leave, close the gap between the walls, or enlarge the domain; where nothing should "
             "leave, lower run.time_step_fraction."
         )

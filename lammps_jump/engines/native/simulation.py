@@ -347,7 +347,7 @@ class NativeSimulation:
     def _require_off_seam(self) -> None:
         """RunError where discs have pushed a wall to the seam of a periodic channel."""
         if wrong := self.walls.trouble_at_seam(self.scene):
-            raise RunError(f"at t = {self.scene.time(self.step):.4g} s (step {self.step}) {wrong}; {PUSHED_THERE}.")
+            raise RunError(f"at t = {self.scene.time(self.step):z.4g} s (step {self.step}) {wrong}; {PUSHED_THERE}.")
 
     def _check_overlap(self) -> None:
         limit = self.scene.overlap_limit
@@ -356,8 +356,8 @@ class NativeSimulation:
         _, worst, i, _ = self._elastic_and_worst()
         if worst > limit:
             raise RunError(
-                f"overlap {worst:.4g} m of disc {self.discs.place(i, self.scene, self.step)} is beyond the limit of "
-                f"{limit:.4g} m. The contact is too soft for this flow or the step too long: {self.scene.stiffer}, or "
+                f"overlap {worst:z.4g} m of disc {self.discs.place(i, self.scene, self.step)} is beyond the limit of "
+                f"{limit:z.4g} m. The contact is too soft for this flow or the step too long: {self.scene.stiffer}, or "
                 "lower run.time_step_fraction; look for discs that overlap at the start."
             )
 
