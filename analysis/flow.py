@@ -177,7 +177,8 @@ class Flow:
 
     def walls_at(self, time: float) -> tuple[Wall, ...]:
         """Walls that are there at a time (s), where they are; gates that are still shut among them."""
-        return self.scene.walls_at(self.step_at(time), self.poses.at(time) if self.poses else None)
+        pushed = (self.poses.at(time), self.poses.rates(time)) if self.poses else ()
+        return self.scene.walls_at(self.step_at(time), *pushed)
 
     def standing_at(self, time: float) -> tuple[Wall, ...]:
         """Those of `walls_at` that are never taken away."""

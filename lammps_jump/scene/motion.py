@@ -92,14 +92,14 @@ class MovingWall(NamedTuple):
     wall: Wall
     motion: Motion = STANDS
 
-    def at(self, step: float, pose: Pose | None = None) -> Wall | None:
-        """The wall where it is at a step; None once it is gone. `pose`: that of a loaded wall."""
+    def at(self, step: float, pose: Pose | None = None, rate: Pose = STILL) -> Wall | None:
+        """The wall where it is at a step; None once it is gone. `pose` and `rate`: those of a loaded wall."""
         now = self.motion.pose(step)
         if now is None or self.motion.kind is None:
             return None if now is None else self.wall
         before = self.motion.pose(step - 1)
-        rate = [(b - a) / self.motion.time_step for a, b in zip(before or now, now, strict=True)]
-        return Placed(self.wall, pose or now, self.motion.about, Pose(*rate) if pose is None else STILL)
+        own = [(b - a) / self.motion.time_step for a, b in zip(before or now, now, strict=True)]
+        return Placed(self.wall, pose or now, self.motion.about, Pose(*own) if pose is None else rate)
 
 
 @dataclass(frozen=True)
@@ -217,7 +217,8 @@ def at_seam(name: str, x: Interval, seam: Interval, margin: float) -> str:
     if x[0] >= low and x[1] <= high:
         return ""
     return (
-        f"wall '{name}' comes to the seam of the periodic channel; allowed is a way between x = {low:g} and {high:g} m"
+        f"wall '{name}' comes to the seam of the periodic channel; allowed is a way between x = {low:zg} and "
+        f"{high:zg} m"
     )
 
 

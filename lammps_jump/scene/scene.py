@@ -16,7 +16,7 @@ from lammps_jump.physics.contact import Coefficients, WallLaw
 from lammps_jump.physics.hydrograph import Hydrograph
 from lammps_jump.physics.slip import Springs, slots_of
 
-from .motion import MovingWall, Pose, arms
+from .motion import STILL, MovingWall, Pose, arms
 from .sizes import Sizes
 from .walls import Interval, Wall
 
@@ -424,10 +424,15 @@ class Scene(Measures):
         """Walls that are taken away."""
         return tuple(one for one in self.walls if not isinf(one.motion.gone))
 
-    def walls_at(self, step: float, loaded: Mapping[str, Pose] | None = None) -> tuple[Wall, ...]:
-        """Walls that are there at a step, where they are; `loaded`: poses of walls that the discs push, by name."""
-        poses = loaded or {}
-        found = (one.at(step, poses.get(one.wall.name)) for one in self.walls)
+    def walls_at(
+        self, step: float, loaded: Mapping[str, Pose] | None = None, rates: Mapping[str, Pose] | None = None
+    ) -> tuple[Wall, ...]:
+        """Walls that are there at a step, where they are.
+
+        `loaded` are the poses of walls that the discs push, by name, and `rates` their velocities, 0 where not given.
+        """
+        poses, speeds = loaded or {}, rates or {}
+        found = (one.at(step, poses.get(one.wall.name), speeds.get(one.wall.name, STILL)) for one in self.walls)
         return tuple(wall for wall in found if wall is not None)
 
     def wall_law(self, name: str) -> WallLaw:

@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from made_up import disc_frame, flow_context
 
+import lammps_jump as lj
 from lammps_jump.analysis import contacts
 from lammps_jump.analysis.cell_grid import close_pairs
 from lammps_jump.analysis.contacts import find_contacts, pair_sums, touching_pairs, wall_contacts, wall_sums
@@ -282,3 +283,26 @@ def test_a_moving_wall_with_numbers_of_its_own_pushes_as_in_the_engine(kind, law
     np.testing.assert_allclose(total[:400], expected, atol=1e-9 * np.abs(expected).max())  # sums in another order
     (wall,) = flow.walls_at(0.0)
     assert wall_sums(frame, wall, flow).force == pytest.approx(-engine.walls.sums[0, :2], rel=1e-9)
+
+
+def test_a_lid_that_discs_push_meets_them_with_its_velocity(tmp_path):
+    """It comes down at 2 m/s on a disc at rest: the dashpot pushes as on a disc that comes up at 2 m/s."""
+    case = {
+        "name": "lid", "discs": {"diameter": 0.2}, "contact": {"restitution": 0.2, "impact_speed": 5},
+        "domain": {"x": [-2, 2], "y": [-1, 3]}, "run": {"duration": 1},
+        "walls": [{"name": "lid", "kind": "block", "x": [-1, 1], "y": [1, 1.2],
+                   "motion": {"kind": "load", "mass": 50, "force": [0, 0]}}],
+        "initial": [{"kind": "list", "positions": [[0.0, 0.5]]}],
+    }  # fmt: skip
+    scene, fallen = lj.load_case(case).scene(), 0.41
+    rows = [f"{t},lid,0,{-fallen - 2 * (t - 0.2):.17g},0\n" for t in (0.0, 0.1, 0.2)]
+    (tmp_path / "walls.csv").write_text("time,wall,x,y,angle\n" + "".join(rows))
+    down = from_scene(scene, folder=tmp_path)
+    found = [
+        wall_sums(disc_frame([0.0], [0.5], 0.0, speed, box=BOX, time=time), walls_of_lid, down).fy.sum()
+        for time, speed in ((0.2, 0.0), (0.2, -2.0))
+        for walls_of_lid in down.walls_at(time)
+    ]
+    c = scene.coefficients
+    spring = c.stiffness_wall * 0.01
+    assert found == pytest.approx([-(spring + 2.0 * c.gamma_normal_wall * c.mass), -spring], rel=1e-6)

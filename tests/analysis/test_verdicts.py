@@ -39,6 +39,9 @@ DUMP = {"given": {}, "state": STATE}
         ({"layers": LAYERS}, "The layer flows at 0.35 m/s; its effective friction is 0.36."),
         ({"layers": LAYERS, "state": STATE}, "The layer rests on its bed."),
         ({"front": FRONT, "runup": RUN_UP}, "A column collapses: its front runs at 3.6 m/s. The water reaches y = 1.9 m on quay, 1.0 m over the still water; nothing goes over the crest at y = 2.5 m."),
+        # a column of 4 m: √(g H) is 6.26 m/s, and 2 % of it is where a front creeps
+        ({"front": {**FRONT, "speed": 0.126}}, "A column collapses: its front runs at 0.13 m/s."),
+        ({"front": {**FRONT, "speed": 0.124}}, "A column collapses: its front creeps at 0.12 m/s."),
         ({"runup": {**RUN_UP, "over": 0.2, "highest": 3.0}}, "The water reaches y = 3 m on quay, 1.0 m over the still water; 0.20 m² go over the crest at y = 2.5 m."),
         ({"force": FORCE}, "The discs push quay with 4.7 kN/m along x at most, at t = 5.41 s."),
         ({"state": STATE}, "300 discs are at rest; they take 0.60 m along x and 0.12 m in height."),
@@ -172,3 +175,13 @@ def test_the_gauges_stand_on_the_first_screen():
         "depth at gauges, mean of the window (largest), m: x = 4 m 0.93 (1.26), x = 8 m 0.00 (0.00)"
     )
     assert at_gauges({}) == ""
+
+
+@pytest.mark.parametrize(
+    ("speed", "said"),
+    [(0.26, "moves downstream at 0.26 m/s"), (-0.26, "moves upstream at 0.26 m/s"), (0.24, "creeps downstream"),
+     (-0.24, "creeps upstream"), (0.0, "stands")],
+)  # fmt: skip
+def test_the_front_of_a_jump_creeps_below_two_percent_of_its_stream(speed, said):
+    jump = {**JUMP, "speed": speed, "speed_error": 0.01, "local": {"u1": 12.5}, "headline": "A jump."}
+    assert f"its front {said}" in verdict({"jump": jump, "inflow": {}}).lower()

@@ -24,6 +24,20 @@ def test_poses_are_read_as_the_file_grows_and_are_straight_between(tmp_path):
     assert poses.at(-1.0)["float"] == (1, 0, 0)
 
 
+def test_the_velocity_of_a_wall_is_that_of_its_rows(tmp_path):
+    """Exact for a steady push; at rest at first; the same before the next row is there."""
+    path, times = tmp_path / "walls.csv", [0.0, 0.1, 0.3, 0.4]
+    rows = [f"{t:.15g},lid,{3 * t * t:.17g},{2 * t:.17g},{-t * t:.17g}\n" for t in times]
+    found = []
+    for count in (3, 4):
+        path.write_text(HEAD + "".join(rows[:count]))
+        poses = PoseFile(path, ["lid"])
+        found.append(poses.rates(0.3)["lid"])
+        assert found[-1] == pytest.approx((1.8, 2.0, -0.6)) and poses.rates(0.0)["lid"] == (0, 0, 0)
+        assert poses.rates(0.1)["lid"] == pytest.approx((0.3, 2.0, -0.1))  # two rows: the mean between them
+    assert found[0] == found[1] and poses.rates(0.4)["lid"] == pytest.approx((2.4, 2.0, -0.8))
+
+
 @pytest.mark.parametrize(
     "text",
     [

@@ -9,6 +9,8 @@ from collections.abc import Collection, Mapping
 from math import isfinite
 from pathlib import Path
 
+import numpy as np
+
 from lammps_jump.errors import DumpError
 from lammps_jump.files import POSES_HEADER, open_to_read, open_to_write, writes
 from lammps_jump.scene.motion import Pose
@@ -85,6 +87,25 @@ class PoseFile:
         if any(not times or times[-1] < time for times in self._times.values()):
             self._take_in_what_is_new()
         return {name: self._between(times, self._poses[name], time) for name, times in self._times.items() if times}
+
+    def rates(self, time: float) -> dict[str, Pose]:
+        """Velocity of each wall at a time (m/s, m/s, rad/s), by a parabola through the last three rows up to it.
+
+        Later rows do not count, so that it is the same while the run goes on. It is 0 at the first row: walls that the
+        discs push begin at rest.
+        """
+        self.at(time)
+        return {name: self._rate(times, self._poses[name], time) for name, times in self._times.items() if times}
+
+    @staticmethod
+    def _rate(times: list[float], poses: list[Pose], time: float) -> Pose:
+        last = max(1, bisect_right(times, time + 1e-9 * abs(time)))  # a row has fifteen digits
+        span, rows = np.array(times[max(0, last - 3) : last]), np.array(poses[max(0, last - 3) : last])
+        if last == 1:
+            return Pose()
+        slopes = np.diff(rows, axis=0) / np.diff(span)[:, None]
+        bend = (slopes[-1] - slopes[0]) * (span[-1] - span[-2]) / (span[-1] - span[0])
+        return Pose(*(slopes[-1] + bend).tolist())
 
     @staticmethod
     def _between(times: list[float], poses: list[Pose], time: float) -> Pose:
