@@ -250,7 +250,7 @@ def way(flow: Flow, history: FrontHistory, base: float) -> Way:
     base = history.back + base
     probe = np.linspace(base, flow.scene.domain[0][1], 2000)
     height = flow.bed_height(probe)
-    if not np.isfinite(height[:2]).all():
+    if not (np.isfinite(height[:2]).all() and probe[1] > probe[0]):  # a channel that is full has no way before it
         return Way(nan, False)
     slope = (height[1] - height[0]) / (probe[1] - probe[0])
     straight = height[0] + slope * (probe - base)

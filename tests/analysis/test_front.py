@@ -240,6 +240,11 @@ def test_what_runs_the_other_way_is_no_part_of_a_front_without_a_wall():
     assert history.bulk[1] >= history.bulk[0] - 0.2 and history.quantile[1] >= history.bulk[1]
 
 
+def test_a_column_up_to_the_end_of_the_domain_has_no_way_before_it():
+    history = made_history(np.zeros(1), np.full(1, 100.0), np.ones(1), (100.0, 1.0))
+    assert np.isnan(way(context(), history, 100.0).length)
+
+
 def test_a_slope_that_levels_out_is_no_obstacle():
     chute = Line("chute", points=((0, 10), (22, 0), (90, 0)))
     found = numbers(on_a_bed(chute))
