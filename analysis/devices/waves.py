@@ -55,11 +55,11 @@ def mean_wave(time: np.ndarray, depth: np.ndarray, period: float, until: float, 
 def paddle(flow: Flow) -> tuple[float, float, float]:
     """Period (s), stroke along x (m) and begin (s) of the wall that oscillates with the longest stroke; else NaN."""
     waves = [motion.kind.wave() for _, motion in flow.scene.walls if motion.kind is not None]
-    moved = [wave for wave in waves if wave is not None and wave.rate > 0]
+    moved = [wave for wave in waves if wave is not None and wave.rate[0] > 0]
     if not moved:
         return nan, nan, nan
     wave = max(moved, key=lambda one: abs(one.amplitude[0]))
-    return 2.0 * pi / wave.rate, 2.0 * abs(wave.amplitude[0]), wave.begin
+    return 2.0 * pi / wave.rate[0], 2.0 * abs(wave.amplitude[0]), wave.begin
 
 
 def analyse(gathered: Gathered) -> Waves | None:

@@ -12,7 +12,7 @@
 
 namespace jump {
 
-constexpr int TRACK_WORDS = 21;
+constexpr int TRACK_WORDS = 25;
 
 /** Displacement (m) and turn (rad) of a wall from where the case has it, or their rates. */
 struct Pose {
@@ -57,12 +57,9 @@ inline Pose pose_at(const double (*track)[TRACK_WORDS], int64_t rows, double tim
     found.y = found.y * since + t[6 + power];
     found.angle = found.angle * since + t[11 + power];
   }
-  if (t[19] != 0.0) {
-    const double wave = std::sin(t[19] * since + t[20]);
-    found.x += wave * t[16];
-    found.y += wave * t[17];
-    found.angle += wave * t[18];
-  }
+  double *const parts[] = {&found.x, &found.y, &found.angle};
+  for (int k = 0; k < 3; k++)
+    if (t[19 + k] != 0.0) *parts[k] += std::sin(t[19 + k] * since + t[22 + k]) * t[16 + k];
   return found;
 }
 

@@ -14,7 +14,7 @@ import numpy as np
 from lammps_jump.errors import CaseError
 
 from .chains import Chain, Faces, moved
-from .tracks import ANGLE, COLUMNS, KINDS, WAVE_ANGLE, Loaded, fastest, pose_py, poses, track_of
+from .tracks import ANGLE, COLUMNS, KINDS, WAVE, Loaded, fastest, pose_py, poses, track_of
 from .walls import Interval, Wall
 
 
@@ -63,7 +63,7 @@ class Motion:
 
     @cached_property
     def track(self) -> np.ndarray:
-        """The way as rows of polynomials and sines, shape (rows, 21), read-only."""
+        """The way as rows of polynomials and sines, shape (rows, 25), read-only."""
         if self.kind is None:
             return np.empty((0, COLUMNS))
         track = track_of(self.kind.corners(self.ease if self.kind.ease is None else self.kind.ease), self.kind.wave())
@@ -252,7 +252,7 @@ def arms(name: str, members: Sequence[MovingWall]) -> np.ndarray:
         Walls that do not move as one body: the arms would change within a window of the force record.
     """
     first = members[0]
-    track, turns = first.motion.track, bool(np.any(first.motion.track[:, [*range(ANGLE, ANGLE + 5), WAVE_ANGLE]]))
+    track, turns = first.motion.track, bool(np.any(first.motion.track[:, [*range(ANGLE, ANGLE + 5), WAVE + 2]]))
     for one in members[1:]:
         same = np.array_equal(one.motion.track, track) and not (one.motion.load or first.motion.load)
         if not same or (turns and one.motion.about != first.motion.about):

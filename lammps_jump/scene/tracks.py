@@ -13,10 +13,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from itertools import pairwise
 from math import cos, inf, isinf, pi, radians, sin
-from typing import Annotated, ClassVar, Literal, NamedTuple
+from typing import Annotated, ClassVar, Literal, NamedTuple, TypeVar
 
 import numpy as np
-from pydantic import ConfigDict, Field
+from pydantic import ConfigDict, Discriminator, Field, Tag
 
 from lammps_jump.units import Degree, DegreePerSecond, KilogramPerMetre, Metre, MetrePerSecond, NewtonPerMetre, Second
 
@@ -35,10 +35,10 @@ MOST_ROWS = 20_000
 SAMPLES = 256
 """Times at which a whole way is looked at, besides those where the rows of its track begin."""
 
-BEGIN, X, Y, ANGLE, WAVE_X, WAVE_Y, WAVE_ANGLE, RATE, PHASE = 0, 1, 6, 11, 16, 17, 18, 19, 20
+BEGIN, X, Y, ANGLE, WAVE, RATE, PHASE = 0, 1, 6, 11, 16, 19, 22
 """Columns of a track: time at which the row begins (s); coefficients of three polynomials of the time since, of degree
-0 to 4 (m, m, rad); amplitudes of a sine (m, m, rad), its angular frequency (rad/s) and phase (rad)."""
-COLUMNS = 21
+0 to 4 (m, m, rad); amplitudes of three sines (m, m, rad), their angular frequencies (rad/s) and phases (rad)."""
+COLUMNS = 25
 
 
 class Corner(NamedTuple):
@@ -50,11 +50,14 @@ class Corner(NamedTuple):
 
 
 class Wave(NamedTuple):
-    """Amplitude (m, m, rad) times the sine of rate (time - begin) + phase, less its first value, until an end."""
+    """Amplitude (m, m, rad) times the sine of rate (time - begin) + phase, less its first value, until an end.
+
+    Each component has an angular frequency (rad/s) and a phase (rad) of its own.
+    """
 
     amplitude: tuple[float, float, float]
-    rate: float
-    phase: float
+    rate: tuple[float, float, float]
+    phase: tuple[float, float, float]
     begin: float
     end: float
 
@@ -131,18 +134,33 @@ class Rotate(Kind):
         return self._steady((0.0, 0.0, radians(self.rate)), ease)
 
 
+Period = Annotated[Second, Field(ge=1e-9, le=1e9)]
+Value = TypeVar("Value")
+OneOrEach = Annotated[
+    Annotated[Value, Tag("<one>")] | Annotated[tuple[Value, Value, Value], Tag("<each>")],
+    Discriminator(lambda value: "<each>" if isinstance(value, list | tuple) else "<one>"),
+]
+"""A value of x, y and turn together, or one of each."""
+
+
+def each(value: float | tuple[float, float, float]) -> tuple[float, float, float]:
+    """The values of x, y and turn of a field that has one of all or one each."""
+    return value if isinstance(value, tuple) else (value, value, value)
+
+
 @dataclass(frozen=True)
 class Oscillate(Kind):
     """Harmonic motion: amplitude (sin(2 pi (t - from)/period + phase) - sin phase), phase in degrees.
 
+    Period and phase are those of all components, or one each of x, y and turn.
     It begins and ends suddenly unless `ease` is given. That moves what follows by the speed there times ease/2.
     """
 
     kind: Literal["oscillate"] = field(default="oscillate", kw_only=True, repr=False)
-    period: Annotated[Second, Field(ge=1e-9, le=1e9)]
+    period: OneOrEach[Period]
     amplitude: Point = (0.0, 0.0)
     angle: Annotated[Turn, Field(description="amplitude of the turn")] = 0.0
-    phase: Turn = 0.0
+    phase: OneOrEach[Turn] = 0.0
 
     @property
     def turns(self) -> bool:  # type: ignore[override]  # depends on its fields
@@ -151,16 +169,20 @@ class Oscillate(Kind):
 
     def wave(self) -> Wave:
         """The sine."""
-        amplitude = (*self.amplitude, radians(self.angle))
-        return Wave(amplitude, 2 * pi / self.period, radians(self.phase), self.begin, self.end)
+        x, y, turn = (2 * pi / period for period in each(self.period))
+        phases = each(self.phase)
+        phase = radians(phases[0]), radians(phases[1]), radians(phases[2])
+        return Wave((*self.amplitude, radians(self.angle)), (x, y, turn), phase, self.begin, self.end)
 
     def corners(self, ease: float) -> list[Corner]:
         """Where `ease` is given: take the sudden velocities of both ends away, and bring them in slowly."""
         wave, found = self.wave(), []
         for time, sign in ((self.begin, 1.0), (self.end, -1.0)) if self.ease else ():
             if not isinf(time):
-                speed = sign * wave.rate * cos(wave.rate * (time - wave.begin) + wave.phase)
-                x, y, angle = (speed * part for part in wave.amplitude)
+                sines = zip(wave.amplitude, wave.rate, wave.phase, strict=True)
+                x, y, angle = (
+                    sign * rate * cos(rate * (time - wave.begin) + phase) * part for part, rate, phase in sines
+                )
                 found += [Corner(time, (-x, -y, -angle), 0.0), Corner(time, (x, y, angle), self.ease or 0.0)]
         return found
 
@@ -235,7 +257,7 @@ KINDS = Translate | Rotate | Oscillate | Table | Loaded
 
 
 def track_of(corners: list[Corner], wave: Wave | None) -> np.ndarray:
-    """Rows of a track, shape (rows, 21); before the first row a wall is where the case has it."""
+    """Rows of a track, shape (rows, 25); before the first row a wall is where the case has it."""
     times = {corner.time + part for corner in corners for part in (0.0, corner.ease)}
     if wave is not None:
         times |= {wave.begin, wave.end} - {inf}
@@ -248,13 +270,12 @@ def track_of(corners: list[Corner], wave: Wave | None) -> np.ndarray:
                 row[axis : axis + 5] += change * way
         if wave is not None and begin >= wave.begin:
             over = begin >= wave.end
-            now = wave.rate * ((wave.end if over else begin) - wave.begin) + wave.phase
-            row[RATE], row[PHASE] = wave.rate, now
-            for axis, column, amplitude in zip(
-                (X, Y, ANGLE), (WAVE_X, WAVE_Y, WAVE_ANGLE), wave.amplitude, strict=True
-            ):
-                row[axis] += amplitude * (sin(now) * over - sin(wave.phase))
-                row[column] = 0.0 if over else amplitude
+            since = (wave.end if over else begin) - wave.begin
+            for k, axis in enumerate((X, Y, ANGLE)):
+                amplitude, now = wave.amplitude[k], wave.rate[k] * since + wave.phase[k]
+                row[axis] += amplitude * (sin(now) * over - sin(wave.phase[k]))
+                if amplitude and not over:
+                    row[WAVE + k], row[RATE + k], row[PHASE + k] = amplitude, wave.rate[k], now
     return track
 
 
@@ -288,18 +309,18 @@ def pose_py(track: np.ndarray, first: int, last: int, time: float) -> tuple[floa
         x = x * s + track[row, X + power]
         y = y * s + track[row, Y + power]
         angle = angle * s + track[row, ANGLE + power]
-    if track[row, RATE] != 0.0:
-        wave = sin(track[row, RATE] * s + track[row, PHASE])
-        x += wave * track[row, WAVE_X]
-        y += wave * track[row, WAVE_Y]
-        angle += wave * track[row, WAVE_ANGLE]
-    return x, y, angle
+    sines = [0.0, 0.0, 0.0]
+    for k in range(3):
+        if track[row, RATE + k] != 0.0:
+            sines[k] = sin(track[row, RATE + k] * s + track[row, PHASE + k]) * track[row, WAVE + k]
+    return x + sines[0], y + sines[1], angle + sines[2]
 
 
 def times_of(track: np.ndarray, begin: float, end: float) -> np.ndarray:
     """Times (s) from `begin` to `end` that show a whole way: equal steps, rows of the track, a period of its waves."""
     found = [np.linspace(begin, end, SAMPLES), track[:, BEGIN]]
-    found += [row[BEGIN] + np.linspace(0.0, 2 * pi / row[RATE], 33) for row in track if row[RATE]]
+    rates = ((row[BEGIN], rate) for row in track for rate in row[RATE : RATE + 3] if rate)
+    found += [begins + np.linspace(0.0, 2 * pi / rate, 33) for begins, rate in rates]
     times = np.unique(np.concatenate(found))
     return times[(times >= begin) & (times <= end)]
 
@@ -318,6 +339,7 @@ def fastest(track: np.ndarray, begin: float, end: float) -> tuple[float, float]:
             continue
         s = np.linspace(low, high, 9) - row[BEGIN]
         x, y, turn = (sum(p * row[axis + p] * s ** (p - 1) for p in range(1, 5)) for axis in (X, Y, ANGLE))
-        speed = max(speed, float(np.hypot(x, y).max()) + abs(row[RATE]) * float(np.hypot(row[WAVE_X], row[WAVE_Y])))
-        rate = max(rate, float(np.abs(turn).max()) + abs(row[RATE] * row[WAVE_ANGLE]))
+        waves = np.abs(row[RATE : RATE + 3] * row[WAVE : WAVE + 3])
+        speed = max(speed, float(np.hypot(x, y).max()) + float(np.hypot(waves[0], waves[1])))
+        rate = max(rate, float(np.abs(turn).max()) + float(waves[2]))
     return speed, rate

@@ -17,7 +17,7 @@ import numpy as np
 
 from lammps_jump.scene import MovingWall, Scene, Wall
 from lammps_jump.scene.chains import ARC, SMOOTH_TURN, Chain, Face, Point, faces_of_chain, turn
-from lammps_jump.scene.tracks import ANGLE, BEGIN, PHASE, RATE, WAVE_ANGLE, WAVE_X, WAVE_Y, X, Y
+from lammps_jump.scene.tracks import ANGLE, BEGIN, PHASE, RATE, WAVE, X, Y
 
 from .numbers import number, numbers
 
@@ -250,12 +250,11 @@ class Way(NamedTuple):
 def way(moving: MovingWall, now: str = "v_now") -> Way:
     """Formulas of a wall's pose at the time of a variable, which the engine reads as `pose_py` does."""
     track = moving.motion.track
-    columns = (X, WAVE_X), (Y, WAVE_Y), (ANGLE, WAVE_ANGLE)
-    return Way(*(_coordinate(track, first, wave, now) for first, wave in columns))
+    return Way(*(_coordinate(track, first, k, now) for k, first in enumerate((X, Y, ANGLE))))
 
 
-def _coordinate(track: np.ndarray, first: int, wave: int, now: str) -> str:
-    """Sum over the rows of a track, each times whether it is in force."""
+def _coordinate(track: np.ndarray, first: int, k: int, now: str) -> str:
+    """Sum over the rows of a track, each times whether it is in force; `k` is the number of the component."""
     terms = []
     for row, end in zip(track, [*track[1:, BEGIN], inf], strict=False):
         since = f"({now}-({number(row[BEGIN])}))"
@@ -265,8 +264,9 @@ def _coordinate(track: np.ndarray, first: int, wave: int, now: str) -> str:
                 found = f"({found}*{since}+({number(coefficient)}))"
             elif coefficient:
                 found = f"({number(coefficient)})"
-        if row[wave]:
-            sine = f"({number(row[wave])})*sin({number(row[RATE])}*{since}+({number(row[PHASE])}))"
+        if row[WAVE + k]:
+            rate, phase = number(row[RATE + k]), number(row[PHASE + k])
+            sine = f"({number(row[WAVE + k])})*sin({rate}*{since}+({phase}))"
             found = f"({found}+{sine})" if found else sine
         if found:
             until = f"*({now}<{number(end)})" if end < inf else ""

@@ -71,6 +71,7 @@ def test_a_turned_block_is_a_turned_gravity():
     "kind",
     [
         Oscillate(amplitude=(0.3, 0.1), period=1.3),
+        Oscillate(amplitude=(0.3, 0.1), angle=15.0, period=(1.3, 0.7, 2.0), phase=(0.0, 50.0, 90.0)),
         Rotate(rate=90.0, ease=0.1),
         Table(points=((0.5, 0.4, 0.0, 0.0), (1.0, 0.0, 0.3, 30.0)), ease=0.1),
     ],
@@ -138,6 +139,14 @@ def test_a_sine_begins_where_the_case_has_the_wall():
     assert motion.pose(500) == (0.0, 0.0, 0.0)
     assert motion.pose(1700).x == pytest.approx(exact, abs=1e-12)
     assert motion.pose(3300) == motion.pose(9000)
+
+
+def test_components_of_a_sine_have_periods_and_phases_of_their_own():
+    kind = Oscillate(amplitude=(0.5, 0.2), angle=30.0, period=(2.0, 0.7, 3.0), phase=(30.0, 0.0, -90.0), begin=1.0)
+    now, motion = 0.7, Motion(kind=kind, time_step=1e-3)
+    parts = ((0.5, 2.0, 30.0), (0.2, 0.7, 0.0), (radians(30.0), 3.0, -90.0))
+    exact = [a * (sin(2 * pi * now / period + radians(p)) - sin(radians(p))) for a, period, p in parts]
+    assert motion.pose(1700) == pytest.approx(exact, abs=1e-12)
 
 
 def test_ease_spreads_a_start_and_reaches_the_end():

@@ -47,6 +47,7 @@ KINDS = {
     "translate": Translate(velocity=(0.4, 1.0), until=0.05),
     "rotate": Rotate(rate=200.0),
     "oscillate": Oscillate(amplitude=(0.1, 0.2), period=0.3, angle=20.0, phase=30.0),
+    "each its own": Oscillate(amplitude=(0.1, 0.2), period=(0.3, 0.2, 0.5), angle=20.0, phase=(30.0, 0.0, -40.0)),
     "table": Table(points=((0.02, 0.0, 0.1, 0.0), (0.05, 0.05, 0.2, 30.0))),
     "load": Loaded(mass=300.0, force=(0.0, 60000.0), axis="both", begin=0.01),
 }

@@ -97,11 +97,13 @@ def both(scene, folder):
 
 
 OSCILLATES = Oscillate(amplitude=(0.1, 0.1), angle=10.0, period=0.3, phase=20.0)
+EACH = Oscillate(amplitude=(0.1, 0.2), angle=10.0, period=(0.3, 0.2, 0.5), phase=(20.0, 0.0, -40.0))
 TABLE = Table(points=((0.02, 0.02, 0.0, 0.0), (0.05, 0.0, 0.05, 5.0)))
 EXACT = {
     "block at an angle": scene_of(tilted(10.0), positions=raised(0.25)),
     "block along a table": scene_of(tilted(7.0), TABLE, (0.2, 0.1), positions=raised(0.16)),
     "block that turns": scene_of(Block("wall", (-1.5, 1.5), (-0.2, 0.3)), Rotate(rate=90.0)),
+    "block, each its own": scene_of(Block("wall", (-1.5, 1.5), (-0.2, 0.3)), EACH),
     "block that stops": scene_of(Block("wall", (-1.5, 1.5), (-0.2, 0.3)), Translate(velocity=(1.0, 1.0), until=0.1)),
     "segment": scene_of(drawn((-1.5, 0.1), (1.5, 0.3))),
     "segment that turns": scene_of(drawn((-1.5, 0.1), (1.5, 0.3)), Rotate(rate=-60.0)),

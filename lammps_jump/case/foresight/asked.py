@@ -9,7 +9,7 @@ from math import degrees
 from lammps_jump.case.fields import CaseFields, Column
 from lammps_jump.case.parts.beds import RoughBed
 from lammps_jump.scene import MovingWall
-from lammps_jump.scene.tracks import Oscillate
+from lammps_jump.scene.tracks import Oscillate, each
 
 from .grains import LEAST_FRICTION
 
@@ -85,7 +85,7 @@ def _angles(case: CaseFields) -> Iterator[tuple[str, float]]:
             continue
         yield f"walls[{index}].angle", getattr(wall, "angle", 0.0)
         if isinstance(wall.motion, Oscillate):
-            yield f"walls[{index}].motion.phase", wall.motion.phase
+            yield from ((f"walls[{index}].motion.phase", phase) for phase in dict.fromkeys(each(wall.motion.phase)))
             yield f"walls[{index}].motion.angle", wall.motion.angle
 
 

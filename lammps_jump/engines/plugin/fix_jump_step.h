@@ -17,7 +17,7 @@
      0: from less than its radius. The push goes on growing behind a face. GN, GT in 1/s: force = M GN v.
      With sizes M, GN and GT are of the nominal disc; GN and GT of others are theirs times sqrt(M/m).
      A wall with a `law` has its own in place of that of the other walls, one with `roll` its own friction of rolling, one with `seam` crosses that of a periodic x. One with `until STEP` is felt by the forces of
-     the steps before STEP. One with `move` follows N rows of 21 numbers (core/motion.h), turning about (CX, CY); one with
+     the steps before STEP. One with `move` follows N rows of 25 numbers (core/motion.h), turning about (CX, CY); one with
      `lid` is pushed by the discs and by a force, and free along x and y (1) or not (0). t = 0 is at the step START.
    - sizes: discs are inserted with the largest diameter. At the end of a step that is a multiple of EVERY new ones get
      their own diameter d by id, and the mass DENSITY d^2: u is the fraction of (id + SHIFT) TURN, d is
