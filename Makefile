@@ -4,10 +4,7 @@ VENV   ?= .venv
 BIN     = $(VENV)/bin
 CASE   ?= inputs/stable_jump.yaml
 
-# README and CONTRIBUTING say the same; a test compares them
-TEST_TIME = 2 minutes on two free cores (7 the first time), 5 and more on busy ones
-
-.PHONY: run test suite check browser bench stress cross-validation validate sensitivity calibrate figures docs docs-test reference gallery measured lint doctor wheel test-repeat faults sanitize slurm clean
+.PHONY: run test suite check browser bench stress cross-validation validate sensitivity calibrate figures times docs docs-test reference gallery measured lint doctor wheel test-repeat faults sanitize slurm clean
 
 # byte code is kept: without it every start of the program compiles all that it imports
 unexport PYTHONDONTWRITEBYTECODE
@@ -42,7 +39,7 @@ run: $(VENV)/.ready
 test: lint suite
 
 suite: $(VENV)/.test
-	@echo "the tests take $(TEST_TIME)"
+	@$(BIN)/python tests/budget.py
 	$(BIN)/python -m pytest -n 2
 
 check: $(VENV)/.test
@@ -95,6 +92,10 @@ calibrate: $(VENV)/.ready
 # the picture that README.md opens with
 figures: $(VENV)/.ready
 	$(BIN)/python docs/figures/make.py
+
+# the table of times of README.md, some minutes
+times: $(VENV)/.test
+	$(BIN)/python tests/times.py
 
 # the documentation site, docs/_build/html/index.html; its packages are the extra `docs`, about 240 MB
 $(VENV)/.docs: $(VENV)/.ready
