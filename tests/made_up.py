@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from features import BASE, FEATURES
+from hypothesis import settings
 
 import lammps_jump as lj
 from lammps_jump.analysis.flow import Flow
@@ -57,6 +58,11 @@ STUDY = {
     "collect": ["energy.max_deviation", "force.box.impulse_x", "discs.present"],
 }
 """Four points of two members."""
+
+
+def examples(number: int) -> settings:
+    """Random examples of a test that wants another number than most; a third in the default run, as of the others."""
+    return settings(max_examples=number // 3 if settings.default.derandomize else number)
 
 
 def run_case(path: Path, folder: Path, changes: Iterable[str] = (), **options) -> dict:

@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
-from made_up import disc_frame, flow_context
+from made_up import disc_frame, examples, flow_context
 
 import lammps_jump as lj
 from lammps_jump.analysis import contacts
@@ -40,7 +40,7 @@ def as_set(pairs):
     return {(min(pair), max(pair)) for pair in zip(*(part.tolist() for part in pairs), strict=True)}
 
 
-@settings(max_examples=60)
+@examples(60)
 @given(seed=st.integers(0, 2**31), count=st.integers(0, 80), width=st.sampled_from([0.1, 1.0, 50.0, 1e6]))
 def test_pairs_are_those_of_trying_all(seed, count, width):
     """From all within reach of each other (more pairs than there is room for at first) to far strays."""

@@ -6,9 +6,9 @@ from functools import partial
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
-from made_up import collected, disc_frame, flow_context, numbers
+from made_up import collected, disc_frame, examples, flow_context, numbers
 
 from lammps_jump.analysis.contacts import ContactCollector, find_contacts, pair_sums, wall_sums
 from lammps_jump.analysis.energy import (
@@ -86,7 +86,7 @@ def test_pairs_of_a_cloud_against_all_pairs(scale):
     assert sums.energy == pytest.approx(0.5 * K * float((overlap**2).sum()), rel=1e-10, abs=1e-12)
 
 
-@settings(max_examples=40)
+@examples(40)
 @given(seed=st.integers(0, 2**31), count=st.integers(0, 60))
 def test_thrust_is_the_virial_and_mirrors(seed, count):
     """Over all bins, thrust times width is the sum of force times branch; mirrored, the bins turn round."""

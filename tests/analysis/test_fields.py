@@ -5,9 +5,9 @@ from functools import partial
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
-from made_up import disc_frame, flow_context
+from made_up import disc_frame, examples, flow_context
 
 from lammps_jump.analysis import fields as module
 from lammps_jump.analysis.contacts import find_contacts, normal_forces
@@ -33,7 +33,7 @@ def frame(x, y, u=0.0, v=0.0, time=0.0):
 points = st.lists(st.tuples(st.floats(0.01, 3.99), st.floats(0.01, 5.5)), min_size=1, max_size=40)
 
 
-@settings(max_examples=10)
+@examples(10)
 @given(
     points=points,
     spacing=st.sampled_from([0.1, 0.2, 0.5]),  # 0.05 m takes four times as long as 0.1 m, in the same lines

@@ -10,9 +10,9 @@ from math import radians, sqrt
 import numpy as np
 import pytest
 import xarray as xr
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
-from made_up import columns_of_discs, disc_frame, flow_context, numbers
+from made_up import columns_of_discs, disc_frame, examples, flow_context, numbers
 
 from lammps_jump.analysis.beds.slope import AlongBed, sloping_stretch
 from lammps_jump.analysis.jump.certainty import LOCAL_BOUNDS, LOWER_BOUNDS, MADE_OF, UNTOLD, inherited
@@ -320,7 +320,7 @@ def test_a_basin_at_the_foot_of_a_chute():
     assert (found.of, found.inflow) == ("stream before the toe", None)
 
 
-@settings(max_examples=60)
+@examples(60)
 @given(
     toe=st.floats(5, 25),
     length=st.floats(0, 20),

@@ -7,9 +7,9 @@ from functools import partial
 import numpy as np
 import pytest
 import xarray as xr
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
-from made_up import columns_of_discs, coreless, disc_frame, flow_context
+from made_up import columns_of_discs, coreless, disc_frame, examples, flow_context
 
 from lammps_jump.analysis.profiles import Discs, add_means, bin_edges, compute_profiles, connected
 from lammps_jump.analysis.statistics import block_average
@@ -119,7 +119,7 @@ points = st.lists(
 )
 
 
-@settings(max_examples=80)
+@examples(80)
 @given(points=points, width=st.floats(0.03, 5.0), diameter=st.floats(0.05, 2.0))
 def test_mass_over_bins_and_outside_is_the_mass_of_the_discs(points, width, diameter):
     x, y, u, v = np.array(points, float).reshape(-1, 4).T
@@ -132,7 +132,7 @@ def test_mass_over_bins_and_outside_is_the_mass_of_the_discs(points, width, diam
     assert float(ds["count"].min()) >= -1e-15
 
 
-@settings(max_examples=60)
+@examples(60)
 @given(points=points, width=st.floats(0.03, 5.0), seed=st.integers(0, 2**31))
 def test_discs_of_several_sizes_keep_their_mass_and_momentum(points, width, seed):
     x, y, u, v = np.array(points, float).reshape(-1, 4).T
@@ -152,7 +152,7 @@ def test_discs_of_several_sizes_keep_their_mass_and_momentum(points, width, seed
         assert float((ds.packing * ds.surface_depth).sum()) * width <= np.pi * np.sum(radius**2) * (1 + 1e-12)
 
 
-@settings(max_examples=60)
+@examples(60)
 @given(seed=st.integers(0, 2**31), count=st.integers(1, 60))
 def test_the_surface_is_the_highest_top_over_each_line(seed, count):
     """Against trying every disc; all lie so low that they hang together with the bed; one line a bin."""
@@ -186,7 +186,7 @@ def test_discs_two_of_the_largest_diameters_apart_are_connected():
     assert float(ds.surface_depth.max()) == pytest.approx(1.45)
 
 
-@settings(max_examples=60)
+@examples(60)
 @given(points=points, width=st.sampled_from([0.25, 0.5, 1.0, 2.5]))
 def test_mirror_symmetry(points, width):
     x, y, u, v = np.array(points, float).reshape(-1, 4).T

@@ -9,9 +9,9 @@ import sys
 from math import ceil, sqrt
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
-from made_up import INPUTS, SCENES
+from made_up import INPUTS, SCENES, examples
 
 from lammps_jump.case import load_case, parse_case
 from lammps_jump.case.templates import scene_names, scene_text
@@ -215,10 +215,10 @@ def test_disc_in_a_gate_is_refused():
 
 def test_frames_and_probe_windows_divide_the_run():
     for path in SCENES:
-        scene = load_case(path).scene()
+        case = load_case(path)
+        scene, wanted = case.scene(), case.fields.run.duration
         assert scene.steps % scene.output_steps == 0
         assert scene.output_steps % scene.probe_steps == 0
-        wanted = load_case(path).fields.run.duration
         # the intervals are rounded to whole steps, at most half a step a probe window
         assert scene.time(scene.steps) == pytest.approx(wanted, rel=0.5 / scene.probe_steps + 1e-3)
 
@@ -250,7 +250,7 @@ def test_near_the_limit_is_a_warning_beyond_it_an_error():
     parse_case(SMALL.format(diameter="0.2"), changes=["run.time_step_fraction=0.5", "run.allow_unstable=true"]).scene()
 
 
-@settings(max_examples=40)
+@examples(40)
 @given(
     diameter=st.floats(0.01, 1.0),
     restitution=st.floats(0.05, 1.0),

@@ -36,9 +36,10 @@ def test_every_word_leads_to_a_field_or_kind_that_exists():
 
 
 def test_no_word_is_the_name_of_a_field_beside_the_one_that_it_leads_to():
+    names = fields.names()
     for path, words, _ in other_words.MEANT:
         group = path.rpartition(".")[0]
-        beside = {name for name in fields.names() if name.rpartition(".")[0] == group}
+        beside = {name for name in names if name.rpartition(".")[0] == group}
         # fields of one group that belong to other kinds may have the name
         wrong = [word for word in words.split() if f"{group}.{word}".lstrip(".") in beside]
         assert group.partition(".")[0] in ("walls", "initial", "inflow") or not wrong, (path, wrong)

@@ -5,9 +5,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
-from made_up import INPUTS
+from made_up import INPUTS, examples
 
 from lammps_jump.case import load_case, parse_case
 from lammps_jump.case.packing import deepest_overlap, piled
@@ -101,7 +101,7 @@ def test_a_column_is_a_dense_pile():
     assert (found > -1e-9).sum() / len(d) > 3.5
 
 
-@settings(max_examples=40)
+@examples(40)
 @given(
     ratio=st.floats(1.0, 16.0),
     share=st.floats(0.05, 0.95),

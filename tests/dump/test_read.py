@@ -7,8 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from made_up import examples
 
 from lammps_jump.dump.check import damages
 from lammps_jump.dump.find import find_dump, read_dump
@@ -71,7 +72,7 @@ def test_the_writer_gives_the_bytes_of_lammps(tmp_path, source, fmt):
 numbers = st.floats(allow_nan=False, allow_infinity=False, width=64)
 
 
-@settings(max_examples=60)
+@examples(60)
 @given(
     frames=st.lists(st.lists(st.tuples(numbers, numbers), max_size=5), min_size=1, max_size=4),
     fmt=st.sampled_from(["text", "gz", "binary"]),
@@ -98,7 +99,7 @@ def test_what_was_written_is_read_back_bit_by_bit(tmp_path_factory, frames, fmt,
     assert dump.warnings == [] and dump.count() == len(frames)
 
 
-@settings(max_examples=300)
+@examples(300)
 @given(
     token=st.one_of(
         numbers.map(repr),
@@ -225,7 +226,7 @@ def test_damaged_binary_is_an_error(tmp_path):
         list(open_dump(write(tmp_path, bytes(good))))
 
 
-@settings(max_examples=300)
+@examples(300)
 @given(
     source=st.sampled_from(["lammps_dump.lammpstrj", "lammps_dump.lammpsbin", "lammps_dump_scaled.lammpstrj"]),
     changes=st.lists(st.tuples(st.floats(0, 1, exclude_max=True), st.integers(0, 255)), min_size=1, max_size=4),

@@ -344,6 +344,7 @@ def test_ranks_equal_one(plugin, tmp_path, ranks, steps, columns):
     assert again == pytest.approx(values, rel=1e-6, abs=1e-6)
 
 
+@pytest.mark.long  # that is refused on one rank, above, in the same sentence
 def test_ranks_above_each_other_are_refused(plugin, tmp_path):
     lines = ["processors 1 * 1", *compiled(scene(*cloud(4, 9, 9), (), friction=0.2), plugin, tmp_path)]
     done, _ = run_on_ranks(tmp_path, lines, 2)

@@ -6,8 +6,9 @@ from math import cos, hypot, pi, radians, sin
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
+from made_up import examples
 
 from lammps_jump.scene.faces import MOST, touching
 from lammps_jump.scene.shapes import ArcTo, PlaceError, flush, open_ends, tight_bend
@@ -138,7 +139,7 @@ def test_a_polygon_needs_an_area(points):
         Polygon("p", points)
 
 
-@settings(max_examples=30)
+@examples(30)
 @given(radii=st.lists(st.floats(0.5, 2.0), min_size=3, max_size=8), turned=st.booleans(), solid=st.booleans())
 def test_a_star_is_taken_either_way_round(radii, turned, solid):
     angles = np.arange(len(radii)) * 2 * pi / len(radii)
@@ -148,7 +149,7 @@ def test_a_star_is_taken_either_way_round(radii, turned, solid):
     assert wall.moment_point == (points[-1] if turned else points[0])
 
 
-@settings(max_examples=20)
+@examples(20)
 @given(steps=st.lists(st.tuples(st.floats(0.1, 2), st.floats(-3, 3)), min_size=2, max_size=8))
 def test_a_bed_of_any_heights_is_a_line(steps):
     x = np.cumsum([dx for dx, _ in steps])
