@@ -99,11 +99,13 @@ times: $(VENV)/.test
 
 # the documentation site, docs/_build/html/index.html; its packages are the extra `docs`, about 240 MB
 $(VENV)/.docs: $(VENV)/.ready
+	@echo "installing what the site needs, once: about 60 packages, 240 MB"
 	@$(call install,--editable '.[docs]')
 	@touch $@
 
 docs: $(VENV)/.docs
-	$(BIN)/python -m sphinx -W --keep-going -q -b html docs docs/_build/html
+	@echo "making the reference, the tables and the gallery from what is stored; then the pages; nothing is simulated"
+	$(BIN)/python -m sphinx -W --keep-going -b html docs docs/_build/html
 	$(BIN)/python docs/making/check.py docs/_build/html
 
 # commands and numbers of tutorials and how-to pages, some minutes
@@ -114,8 +116,8 @@ docs-test: $(VENV)/.test
 reference: $(VENV)/.ready
 	cd docs && $(abspath $(BIN))/python -m making.pages
 
-# results of the gallery's long scenes, docs/stored, some minutes; make gallery X=spillway makes one
-gallery: $(VENV)/.ready
+# what the gallery shows, docs/stored, runs all scenes; make gallery X="spillway film notebook" makes those
+gallery: $(VENV)/.docs $(VENV)/.test
 	cd docs && $(abspath $(BIN))/python -m making.gallery $(X)
 
 # measures a table of the site again: make measured X=stability; without X, the list
@@ -136,4 +138,4 @@ doctor: $(VENV)/.ready
 	$(BIN)/lammps-jump doctor
 
 clean:
-	rm -rf $(VENV) build dist *.egg-info docs/_build docs/_made docs/notebooks/inputs docs/notebooks/runs
+	rm -rf $(VENV) build dist *.egg-info docs/_build docs/_made

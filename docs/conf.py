@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Settings of the documentation site; ``make docs`` builds it."""
 
-import logging
-import os
 import sys
 from pathlib import Path
 
@@ -21,18 +19,12 @@ copyright = author
 version = release = __version__
 
 extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx_copybutton", "sphinx_design"]
-exclude_patterns = ["_build", "_made", "figures", "making", "notebooks/inputs", "notebooks/runs"]
+exclude_patterns = ["_build", "_made", "figures", "making", "stored"]
 myst_enable_extensions = ["colon_fence", "deflist"]
 myst_heading_anchors = 4
 suppress_warnings = ["mystnb.unknown_mime_type"]
 
-nb_execution_mode = "force"  # the notebook is run by each build
-nb_output_stderr = "remove"  # progress lines
-nb_execution_raise_on_error = True
-nb_execution_timeout = 300
-nb_execution_show_tb = True
-os.environ["IPYTHONDIR"] = str(HERE / "_made" / "ipython")  # not the settings of who builds; `pages` writes these
-logging.getLogger("traitlets").setLevel(logging.WARNING)
+nb_execution_mode = "off"  # a build simulates nothing: `make gallery X=notebook` keeps the outputs in the notebook
 
 autodoc_typehints = "none"  # the docstrings tell the types
 autodoc_member_order = "bysource"

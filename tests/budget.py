@@ -16,7 +16,10 @@ from pathlib import Path
 import pytest
 
 BUDGETS = {"cold": 30_000, "warm": 26_000}
-"""Loops that a whole run may take, with empty caches of the tests and with those of the run before."""
+"""Loops that a whole run may take, with empty caches of the tests and with those of the run before.
+
+The sum over all folders, a third of the files of some, on two busy cores.
+"""
 SLACK = 1.25
 """Share of the budget at which ``.ci/run`` fails: repeated runs of one commit differ by about a tenth."""
 EVERY = 150

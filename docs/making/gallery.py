@@ -1,16 +1,18 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The gallery: every scene of ``inputs/`` with moments of its run, its command, and its report to play.
+"""The gallery: scenes of ``inputs/`` with moments of its run, its command, and its report to play.
 
-The build runs the scenes whose engine takes less than 20 s. Results of the others are kept in ``docs/stored`` with the
-key of their case; ``make gallery`` makes them again, ``make gallery X=NAME`` one of them. A build stops where a key is
-not that of today's case.
+The build of the site simulates nothing. ``docs/stored`` has pictures of all scenes, the film of the first page and some
+reports, with the keys of their cases; outputs of the notebook are kept in it. ``make gallery`` makes them again,
+``make gallery X=NAME`` one of them, ``X=film`` and ``X=notebook``. A build stops where a key is not that of today.
 """
 
 from __future__ import annotations
 
+import hashlib
 import io
 import json
 import shutil
+import subprocess
 import sys
 from pathlib import Path
 
@@ -25,20 +27,22 @@ from lammps_jump.runs.results import animate, flow_of
 DOCS = Path(__file__).parents[1]
 FOLDER = DOCS / "stored"
 INPUTS = DOCS.parent / "inputs"
-STORED: tuple[str, ...] = ("spillway",)
-"""Scenes whose engine takes longer than 20 s on a free core."""
+RUNS = DOCS.parent / "runs" / "gallery"
+PLAYED = ("quick_jump", "spillway")
+"""Scenes whose report git keeps; those of others are where ``make gallery`` has been run."""
+NOTEBOOK = DOCS / "notebooks" / "first_jump.ipynb"
 HEAD = """\
 # Gallery
 
-Every scene of `inputs/`. `lammps-jump new SCENE` prints its case. Pictures are moments of a run, and its report plays
-it. The build of this site runs all scenes whose engine takes less than 20 s. Of the others it shows stored results,
-and checks that they are of today's case.
+The scenes of `inputs/`, but for those that begin from the run of another. `lammps-jump new SCENE` prints its case.
+Pictures are moments of a run, and its report plays it. The build of this site shows stored results, and checks that
+they are of today's case.
 """
 FILMED = "quick_jump", {"run.output_interval": 0.04, "analysis.figures": "none"}
 """Scene and changes of the film on the first page."""
 CARD = 480, 240
 """Pixels of the pictures on cards."""
-COLOURS, WIDTH = 128, 1400
+COLOURS, WIDTH = 128, 1000
 """Of stored pictures, which git keeps for good."""
 
 
@@ -52,47 +56,49 @@ def make(docs: Path) -> None:
     """
     if old := stale():
         raise ValueError("stored results are of other cases: " + ", ".join(old) + "; make gallery makes them again")
-    pictures, reports = docs / "_made" / "gallery", docs / "_made" / "extra" / "reports"
-    pictures.mkdir(parents=True, exist_ok=True)
-    reports.mkdir(parents=True, exist_ok=True)
+    extra = docs / "_made" / "extra"
+    reports, pictures = extra / "reports", docs / "_made" / "gallery"
+    for folder in (reports, pictures):
+        folder.mkdir(parents=True, exist_ok=True)
+    shutil.copy(FOLDER / "film.mp4", extra)
     blocks = [HEAD, contents()]
-    for name in scene_names():
+    for name in scenes():
         case = lj.load_case(INPUTS / f"{name}.yaml")
-        said = ""
-        if name in STORED:
-            shutil.copy(FOLDER / f"{name}.png", pictures)
-            fit(FOLDER / f"{name}.png", pictures / f"{name}_small.png")
-            shutil.copy(FOLDER / f"{name}.html", reports)
-            data = json.loads((FOLDER / f"{name}.json").read_text())
-            said = f", stored: {data['seconds']:.0f} s with lammps-jump {data['versions']['lammps_jump']}"
-        else:
-            folder = run(case, docs / "_made" / "runs" / name).folder
-            shutil.copy(folder / "figures" / "snapshots.png", pictures / f"{name}.png")
-            shutil.copy(folder / "report.html", reports / f"{name}.html")
-            moment(case, folder, pictures / f"{name}_small.png")
+        for picture in (f"{name}.png", f"{name}_small.png"):
+            shutil.copy(FOLDER / picture, pictures)
+        data = json.loads((FOLDER / f"{name}.json").read_text())
+        said = f"made with lammps-jump {data['versions']['lammps_jump']}"
         blocks += [
             f"(scene-{name})=",
             f"## {name}\n",
             f"{case.fields.description}\n",
             f"![{name}](_made/gallery/{name}.png)\n",
+            f"```console\n$ lammps-jump build-and-run inputs/{name}.yaml\n```\n",
         ]
-        blocks.append(f"```console\n$ lammps-jump build-and-run inputs/{name}.yaml\n```\n")
-        blocks.append(f'<a href="reports/{name}.html">Play its report</a>{said}\n')
+        if (report := FOLDER / f"{name}.html").is_file():
+            shutil.copy(report, reports)
+            blocks.append(f'<a href="reports/{name}.html">Play its report</a>, {said}\n')
+        else:
+            blocks.append(f"Pictures {said}; `make gallery X={name}` and `make docs` put its report here.\n")
     (docs / "_made" / "gallery.md").write_text("\n".join(blocks))
 
 
 def contents() -> str:
     """Cards that lead to all scenes, Markdown."""
     card = ":::{grid-item-card} %s\n:img-top: _made/gallery/%s_small.png\n:link: scene-%s\n:link-type: ref\n:::"
-    cards = [card.replace("%s", name) for name in scene_names()]
+    cards = [card.replace("%s", name) for name in scenes()]
     return "\n".join(["::::{grid} 2 2 3 3", ":gutter: 2", "", *cards, "::::", ""])
 
 
-def moment(case: lj.Case, folder: Path, out: Path) -> None:
-    """Draw the frame at two thirds of a run."""
-    dump = lj.read_dump(folder / "dump.lammpstrj")
-    still(dump[2 * len(dump) // 3], flow_of(case), out, width=WIDTH // 2)
-    fit(out, out)
+def keep_film(made: lj.Run) -> None:
+    """Keep the film of a run, an eighth as large as `animate` writes it."""
+    from imageio_ffmpeg import get_ffmpeg_exe  # of the extra `test`, which the site does not need
+
+    whole = RUNS / "film.mp4"
+    whole.unlink(missing_ok=True)
+    animate(made.folder, whole, fps=20)
+    small = "-vf scale=800:-2 -preset fast -crf 30 -movflags +faststart".split()
+    subprocess.run([get_ffmpeg_exe(), "-y", "-loglevel", "error", "-i", whole, *small, FOLDER / "film.mp4"], check=True)
 
 
 def fit(picture: Path, out: Path) -> None:
@@ -100,17 +106,6 @@ def fit(picture: Path, out: Path) -> None:
     with Image.open(picture) as whole:
         small = ImageOps.pad(whole.convert("RGB"), CARD, color="white")
     small.save(out, optimize=True)
-
-
-def film(docs: Path) -> None:
-    """Write the film of the first page where it is not of the run that is there."""
-    name, changes = FILMED
-    made = run(lj.load_case(INPUTS / f"{name}.yaml", changes), docs / "_made" / "runs" / "film")
-    out, dump = docs / "_made" / "extra" / "film.mp4", made.folder / "dump.lammpstrj"
-    if not out.exists() or out.stat().st_mtime < dump.stat().st_mtime:
-        out.parent.mkdir(parents=True, exist_ok=True)
-        out.unlink(missing_ok=True)
-        animate(made.folder, out, fps=20)
 
 
 def run(case: lj.Case, folder: Path) -> lj.Run:
@@ -121,16 +116,40 @@ def run(case: lj.Case, folder: Path) -> lj.Run:
         return case.run(folder, force=True)
 
 
-def store(name: str, runs: Path) -> None:
-    """Run a scene and keep its picture, its report and the key of its case."""
-    case = lj.load_case(INPUTS / f"{name}.yaml")
-    made = run(case, runs / name)
+def scenes() -> list[str]:
+    """Names of the scenes that can be run by themselves."""
+    return [name for name in scene_names() if "kind: run" not in (INPUTS / f"{name}.yaml").read_text(encoding="utf-8")]
+
+
+def stored() -> list[str]:
+    """Names of all that is stored."""
+    return [*scenes(), "film", "notebook"]
+
+
+def store(name: str) -> None:
+    """Make what is shown again, and keep it with its key."""
+    print(f"{name} …", flush=True)
     FOLDER.mkdir(exist_ok=True)
+    data: dict[str, object] = {"key": key_of(name)}
+    if name == "notebook":
+        execute(NOTEBOOK)
+    else:
+        made = run(shown(name), RUNS / name)
+        data["versions"] = versions("lammps")
+        if name == "film":
+            keep_film(made)
+        else:
+            keep_scene(name, made)
+    (FOLDER / f"{name}.json").write_text(json.dumps(data, indent=1) + "\n")
+
+
+def keep_scene(name: str, made: lj.Run) -> None:
+    """Keep moments of a run, the picture of its card, and its report."""
     (FOLDER / f"{name}.png").write_bytes(smaller((made.folder / "figures" / "snapshots.png").read_bytes()))
     (FOLDER / f"{name}.html").write_bytes((made.folder / "report.html").read_bytes())
-    seconds = round(made.summary["wall_seconds"]["run"], 1)
-    data = {"key": case.hash, "seconds": seconds, "versions": versions("lammps")}
-    (FOLDER / f"{name}.json").write_text(json.dumps(data, indent=1) + "\n")
+    dump, card = lj.read_dump(made.folder / "dump.lammpstrj"), FOLDER / f"{name}_small.png"
+    still(dump[2 * len(dump) // 3], flow_of(shown(name)), card, width=WIDTH // 2)
+    fit(card, card)
 
 
 def smaller(picture: bytes) -> bytes:
@@ -142,17 +161,49 @@ def smaller(picture: bytes) -> bytes:
     return min(made.getvalue(), picture, key=len)
 
 
+def execute(path: Path) -> None:
+    """Run the notebook and keep its outputs in it, but for the lines of progress."""
+    import nbformat  # of the extra `docs`, which the tests do not need
+    from nbclient import NotebookClient
+
+    notebook, place = nbformat.read(path, 4), RUNS / "notebook"
+    place.mkdir(parents=True, exist_ok=True)
+    if not (place / "inputs").exists():
+        (place / "inputs").symlink_to(INPUTS, target_is_directory=True)
+    quiet = ["--IPKernelApp.log_level=40"]  # no advice of the kernel on its sockets
+    NotebookClient(notebook, timeout=600, extra_arguments=quiet, resources={"metadata": {"path": str(place)}}).execute()
+    for cell in notebook.cells:
+        cell.metadata.clear()  # times of the run
+        if "outputs" in cell:
+            cell.outputs = [one for one in cell.outputs if one.get("name") != "stderr"]
+    nbformat.write(notebook, path)
+
+
+def shown(name: str) -> lj.Case:
+    """The case of a scene or of the film, as it is today."""
+    scene, changes = FILMED if name == "film" else (name, {})
+    return lj.load_case(INPUTS / f"{scene}.yaml", changes)
+
+
+def key_of(name: str) -> str:
+    """Hash of what is shown, as it is today."""
+    if name != "notebook":
+        return shown(name).hash
+    cells = json.loads(NOTEBOOK.read_text(encoding="utf-8"))["cells"]
+    text = json.dumps([shown("quick_jump").hash, *("".join(cell["source"]) for cell in cells)])
+    return hashlib.sha256(text.encode()).hexdigest()[:12]
+
+
 def stale(folder: Path = FOLDER) -> list[str]:
-    """Scenes whose stored results are missing or not of today's case."""
+    """Names whose stored results are missing or not of today's case."""
     found = []
-    for name in STORED:
+    for name in stored():
         path = folder / f"{name}.json"
-        key = json.loads(path.read_text())["key"] if path.is_file() else None
-        if key != lj.load_case(INPUTS / f"{name}.yaml").hash:
+        if not path.is_file() or json.loads(path.read_text())["key"] != key_of(name):
             found.append(name)
     return found
 
 
 if __name__ == "__main__":
-    for one in sys.argv[1:] or STORED:
-        store(one, DOCS.parent / "runs" / "gallery")
+    for one in sys.argv[1:] or stored():
+        store(one)

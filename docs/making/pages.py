@@ -25,12 +25,6 @@ def make(docs: Path) -> None:
         (made / "measured").mkdir(parents=True, exist_ok=True)
         write(made / "measured" / f"{path.stem}.md", measured.fragment(path.stem, place=made / "measured"))
     gallery.make(docs)
-    gallery.film(docs)
-    # a build prints nothing but what is wrong: no advice of the kernel on its sockets
-    write(made / "ipython" / "profile_default" / "ipython_kernel_config.py", "c.IPKernelApp.log_level = 40\n")
-    inputs = docs / "notebooks" / "inputs"  # where the notebook looks for its case
-    if not inputs.exists():
-        inputs.symlink_to(docs.parent / "inputs", target_is_directory=True)
 
 
 def reference(docs: Path) -> None:
