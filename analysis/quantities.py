@@ -23,7 +23,7 @@ from . import draw, energy, front
 from .beds.slope import AlongBed, sloping_stretch
 from .budgets import depths, grade, inflow, stations
 from .contacts import ContactCollector
-from .devices import drum, gaps, hopper, runup, waves
+from .devices import drum, gaps, hopper, runup, tailgate, waves
 from .draw.aside import aside
 from .draw.chart import Bars, Chart, Drawings, Map
 from .draw.depths import depth_profile, xt_map
@@ -97,15 +97,24 @@ QUANTITIES = {
     "layers": Quantity(layers.Layers, layers.LayerSums, layers.analyse, layers.tables, layers.figures, layers.section),
     "heap": Quantity(heap.Heap, heap.HeapWatch, heap.analyse, heap.tables, heap.figures, heap.section),
     "rest": Quantity(rest.Rest, rest.RestWatch, rest.analyse, rest.tables, rest.figures, rest.section),
+    "tailgate": Quantity(
+        tailgate.Tailgate,
+        tailgate.GateWatch,
+        tailgate.analyse,
+        tailgate.tables,
+        tailgate.figures,
+        tailgate.section,
+        tailgate.summary,
+    ),
     "depth": Quantity(depths.Depths, None, depths.analyse, lambda _: {}, lambda *_: {}, depths.section),
     "state": Quantity(state.State, state.StateWatch, state.analyse, lambda _: {}, lambda *_: {}, lambda _: None),
 }
 """By the key in ``summary.json``, in the order of the report."""
 BESIDE_FORCES = {"reflected_wave": ReflectedWave, "identity": Identity}
 """Results that stand beside those of the structures under ``force`` in ``summary.json``."""
-ALWAYS = {"inflow", "force", "waves", "runup", "state"}
-"""Made whether asked for or not, where a scene has rows of inflow, probes, gauges or water before a slope; and what is
-there at the end, of every flow."""
+ALWAYS = {"inflow", "force", "waves", "runup", "tailgate", "state"}
+"""Made whether asked for or not, where a scene has rows of inflow, probes, gauges, water before a slope or a gate that
+holds; and what is there at the end, of every flow."""
 
 
 class Pictures(NamedTuple):
@@ -186,6 +195,7 @@ def analyse(
         results = {name: result for name, result in asked.items() if result is not None}
         warnings += results["jump"].notes if "jump" in results else ()
         warnings += getattr(results.get("inflow"), "notes", ())
+        warnings += tailgate.notes(results.get("tailgate"))
         parts: dict[str, object] = {name: QUANTITIES[name].summary(result) for name, result in results.items()}
         shown = drawings(gathered, results) if pictures.figures != "none" else {}
         drawn = {"none": (), "default": MAIN, "all": tuple(shown)}[pictures.figures]
@@ -256,6 +266,7 @@ def collect(
     contacts = ContactCollector(flow, edges) if flow.knows_contacts and {"jump", "energy"} & set(wanted) else None
     forces_asked = bool(flow.scene.probes) or ("force" in wanted and _forces_file(places) is not None)
     there = {"inflow": bool(flow.scene.inlets), "force": forces_asked, "runup": True, "state": True}
+    there["tailgate"] = any(one.motion.holding for one in flow.scene.walls)
     collectors = {
         name: quantity.collector(flow, contacts)
         for name, quantity in QUANTITIES.items()

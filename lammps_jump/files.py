@@ -117,6 +117,7 @@ RESULT_FILES = (
     "runup.csv",
     "drum.csv",
     "hopper.csv",
+    "tailgate.csv",
     "layers.csv",
     "heap.csv",
     "grade.csv",

@@ -36,6 +36,8 @@ def _moving(wall: dict, **motion) -> dict:
 BELT = _moving(FLOOR, kind="translate", velocity=[1, 0])
 PADDLE = {"name": "paddle", "kind": "block", "x": [0, 0.1], "y": [0.02, 1]}
 LID = {"name": "lid", "kind": "block", "x": [0.02, 0.98], "y": [0.61, 0.66]}
+GATE = {"name": "gate", "kind": "block", "x": [0.7, 0.8], "y": [-0.3, 0.2]}
+HOLDS = {"kind": "hold", "speed": 0.5, "range": [-0.15, 0.5], "response": 0.02}
 PRESSED = _moving(LID, kind="load", mass=50, force=[5, -2000], axis="both")
 DRUM = {"name": "box", "kind": "circle", "centre": [0.5, 0.5], "radius": 0.6, "discs": "inside"}
 BOWL = {
@@ -74,6 +76,12 @@ FEATURES: dict[str, dict[str, Any]] = {
     },
     "a lid": {"walls": [BOX, PRESSED]},
     "a lid, `history`": {"walls": [BOX, PRESSED], "contact": SPRINGS},
+    "a tailgate that holds a depth": {
+        "walls": [FLOOR, SIDE, _moving(GATE, **HOLDS, depth=0.5, at=0.1)], "initial": [{**COLUMN, "gate": False}],
+    },
+    "a tailgate that holds a front": {
+        **JETS, "walls": [FLOOR, _moving({**GATE, "x": [1.22, 1.3]}, **HOLDS, front=0.8)], "discs": SIZES,
+    },
     "a gate that goes": {"walls": [FLOOR, SIDE], "initial": [{**COLUMN, "settle": 0.06}]},
     "a gate that rises": {"walls": [FLOOR, SIDE], "initial": [{**COLUMN, "gate": {"open_in": 0.1}}]},
     "a line of several faces": {"walls": [BOWL], "probes": {}},

@@ -50,7 +50,7 @@ class Drum:
 def turning(scene: Scene) -> tuple[float, float, float, float] | None:
     """Centre (m), radius (m) and rate (rad/s) of the hollow wall that turns steadily; None where there is none."""
     for wall, motion in scene.walls:
-        if motion.kind is None or not wall.hollow or motion.load is not None:
+        if motion.kind is None or not wall.hollow or motion.is_state:
             continue
         now, later = motion.pose(scene.steps - 1), motion.pose(scene.steps)
         rate = (later.angle - now.angle) / scene.time_step if now and later else 0.0

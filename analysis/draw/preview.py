@@ -84,7 +84,7 @@ def preview(scene: Scene, regions: Sequence[Region] = (), *, sequent: float | No
 
 def _way(one: MovingWall, scene: Scene) -> list[Pose]:
     """Poses along the way of a wall in time; empty where it stands or where discs push it."""
-    if one.motion.kind is None or one.motion.load is not None:
+    if one.motion.kind is None or one.motion.is_state:
         return []
     last = min(float(scene.steps), one.motion.gone - 1)
     poses = [one.motion.pose(step) or Pose() for step in np.linspace(0.0, max(last, 0.0), SAMPLES)]

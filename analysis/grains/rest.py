@@ -134,7 +134,7 @@ def begin_of(scene: Scene) -> float:
     times = [0.0, *(scene.time(int(motion.gone)) for _, motion in scene.gates)]
     for _, motion in scene.walls:
         kind = motion.kind
-        if kind is not None and motion.load is None:
+        if kind is not None and not motion.is_state:
             ends = [corner.time for corner in kind.corners(0.0)]
             times += [kind.begin, *ends, *([kind.end] if isfinite(kind.end) else [])]
     return max(times)

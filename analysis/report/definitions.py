@@ -109,6 +109,13 @@ window        from flow on to flow off: from the first to the last time with hal
 Beverloo      W/(ρ √g (D − 1.4 d)^1.5), ρ and d of a disc, for one gap from 6 d on in a floor: by the law of Beverloo,
               Leniger & van de Velde (1961) in two dimensions the same for every gap and height of fill
 """,
+    "tailgate": """\
+height        y of the crest; mean since it settled, ± from the swings within this run
+settled       from then on the height, averaged over a response, stays within half a diameter of the mean of the last
+              quarter; and what is held is off by 2 % of the depth, or a quarter of y1 + y2 along x, at most
+held          mass depth over ten diameters around the place, or x where the mass depth first comes to (y1 + y2)/2, y2
+              after Bélanger; mean of the last quarter
+""",
     "layers": """\
 layer         discs count with the share of their area in it, contacts with that of the line between the centres
 packing       π d²/4 of the discs over the area of the layer

@@ -90,7 +90,7 @@ def _shape(one: MovingWall, packer: FramePacker, shown: tuple[Interval, Interval
     shape: dict[str, object] = {"name": wall.name, "hollow": wall.hollow, "outlines": outlines, "lines": lines}
     if motion.kind is None:
         return shape
-    pushed = packer.flow.poses.at if motion.load and packer.flow.poses else lambda time: {}
+    pushed = packer.flow.poses.at if motion.is_state and packer.flow.poses else lambda time: {}
     steps = [(time, packer.flow.step_at(time)) for time in packer.times]
     poses = [pushed(time).get(wall.name) or motion.pose(step) or Pose() for time, step in steps]
     fine = int(3 - np.floor(np.log10(packer.q)))  # thousandths of a quantum of the discs

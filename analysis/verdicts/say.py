@@ -6,13 +6,14 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
+from .gates import TAILGATE
 from .grains import DRUM, HEAP, INCLINE, OUTLET
 from .jump import HYDRAULIC_JUMP
 from .jump import is_asked as jump_is_asked
 from .plain import DISCS, ENERGY
 from .water import COLLAPSE, IMPACT, RUN_UP, WAVES, has_front
 
-VERDICTS = (OUTLET, HEAP, DRUM, INCLINE, HYDRAULIC_JUMP, WAVES, COLLAPSE, RUN_UP, IMPACT, ENERGY, DISCS)
+VERDICTS = (OUTLET, HEAP, DRUM, INCLINE, HYDRAULIC_JUMP, TAILGATE, WAVES, COLLAPSE, RUN_UP, IMPACT, ENERGY, DISCS)
 """In the order in which they claim the title. Pages, screens and the table of the site are made from it."""
 TOGETHER = 2
 """Answers of one title."""

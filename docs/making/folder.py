@@ -47,6 +47,7 @@ FILES = {
     "energy.csv": "energies against time",
     "gauges.csv": "depth at the gauges against time",
     "runup.csv": "highest water on a slope or wall, and what has gone over it, against time",
+    "tailgate.csv": "height of a tailgate and what it holds, against time",
     "drum.csv": "angle of the surface in a drum against time",
     "hopper.csv": "mass before the gaps that discs pass, and discharge, against time",
     "layers.csv": "profiles over the height",

@@ -44,6 +44,7 @@ TITLES = {
     "layers": "Layers",
     "heap": "Heap",
     "rest": "Rest",
+    "tailgate": "Tailgates",
     "depth": "Depths of a foreign dump",
     "state": "State at the end",
 }
@@ -68,7 +69,7 @@ def section(key: str) -> Iterator[str]:
         yield "| word | what it is |\n|---|---|"
         yield from (f"| {cell(word)} | {cell(text)} |" for word, text in rows)
         yield ""
-    path = "force.structures.<wall>" if key == "force" else key
+    path = {"force": "force.structures.<wall>", "tailgate": "tailgate.<wall>"}.get(key, key)
     results = {path: QUANTITIES[key].result}
     if key == "force":
         results |= {f"force.{name}": result for name, result in BESIDE_FORCES.items()}

@@ -19,6 +19,7 @@ from lammps_jump.files import plain
 from lammps_jump.identity import case_key
 from lammps_jump.quoting import echoed, plain_name
 from lammps_jump.scene.scene import Scene
+from lammps_jump.scene.tracks import Held
 
 from .derived import Derived
 from .explain import explain
@@ -116,6 +117,11 @@ class ReadCase:
         probes = self.fields.probes
         members = (member for group in probes.groups.values() for member in group)
         return tuple(dict.fromkeys((*probes.forces, *members, *probes.groups)))
+
+    @property
+    def tailgates(self) -> tuple[str, ...]:
+        """Names of the walls that hold a depth or a front."""
+        return tuple(wall.name for wall in self.fields.walls if isinstance(getattr(wall, "motion", None), Held))
 
     @cached_property
     def hash(self) -> str:

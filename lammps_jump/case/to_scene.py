@@ -32,7 +32,7 @@ from .foresight.asked import in_vain, light, radians_given
 from .foresight.doubts import doubts, jump_doubts
 from .foresight.grains import heap_doubts
 from .packing import TooSoft, arrange, disc_sizes
-from .parts import channel, places
+from .parts import channel, places, tailgate
 from .parts.beds import beds_of
 from .parts.earlier import EarlierRun
 from .parts.inflow import PourInflow, RowsInflow
@@ -134,11 +134,12 @@ def _scene(case: CaseFields, source: CaseSource) -> Scene:
     )
     domain = _domain(case, source, begun, inlets, speed, ways)
     outlets = _outlets(case, source, begun, domain, speed)
+    fields = {item.wall.name: item.field for item in theirs}
+    moving = tailgate.with_holdings(case, source, begun, moving, fields, domain, inlets)
     gates = walls.shut_gates(case, begun, domain)
     moving += map(MovingWall, inlet_back(case.inflow, begun.largest))
     own_names = checks.check_names(case, source, [wall for wall, _ in (*moving[len(theirs) :], *gates)])
     places.check_in_domain(case, source, begun.positions, inlets, domain)
-    fields = {item.wall.name: item.field for item in theirs}
     places.check_places(case, source, begun, inlets, (*moving, *gates), fields, case.seam)
     if case.seam:
         channel.check_walls(source, begun, moving, fields, domain)

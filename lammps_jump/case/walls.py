@@ -222,7 +222,7 @@ def span(begun: Beginning | Scene) -> Interval:
 
 def reachable(one: MovingWall, begun: Beginning, domain: tuple[Interval, Interval]) -> bool:
     """Whether any centre inside the domain can touch the wall, wherever it is on its way."""
-    if one.motion.load:
+    if one.motion.is_state:
         return True
     ((xlo, xhi), (ylo, yhi)), reach = domain, begun.largest / 2
     if one.motion.kind is None:

@@ -14,6 +14,10 @@ namespace jump {
 
 constexpr int TRACK_WORDS = 25;
 
+/** Kind of a moving wall that discs push. 1 follows a track; 3 goes at the speed that its `Pushed` has: its mass is
+    infinite. */
+constexpr int64_t LID = 2;
+
 /** Displacement (m) and turn (rad) of a wall from where the case has it, or their rates. */
 struct Pose {
   double x, y, angle;

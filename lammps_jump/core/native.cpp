@@ -166,13 +166,13 @@ template <bool SIZES, bool SPIN, class Law> static void wall_forces(const jump_s
   Pushed &pushed = s.pushed[wall];
   pushed.force[0] = on_wall.x;
   pushed.force[1] = on_wall.y;
-  if (s.moving[wall] == 2) centre(s.placed[wall], pushed, s.lid[wall], s.clock[2]);
+  if (s.moving[wall] >= LID) centre(s.placed[wall], pushed, s.lid[wall], s.clock[2]);
   const Pose &rate = view.placed->centred;
   const double dt = s.clock[2], power = -on_wall.power(rate);
   sum[3] += power;
   s.work[3] += dt * lost.power(rate);
   s.work[4] += dt * slid.power(rate);
-  if (s.moving[wall] == 1) s.work[5] += dt * power;    // the energy of a lid is part of the whole
+  if (s.moving[wall] != LID) s.work[5] += dt * power;    // the energy of a lid is part of the whole
 }
 
 /** Take the forces off fixed discs: they stay, and nothing is dissipated on their side. */
@@ -354,7 +354,7 @@ static int64_t advance(jump_state &s, int64_t steps, bool owed, bool &old)
     if (s.moving) {
       const double step = s.clock[0] + (double) done;
       for (int64_t wall = 0; wall < s.walls; wall++)
-        if (s.moving[wall] == 2) drift(s.pushed[wall], s.lid[wall], {s.clock[1], s.clock[2]}, step);
+        if (s.moving[wall] >= LID) drift(s.pushed[wall], s.lid[wall], {s.clock[1], s.clock[2]}, step);
       if (place_walls(s, step)) old = true;
     }
     if (old || done == steps) return done;

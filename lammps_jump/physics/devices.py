@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Waves of a paddle, discs through a slot, a drum that turns, a column that falls: laws that runs are compared with.
+"""Waves of a paddle, discs through a slot, a drum that turns, a column that falls, a tailgate that holds a flow.
 
 Pure functions, one equation each; SI, per metre of width.
 """
@@ -7,6 +7,9 @@ Pure functions, one equation each; SI, per metre of width.
 from __future__ import annotations
 
 from math import cosh, nan, pi, radians, sin, sinh, sqrt, tanh
+from typing import NamedTuple
+
+import numpy as np
 
 BEVERLOO_K = 1.4
 """Diameters by which a slot is narrower for discs than it is (Beverloo, Leniger & van de Velde 1961)."""
@@ -93,3 +96,141 @@ def creep_speed(gravity: float, slope: float, damping: float) -> float:
     Weight along the slope (degrees) in balance with the dashpot gamma_t (1/s) below sliding.
     """
     return gravity * sin(radians(slope)) / damping if damping > 0 else nan
+
+
+# --- a tailgate that holds a depth or a front -------------------------------------------------------------------------
+
+GATE_LOOKS = 20
+"""Looks of a gate in its response."""
+COMING_UP = 0.75
+"""Share of the way there and back that a wave comes up against the stream; 0.65 behind jumps of Froude numbers from 3 to
+9. With half of it in discs the gate swings by twice as much (0.2 m in place of 0.1 m)."""
+
+
+class Holding(NamedTuple):
+    """What a tailgate measures and how it answers, as engines take it.
+
+    Attributes
+    ----------
+    low, high : float
+        Stretch of the channel whose discs are summed, m.
+    bins : int
+        Equal parts of it.
+    target : float
+        Mass depth of the stretch, or place of the front, m.
+    level : float
+        Mass depth at the front, m; 0 where a depth is held.
+    proportional : float
+        Speed of the gate over the loss of area in a second, 1/m.
+    integral : float
+        Speed of the gate over the difference from the target, 1/s.
+    speed : float
+        Largest speed of the gate, m/s.
+    lowest, highest : float
+        Ends of its way, from where the case has it, m.
+    first, every : int
+        Steps at which it looks: the first one, and how many lie between two.
+    """
+
+    low: float
+    high: float
+    bins: int
+    target: float
+    level: float
+    proportional: float
+    integral: float
+    speed: float
+    lowest: float
+    highest: float
+    first: int
+    every: int
+
+
+def gate_gains(response: float, travel: float, length: float, rise: float = 0.0) -> tuple[float, float]:
+    """Gains of a gate, proportional (1/m) and integral (1/s), by a response and the travel of a wave, s.
+
+    Depth at a place answers the gate after a travel: the gate moves at (target - depth) / response. A front goes on
+    moving while the gate stands wrong, so that this alone would swing ever wider. It also needs the change of the area
+    A of the stream before the gate, which answers at once, nearly as A' = (L/T) (z - z of rest). By the rule for such a
+    process (Skogestad 2003, J. Process Control 13:291) z' = (T/t) ((front - target) rise/(4 t) - A'/L), where t is at
+    least the time in which a wave comes up: `COMING_UP` of tau.
+
+    Parameters
+    ----------
+    response, travel : float
+        tau and T, s.
+    length : float
+        L from the front to the gate, m.
+    rise : float
+        Change of the area a metre that the front moves, over L; 0 where a depth is held.
+    """
+    if not rise:
+        return 0.0, 1.0 / response
+    slow = COMING_UP * response
+    return travel / slow / length, travel * rise / (4.0 * slow**2)
+
+
+def gate_sees(holding: Holding, areas: np.ndarray) -> tuple[float, float]:
+    """What a gate holds, m, and the area of its stretch, m^2.
+
+    It is the mean mass depth, or the place at which the depth first comes to the level along x: straight between the
+    middles of parts, `low` where all is deeper, `high` where nothing is.
+
+    Parameters
+    ----------
+    areas : ndarray, shape (bins,), m^2
+        Mass over density of the discs in each part.
+    """
+    width = (holding.high - holding.low) / holding.bins
+    total = float(areas.sum())
+    if not holding.level:
+        return total / (width * holding.bins), total
+    before = 0.0
+    for part, area in enumerate(areas.tolist()):
+        depth = area / width
+        if depth >= holding.level:
+            if part == 0:
+                return holding.low, total
+            share = (holding.level - before) / (depth - before)
+            return holding.low + width * (part - 0.5 + share), total
+        before = depth
+    return holding.high, total
+
+
+def gate_speed(holding: Holding, place: float, seen: float, lost: float, interval: float) -> float:
+    """Speed of a gate up to its next look, m/s: no faster than it can be, and not beyond its way.
+
+    Its place is the only sum that it keeps, so that nothing winds up while it stands at an end or moves at its fastest.
+
+    Parameters
+    ----------
+    place : float
+        Displacement of the gate, m.
+    seen : float
+        What it holds, m.
+    lost : float
+        Loss of area since the last look, over the time since, m^2/s.
+    interval : float
+        Time up to the next look, s.
+    """
+    off = seen - holding.target if holding.level else holding.target - seen
+    wanted = holding.integral * off + holding.proportional * lost
+    wanted = min(max(wanted, -holding.speed), holding.speed)
+    return min(max(wanted, (holding.lowest - place) / interval), (holding.highest - place) / interval)
+
+
+def gate_areas(holding: Holding, x: np.ndarray, area: np.ndarray) -> np.ndarray:
+    """Sum of the areas (m^2) of discs at places x (m) in each part of a stretch, shape (bins,)."""
+    scale = holding.bins / (holding.high - holding.low)
+    part = np.floor((x - holding.low) * scale)
+    inside = (part >= 0) & (part < holding.bins)
+    return np.bincount(part[inside].astype(np.int64), area[inside], holding.bins)
+
+
+def wave_travel(length: float, depth: float, speed: float, gravity: float) -> float:
+    """Time of a long wave over a length and back, s, in a stream: L/(c - u) + L/(c + u), c = sqrt(g h).
+
+    Of a stream that lets no wave come up, twice the way at c.
+    """
+    c = sqrt(gravity * depth)
+    return 2.0 * length * c / (c * c - speed * speed) if abs(speed) < c else 2.0 * length / c

@@ -50,9 +50,13 @@ NO_SUMMARY = (
 
 
 ANALYSED = (
-    "inflow", "jump", "front", "energy", "force", "waves", "runup", "drum", "hopper", "layers", "heap", "rest", "state",
+    "inflow", "jump", "front", "energy", "force", "waves", "runup", "drum", "hopper", "layers", "heap", "rest",
+    "tailgate", "state",
 )  # fmt: skip
 """What the analyses have found, each checked as it is described there."""
+
+BY_NAME = ("force", "tailgate")
+"""Those that stand by the names of their walls."""
 
 
 class _Discs(BaseModel, strict=True, extra="forbid"):
@@ -139,7 +143,7 @@ def _stored(kind: Any) -> Any:
 
 @cache
 def _stored_kinds() -> dict[str, TypeAdapter[Any]]:
-    """What may stand at a quantity, or at a part of the forces; 'force' is one structure."""
+    """What may stand at a quantity, or at a part of the forces; 'force' is one structure, 'tailgate' one gate."""
     number: Any = FiniteFloat | None
     found = analysis.quantities
     wave, identity = map(stored_model, (found.BESIDE_FORCES[key] for key in ("reflected_wave", "identity")))
@@ -153,8 +157,8 @@ def _stored_parts(summary: Mapping[str, Any]) -> Iterator[tuple[str, TypeAdapter
     """The results that a summary holds: place, what is allowed there, and what stands there."""
     for name, found in ((name, summary[name]) for name in ANALYSED if summary.get(name) is not None):
         kinds = _stored_kinds()
-        if name == "force" and isinstance(found, Mapping):
-            yield from ((f"force: {key}", kinds.get(f"force.{key}", kinds["force"]), found[key]) for key in found)
+        if name in BY_NAME and isinstance(found, Mapping):
+            yield from ((f"{name}: {key}", kinds.get(f"{name}.{key}", kinds[name]), found[key]) for key in found)
         else:
             yield name, kinds[name], found
 

@@ -12,9 +12,10 @@ from typing import NamedTuple
 import numpy as np
 
 from lammps_jump.errors import CaseError
+from lammps_jump.physics.devices import Holding
 
 from .chains import Chain, Faces, moved
-from .tracks import ANGLE, COLUMNS, KINDS, WAVE, Loaded, fastest, pose_py, poses, track_of
+from .tracks import ANGLE, COLUMNS, KINDS, WAVE, Held, Loaded, fastest, pose_py, poses, track_of
 from .walls import Interval, Wall
 
 
@@ -37,7 +38,7 @@ class Motion:
     ----------
     gone : float
         First step whose forces no longer feel the wall; infinite: it stays.
-    kind : Translate, Rotate, Oscillate, Table or Loaded, optional
+    kind : Translate, Rotate, Oscillate, Table, Loaded or Held, optional
         How it moves (`lammps_jump.scene.tracks`); None: it stands.
     about : (float, float)
         Point of the wall, where the case has it, m: it turns about it, and its moment is taken about it.
@@ -47,6 +48,8 @@ class Motion:
         Step of t = 0.
     time_step : float
         s.
+    holding : Holding, optional
+        Of a tailgate: what it measures and how it answers.
     """
 
     gone: float = inf
@@ -55,6 +58,12 @@ class Motion:
     ease: float = 0.0
     start: int = 0
     time_step: float = 1.0
+    holding: Holding | None = None
+
+    @property
+    def is_state(self) -> bool:
+        """Whether the pose is state of the run, and no function of the step: of a load, and of a hold."""
+        return isinstance(self.kind, (Loaded, Held))
 
     @property
     def load(self) -> Loaded | None:
@@ -71,7 +80,7 @@ class Motion:
         return track
 
     def pose(self, step: float) -> Pose | None:
-        """Pose at a step; None once the wall is gone. A loaded wall has that of the start."""
+        """Pose at a step; None once the wall is gone. Where it is state, that of the start."""
         if step >= self.gone:
             return None
         time = (step - self.start) * self.time_step
@@ -93,7 +102,7 @@ class MovingWall(NamedTuple):
     motion: Motion = STANDS
 
     def at(self, step: float, pose: Pose | None = None, rate: Pose = STILL) -> Wall | None:
-        """The wall where it is at a step; None once it is gone. `pose` and `rate`: those of a loaded wall."""
+        """The wall where it is at a step; None once it is gone. `pose` and `rate`: those of one whose pose is state."""
         now = self.motion.pose(step)
         if now is None or self.motion.kind is None:
             return None if now is None else self.wall
@@ -192,6 +201,9 @@ def way(one: MovingWall, begin: float, end: float) -> tuple[Interval, Interval]:
     wall, motion = one
     if motion.kind is None or motion.load:
         return wall.extent
+    if isinstance(motion.kind, Held):
+        low, high = wall.extent[1]
+        return wall.extent[0], (low + motion.kind.range[0], high + motion.kind.range[1])
     places = poses(motion.track, begin, end)
     low, high = places.min(axis=0), places.max(axis=0)
     if low[2] == high[2] == 0.0:
@@ -231,6 +243,8 @@ def largest_speed(one: MovingWall, begin: float, end: float) -> float:
     wall, motion = one
     if motion.kind is None or motion.load:
         return 0.0
+    if isinstance(motion.kind, Held):
+        return motion.kind.speed
     speed, rate = fastest(motion.track, begin, end)
     if not rate:
         return speed
@@ -254,7 +268,7 @@ def arms(name: str, members: Sequence[MovingWall]) -> np.ndarray:
     first = members[0]
     track, turns = first.motion.track, bool(np.any(first.motion.track[:, [*range(ANGLE, ANGLE + 5), WAVE + 2]]))
     for one in members[1:]:
-        same = np.array_equal(one.motion.track, track) and not (one.motion.load or first.motion.load)
+        same = np.array_equal(one.motion.track, track) and not (one.motion.is_state or first.motion.is_state)
         if not same or (turns and one.motion.about != first.motion.about):
             raise CaseError(
                 f"probes.groups.{name}: '{one.wall.name}' does not move with '{first.wall.name}', so their moments "

@@ -455,8 +455,8 @@ class Scene(Measures):
 
     @property
     def lids(self) -> tuple[str, ...]:
-        """Names of the walls that the discs push."""
-        return tuple(wall.name for wall, motion in self.walls if motion.load is not None)
+        """Names of the walls whose pose is state of the run: those that discs push, and tailgates."""
+        return tuple(wall.name for wall, motion in self.walls if motion.is_state)
 
     def wall(self, name: str) -> Wall:
         """The wall of that name; KeyError for an unknown one."""

@@ -252,7 +252,36 @@ class Loaded(Kind):
             raise ValueError("a load takes no until, ease or about: it is held until from, and free then")
 
 
-KINDS = Translate | Rotate | Oscillate | Table | Loaded
+@dataclass(frozen=True)
+class Held(Kind):
+    """A tailgate: it rises and sinks until the mass depth at a place, or the place of the front, is what is asked."""
+
+    kind: Literal["hold"] = field(default="hold", kw_only=True, repr=False)
+    speed: Annotated[MetrePerSecond, Field(ge=1e-9, le=1e6, description="largest")]
+    range: Annotated[tuple[Coordinate, Coordinate], Field(description="of its way from where the case has it")]
+    depth: Annotated[Annotated[Metre, Field(ge=1e-9, le=1e6)] | None, Field(description="with at; or front")] = None
+    at: Annotated[Coordinate | None, Field(description="x where depth is held")] = None
+    front: Annotated[Coordinate | None, Field(description="x where the front is held")] = None
+    response: Annotated[
+        Annotated[Second, Field(ge=1e-9, le=1e9)] | None, Field(description="default: a wave's travel there and back")
+    ] = None
+
+    def __post_init__(self) -> None:
+        if self.until is not None or self.ease is not None or self.about is not None:
+            raise ValueError("a hold takes no until, ease or about: it stands until from, and holds from then on")
+        if (self.depth is None) == (self.front is None):
+            raise ValueError("needs depth (m) with at, or front (m), one of the two")
+        if (self.depth is None) != (self.at is None):
+            raise ValueError("depth and at belong together: the mass depth, m, and the place x where it is held, m")
+        low, high = self.range
+        if not low <= 0.0 <= high or low == high:
+            raise ValueError(
+                f"range: [{low:g}, {high:g}] is no way from where the case has the wall; allowed is [low, high] with "
+                "low <= 0 <= high and low < high, m"
+            )
+
+
+KINDS = Translate | Rotate | Oscillate | Table | Loaded | Held
 """Motions that a case file may name."""
 
 

@@ -311,6 +311,8 @@ def check_motion(moving: MovingWall) -> None:
     wall, motion = moving
     if motion.load is not None:
         raise NotInStock(f"wall that discs push (wall '{wall.name}', field motion, kind load)")
+    if motion.holding is not None:
+        raise NotInStock(f"tailgate that holds a flow (wall '{wall.name}', field motion, kind hold)")
     if len(motion.track) > MOST_TRACK:
         raise NotInStock(
             f"motion of {len(motion.track)} rows, {MOST_TRACK} at most (wall '{wall.name}', field motion.points)"

@@ -274,6 +274,10 @@ def plugin_wall(moving: MovingWall, own: WallLaw | None = None, *, seam: bool = 
         free = f"{int(load.axis != 'y')} {int(load.axis != 'x')}"
         place = f"{numbers(*motion.about)} {motion.start}"
         lines += [f"lid {place} {numbers(load.mass, *load.force)} {free} {number(load.begin)}"]
+    elif hold := motion.holding:
+        gains = numbers(hold.proportional, hold.integral, hold.speed, hold.lowest, hold.highest)
+        looks = f"{numbers(hold.low, hold.high)} {hold.bins} {numbers(hold.target, hold.level)}"
+        lines += [f"hold {numbers(*motion.about)} {motion.start} {hold.first} {hold.every} {looks} {gains}"]
     elif motion.kind:
         lines += [f"move {numbers(*motion.about)} {motion.start} {len(motion.track)}"]
         lines += [numbers(*row) for row in motion.track]

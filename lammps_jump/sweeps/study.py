@@ -282,9 +282,24 @@ def _usual(case: Case) -> Iterator[str]:
     asked = case.fields.analysis
     for name, quantity in QUANTITIES.items():
         keys = [n.key for n in numbers_of(quantity.result).values() if n.label != n.meaning and n.unit != "s"]
-        parents = [f"force.{probe}" for probe in case.structures] if name == "force" else [name]
-        if getattr(asked, name, False) or name == "force":
+        parts = _parts(name, case)
+        parents = [name] if parts is None else [f"{name}.{part}" for part in parts]
+        if getattr(asked, name, False) or parts is not None:
             yield from (f"{parent}.{key}" for parent in parents for key in keys)
+
+
+PARTS = {
+    "force": ("probe", "name the wall in probes.forces of the case"),
+    "tailgate": ("tailgate", "give a wall of the case the motion hold"),
+}
+"""Quantities whose results stand by the names of walls: what such a wall is, and how a case gets one."""
+
+
+def _parts(name: str, case: Case) -> tuple[str, ...] | None:
+    """Walls whose results a quantity holds by name; None of one that holds its own numbers."""
+    if name not in PARTS:
+        return None
+    return case.structures if name == "force" else case.tailgates
 
 
 def collected(file: CaseSource, path: str, case: Case) -> Collected:
@@ -301,12 +316,13 @@ def collected(file: CaseSource, path: str, case: Case) -> Collected:
     if name not in QUANTITIES:
         hint = nearest(name, [*QUANTITIES, *OTHERS])
         raise file.error(f"collect: {shortened(path)}: there is no '{shortened(name)}' in summary.json; {hint}")
-    if name == "force":
-        probe, _, key = key.partition(".")
-        if probe not in case.structures:
-            known = ", ".join(case.structures) or "none: name the wall in probes.forces of the case"
+    if (parts := _parts(name, case)) is not None:
+        part, _, key = key.partition(".")
+        what, remedy = PARTS[name]
+        if part not in parts:
+            known = ", ".join(parts) or f"none: {remedy}"
             raise file.error(
-                f"collect: {shortened(path)}: '{shortened(probe)}' is no probe of the case; probes there: {known}"
+                f"collect: {shortened(path)}: '{shortened(part)}' is no {what} of the case; {what}s there: {known}"
             )
     numbers = numbers_of(QUANTITIES[name].result)
     if key not in numbers and "." not in key:

@@ -12,6 +12,7 @@ from lammps_jump.analysis.quantities import QUANTITIES, main_numbers
 from lammps_jump.analysis.tables.rows import at_gauges
 from lammps_jump.analysis.verdicts import VERDICTS, doubts, headline, is_shown, verdict
 
+GATE = {"height": 1.79, "height_interval": 0.03, "settled_at": 30.0}
 STATE = {"discs": 300, "first_discs": 300, "speed": 0.02, "speed_over_root_gd": 0.05, "along": 0.0, "mean_speed": 0.1,
          "length": 0.6, "height": 0.12, "at_rest": True}  # fmt: skip
 NO_JUMP = {"verdict": "no jump found", "reason": "Fewer than eight bins.", "headline": "No hydraulic jump to compare."}
@@ -129,6 +130,7 @@ DOUBTFUL = [
     ({"jump": {**JUMP, "stream": {"at_inlet": True}}}, "compressed up to the inlet"),
     ({"jump": {**JUMP, "frames_in_window": 5}}, "holds 5 frames"),
     ({"jump": JUMP, "inflow": {"deviation": -0.2}}, "inflow is 20 % off"),
+    ({"tailgate": {"sill": {**GATE, "height_interval": 0.3}}}, "known to ± 0.30 m only"),
     ({"waves": {**WAVES, "periods": 2}}, "2 periods only"),
     ({"waves": {**WAVES, "height_last": 0.1}}, "lose 83 %"),
     ({"front": {**FRONT, "position_99": 20.0}}, "end at different places, 9.2 and 20 m"),
@@ -159,6 +161,7 @@ def test_every_doubt_has_its_summary_and_none_holds_without_a_cause():
     assert sum(any(doubt.found(summary) for summary, _ in DOUBTFUL) for doubt in every) == len(every) == len(DOUBTFUL)
     sound = {"hopper": HOPPER, "heap": HEAP, "drum": DRUM, "layers": LAYERS, "jump": JUMP, "waves": WAVES}
     sound |= {"front": FRONT, "runup": RUN_UP, "force": FORCE, "energy": ENERGY, "state": STATE}
+    sound |= {"tailgate": {"sill": GATE}}
     assert not [doubt.when for doubt in every if doubt.found(sound)]
 
 

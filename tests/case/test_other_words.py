@@ -19,7 +19,7 @@ from making import fields
 QUICK = INPUTS / "quick_jump.yaml"
 KINDS = {
     "plane", "block", "box", "polygon", "line", "circle", "rough", "translate", "rotate", "oscillate", "table", "load",
-    "rows", "pour", "column", "lattice", "list", "uniform", "bidisperse",
+    "hold", "rows", "pour", "column", "lattice", "list", "uniform", "bidisperse",
 }  # fmt: skip
 
 

@@ -15,6 +15,7 @@ from lammps_jump.case.parts.inflow import RowsInflow
 from lammps_jump.physics import jump
 from lammps_jump.scene import InletRow, Scene, Wall
 from lammps_jump.scene.shapes import open_ends
+from lammps_jump.scene.tracks import Held
 
 from .asked import empty_window
 
@@ -166,5 +167,5 @@ def _lies_behind(item: object, place: Place) -> bool:
 
 
 def _stands(wall: Wall) -> bool:
-    """Whether a wall is a solid that may be a sill: it ends, and discs are around it."""
-    return wall.finite and not wall.hollow and not open_ends(wall.faces)
+    """Whether a wall is a solid that may be a sill: it ends, discs are around it, and it does not find its height."""
+    return wall.finite and not wall.hollow and not open_ends(wall.faces) and not isinstance(wall.motion, Held)

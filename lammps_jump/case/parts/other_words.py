@@ -80,6 +80,7 @@ KINDS = {
     "sine sinus sinusoidal harmonic periodic vibration shake wave": "oscillate",
     "points file series list tabulated": "table",
     "lid piston mass force free": "load",
+    "tailgate gate weir tailwater control controller regulate": "hold",
     "jet inlet row uniform rows_of_discs": "rows",
     "rain drop fall hopper fill": "pour",
     "block rectangle dam reservoir water fluid": "column",

@@ -118,7 +118,7 @@ class Moves(NamedTuple):
     track, first : ndarray
         Rows of wall w: ``track[first[w]:first[w + 1]]`` (`lammps_jump.scene.tracks`); none of a wall that stands.
     moving : ndarray of int64, shape (walls,)
-        0 stands, 1 follows its track, 2 is pushed by the discs.
+        0 stands, 1 follows its track, 2 is pushed by the discs, 3 goes at the speed that `pushed` has.
     centre : ndarray, shape (walls, 2)
         Point of turning where the case has it, m.
     now : ndarray, shape (walls, 11)

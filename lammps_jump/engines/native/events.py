@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lammps_jump.physics.devices import Holding, gate_areas, gate_sees, gate_speed
 from lammps_jump.scene.motion import Pose
 from lammps_jump.scene.scene import Pour, Scene
 
@@ -175,6 +176,43 @@ class OpenBoundaries:
     def _new_id(self) -> int:
         self.inserted += 1
         return self.inserted
+
+
+class Tailgates:
+    """Gates that hold a depth or a front: the steps at which they look, and their speeds.
+
+    Attributes
+    ----------
+    areas : dict of name to float
+        Area of the discs that each gate saw last, m^2; none before its first look.
+    """
+
+    def __init__(self, scene: Scene):
+        self.time_step = scene.time_step
+        self.holdings = {wall.name: motion.holding for wall, motion in scene.walls if motion.holding}
+        self.areas: dict[str, float] = {}
+
+    def next_after(self, step: int) -> float:
+        """First step after `step` at which a gate looks; infinite without gates."""
+        return min((_next_look(one, step) for one in self.holdings.values()), default=inf)
+
+    def speeds(self, step: int, x: np.ndarray, area: np.ndarray, poses: Mapping[str, Pose]) -> dict[str, float]:
+        """Speeds (m/s) from this step on of the gates that look at it; discs stand at x (m), with these areas (m^2)."""
+        found = {}
+        for name, holding in self.holdings.items():
+            if _next_look(holding, step - 1) != step:
+                continue
+            interval = holding.every * self.time_step
+            seen, total = gate_sees(holding, gate_areas(holding, x, area))
+            lost = (self.areas.get(name, total) - total) / interval
+            self.areas[name] = total
+            found[name] = gate_speed(holding, poses[name].y, seen, lost, interval)
+        return found
+
+
+def _next_look(holding: Holding, step: int) -> int:
+    """First step after `step` at which a gate looks."""
+    return max(holding.first, holding.first + ((step - holding.first) // holding.every + 1) * holding.every)
 
 
 class Windows:

@@ -29,7 +29,7 @@ from .arrays import Grid, Loops, Memory, Pairs, State
 from .bound import Core
 from .constants import constants_of, springs_of
 from .discs import Discs, starting
-from .events import Event, OpenBoundaries, Schedule, Windows
+from .events import Event, OpenBoundaries, Schedule, Tailgates, Windows
 from .ledger import (
     Books,
     Energy,
@@ -113,6 +113,7 @@ class NativeSimulation:
         self._ledger_on = ledger
         self.boundaries = OpenBoundaries(scene)
         self.windows = Windows(scene)
+        self.gates = Tailgates(scene)
         self.books = Books(periodic=scene.period is not None)
         self.stations = StationLedger(scene, self.loops, ledger)
         self._between = Schedule(  # drift and forces
@@ -124,6 +125,7 @@ class NativeSimulation:
             Event(self.boundaries.next_sizes, self._give_sizes),
             Event(self.stations.next_after, self._see_stations),
             Event(self.windows.next_after, self._close_window),
+            Event(self.gates.next_after, self._move_gates),
         )
         self.discs = Discs(scene, self.loops, ledger=ledger)
         self.walls = self._walls()
@@ -288,6 +290,15 @@ class NativeSimulation:
 
     def _close_window(self) -> None:
         self.windows.close(self.step, self.walls)
+
+    def _move_gates(self) -> None:
+        """Let tailgates look at the discs that move, and give them their speeds."""
+        d, scene = self.discs, self.scene
+        free = slice(d.n) if d.fixed is None else np.flatnonzero(d.fixed[: d.n] == 0)
+        area = np.full(d.n, scene.diameter**2) if d.radius is None else 4.0 * d.radius[: d.n] ** 2
+        speeds = self.gates.speeds(self.step, d.x[: d.n][free], area[free], self.walls.poses())
+        for name, speed in speeds.items():
+            self.walls.set_speed(name, speed)
 
     def _elastic_of_newcomers(self, known: int, begin: int = 0) -> float:
         """Elastic energy of the contacts of discs with ids above `known`, from row `begin` on; 0 without a ledger."""

@@ -48,6 +48,7 @@ def save_state(simulation: NativeSimulation, path: Path) -> None:
         "window_begin": windows.begin,
         "forces": windows.forces,
         "window_sums": {name: list(row) for name, row in windows.sums.items()},
+        "gates": simulation.gates.areas,
         "rows": [state.entered for state in boundaries.rows],
         "pours": [state.entered for state in boundaries.pours],
         "random": boundaries.rng.bit_generator.state,
@@ -111,6 +112,7 @@ def _loaded(scene: Scene, path: Path, ledger: bool, loops: Loops | None) -> Nati
     windows.begin = plain["window_begin"]
     windows.sums = {name: np.array(row) for name, row in plain["window_sums"].items()}
     windows.forces = [(step, name, *values) for step, name, *values in plain["forces"]]
+    simulation.gates.areas = plain["gates"]
     boundaries = simulation.boundaries
     for states, counts in ((boundaries.rows, plain["rows"]), (boundaries.pours, plain["pours"])):
         for state, count in zip(states, counts, strict=True):

@@ -11,26 +11,36 @@ from numpy.typing import ArrayLike
 
 from lammps_jump.scene.chains import BEFORE, LENGTH, Faces, boxes, lay
 from lammps_jump.scene.faces import MOST
-from lammps_jump.scene.motion import MovingWall, Pose, at_seam
+from lammps_jump.scene.motion import Motion, MovingWall, Pose, at_seam
 from lammps_jump.scene.near import Grid, grid_of
 from lammps_jump.scene.scene import Scene
 
 from .arrays import Loops, Moves, Near
 from .constants import wall_numbers
 
-FOLLOWS, LID = 1, 2
-"""How a wall moves: along its track, or pushed by the discs (`Moves.moving`)."""
+FOLLOWS, LID, HELD = 1, 2, 3
+"""How a wall moves: along its track, pushed by the discs, or at a speed that is set from time to time (`Moves.moving`).
+The last is a lid of infinite mass."""
+
+
+def _way_of(motion: Motion) -> int:
+    """Number of how a wall moves; 0: it stands."""
+    if motion.kind is None:
+        return 0
+    return HELD if motion.holding else LID if motion.load else FOLLOWS
 
 
 def _moves(walls: list[MovingWall], faces: Faces, scene: Scene, skin: float) -> Moves:
     """The tracks of walls, some of which move."""
     count = len(walls)
     track = [one.motion.track for one in walls]
-    moving = [0 if one.motion.kind is None else LID if one.motion.load else FOLLOWS for one in walls]
+    moving = [_way_of(one.motion) for one in walls]
     lid = np.zeros((count, 6))
-    for row, load in zip(lid, (one.motion.load for one in walls), strict=True):
-        if load is not None:
+    for row, (_, motion) in zip(lid, walls, strict=True):
+        if load := motion.load:
             row[:] = load.mass, *load.force, load.axis != "y", load.axis != "x", load.begin
+        elif motion.holding:
+            row[:] = inf, 0.0, 0.0, 0.0, 1.0, scene.time(motion.holding.first)
     centre = np.array([one.motion.about for one in walls], float).reshape(-1, 2)
     clock = np.array([0.0, scene.settle_steps, scene.time_step, 0.5 * skin])
     return Moves(
@@ -136,11 +146,16 @@ class Walls:
             self._loops.place_walls(self.moves, step)
 
     def poses(self) -> dict[str, Pose]:
-        """Poses of the walls that discs push, by name."""
+        """Poses of the walls whose pose is state of the run, by name."""
         if self.moves is None:
             return {}
         walls = zip(self.names, self.moves.moving, self.moves.pushed, strict=True)
-        return {name: Pose(float(row[0]), float(row[1])) for name, moving, row in walls if moving == LID}
+        return {name: Pose(float(row[0]), float(row[1])) for name, moving, row in walls if moving >= LID}
+
+    def set_speed(self, name: str, speed: float) -> None:
+        """Let a tailgate go up at this speed, m/s."""
+        assert self.moves is not None
+        self.moves.pushed[self.names.index(name), 3] = speed
 
     def trouble_at_seam(self, scene: Scene) -> str:
         """What is wrong with a wall that discs have pushed to the seam of a periodic channel; empty for nothing.

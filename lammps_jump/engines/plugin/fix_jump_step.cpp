@@ -405,7 +405,8 @@ void FixJumpStep::write_restart(FILE *fp)
   for (const auto &wall : walls)
     if (wall.motion.is_lid) {
       const auto &lid = wall.motion.pushed;
-      state.insert(state.end(), {lid.place[0], lid.place[1], lid.speed[0], lid.speed[1], lid.force[0], lid.force[1]});
+      state.insert(state.end(), {lid.place[0], lid.place[1], lid.speed[0], lid.speed[1], lid.force[0], lid.force[1],
+                                 wall.hold.area});
     }
   const int size = (int) (state.size() * sizeof(double));
   fwrite(&size, sizeof(int), 1, fp);
@@ -420,5 +421,6 @@ void FixJumpStep::restart(char *buf)
       auto &lid = wall.motion.pushed;
       for (double *const to : {lid.place, lid.speed, lid.force})
         for (int axis = 0; axis < 2; axis++) to[axis] = *state++;
+      wall.hold.area = *state++;
     }
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /* fix ID all jump/step [gravity GX GY] [k_wall K gamma_wall GN gammat_wall GT mu_wall MU]
                         [wall NAME X0 Y0 DEEP N FACE... [law K GN GT MU] [roll MUR] [seam] [until STEP]
-                              [move CX CY START N ROW...] [lid CX CY START MASS FX FY X Y BEGIN]]...
+                              [move CX CY START N ROW...] [lid CX CY START MASS FX FY X Y BEGIN]
+                              [hold CX CY START FIRST EVERY LOW HIGH BINS TARGET LEVEL P I SPEED LOWEST HIGHEST]]...
                         [sizes EVERY DENSITY SHIFT TURN N [BEGIN END LOW SLOPE]...] [known ID]
                         [slots S] [contacts EVERY FILE]
                         [probe EVERY NAME...]                                   (probe comes last)
@@ -19,6 +20,8 @@
      A wall with a `law` has its own in place of that of the other walls, one with `roll` its own friction of rolling, one with `seam` crosses that of a periodic x. One with `until STEP` is felt by the forces of
      the steps before STEP. One with `move` follows N rows of 25 numbers (core/motion.h), turning about (CX, CY); one with
      `lid` is pushed by the discs and by a force, and free along x and y (1) or not (0). t = 0 is at the step START.
+     One with `hold` is a tailgate (core/hold.h): from the step FIRST on it looks every EVERY steps at the discs between
+     LOW and HIGH, and goes along y at a speed up to SPEED, within its way from LOWEST to HIGHEST.
    - sizes: discs are inserted with the largest diameter. At the end of a step that is a multiple of EVERY new ones get
      their own diameter d by id, and the mass DENSITY d^2: u is the fraction of (id + SHIFT) TURN, d is
      LOW + SLOPE (u - BEGIN) in the one of N pieces with BEGIN <= u < END. Discs up to ID keep the diameter they have.
@@ -36,6 +39,7 @@
 
 #include "disc_law.h"
 #include "fix.h"
+#include "hold.h"
 #include "near_faces.h"
 #include "slots.h"
 #include "wall.h"
@@ -104,6 +108,7 @@ class FixJumpStep : public Fix {
     bool deep = false;      // pushes from any depth behind its faces
     jump::NearFaces near;   // discs that can touch it before they have moved by the margin
     double low = 0.0, high = 0.0;    // ends along x of one that discs push, where the case has it, m
+    jump::Hold hold{};
 
     jump::WallInPlace in_place() const
     {
@@ -168,6 +173,9 @@ class FixJumpStep : public Fix {
   double spin_rate(int) const;
   int add_motion(Wall &, int, int, char **) const;
   int add_lid(Wall &, int, int, char **) const;
+  int add_hold(Wall &, int, int, char **) const;
+  void note_ends(Wall &) const;
+  void move_gates();
   bool is_there(const Wall &) const;
   void place_walls();
   void require_off_seam(const Wall &) const;

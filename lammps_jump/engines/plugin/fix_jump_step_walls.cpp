@@ -62,6 +62,8 @@ int FixJumpStep::add_wall(int a, int narg, char **arg)
       a = add_motion(wall, a + 1, narg, arg);
     } else if (key == "lid") {
       a = add_lid(wall, a + 1, narg, arg);
+    } else if (key == "hold") {
+      a = add_hold(wall, a + 1, narg, arg);
     } else break;
   }
   number_chains(wall);
@@ -112,13 +114,7 @@ int FixJumpStep::add_lid(Wall &wall, int a, int narg, char **arg) const
   for (double &free : lid.free) free = utils::logical(FLERR, arg[a++], false, lmp);
   lid.begin = next();
   if (!(lid.mass > 0.0)) error->all(FLERR, "fix jump/step: the mass of wall '{}' must be above 0", wall.name);
-  wall.low = 1e300;
-  wall.high = -1e300;
-  for (const auto &face : wall.faces) {
-    const jump::Extent box = jump::box_of(face, false);
-    wall.low = std::min(wall.low, box.xlo);
-    wall.high = std::max(wall.high, box.xhi);
-  }
+  note_ends(wall);
   return a;
 }
 
@@ -343,6 +339,7 @@ void FixJumpStep::post_force(int)
   const bool again = update->setupflag && update->ntimestep > 0;
   if (contacts_every && update->ntimestep % contacts_every == 0 && !again) write_contacts();
   push_lids();
+  if (!update->setupflag) move_gates();
   if (others_push || update->setupflag || update->ntimestep == update->laststep || update->ntimestep == output->next)
     pair->hand_over_forces();
   if (update->setupflag) {

@@ -221,7 +221,7 @@ def drift_lids(moves: Moves, step: int) -> None:
     """Kick and drift of the walls that discs push, as of discs, to a step; a first kick is half a step long."""
     _, start, dt, _ = moves.clock
     for wall, (mass, fx, fy, free_x, free_y, begin) in enumerate(moves.lid):
-        if moves.moving[wall] != 2 or not (step - start) * dt > begin:
+        if moves.moving[wall] < 2 or not (step - start) * dt > begin:
             continue
         kick = 0.5 * dt if (step - 1 - start) * dt <= begin else dt
         for axis, (load, free) in enumerate(((fx, free_x), (fy, free_y))):

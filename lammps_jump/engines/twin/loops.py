@@ -119,7 +119,7 @@ def _wall_forces(state: State, wall: int, seen: Seen, slope: float | None) -> No
     if not moving:
         return
     moves.pushed[wall, 4:6] = push[:2]
-    if moves.moving[wall] == 2:
+    if moves.moving[wall] >= 2:
         contact.see_lid(moves, wall)
     rate, dt = moves.now[wall, 8:11], moves.clock[2]
     power = -push @ rate
@@ -127,7 +127,7 @@ def _wall_forces(state: State, wall: int, seen: Seen, slope: float | None) -> No
     if state.discs.dash_x is not None:
         state.work[3] += dt * lost @ rate
         state.work[4] += dt * slid @ rate
-    if moves.moving[wall] == 1:  # the energy of a lid is part of the whole
+    if moves.moving[wall] != 2:  # the energy of a lid is part of the whole
         state.work[5] += dt * power
 
 

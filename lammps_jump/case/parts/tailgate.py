@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Tailgates of a case: what each one measures, and how fast it answers."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import ceil, isfinite
+
+from lammps_jump.case.fields import CaseFields
+from lammps_jump.case.text import CaseSource
+from lammps_jump.physics import jump
+from lammps_jump.physics.devices import GATE_LOOKS, Holding, gate_gains, wave_travel
+from lammps_jump.scene import Beginning, InletRow, Interval, MovingWall
+from lammps_jump.scene.tracks import Held
+
+from .inflow import RowsInflow
+
+STRETCH = 10
+"""Width over which a depth is taken, in diameters; half of it is that of the parts in which a front is looked for."""
+
+
+def with_holdings(
+    case: CaseFields, source: CaseSource, begun: Beginning, walls: list[MovingWall], fields: dict[str, str],
+    domain: tuple[Interval, Interval], inlets: tuple[InletRow, ...],
+) -> list[MovingWall]:  # fmt: skip
+    """The walls, with what tailgates among them measure.
+
+    Raises
+    ------
+    CaseError
+        A depth or a front where the gate cannot hold it: beyond the domain, behind the gate, without inflow.
+    """
+    found = []
+    for one in walls:
+        if isinstance(kind := one.motion.kind, Held):
+            field = f"{fields[one.wall.name]}.motion"
+            left = max([domain[0][0], *(row.x for row in inlets)])
+            holding = _holding(case, source, begun, one, kind, field, (left, domain[0]))
+            one = MovingWall(one.wall, replace(one.motion, holding=holding))
+        found.append(one)
+    return found
+
+
+def _holding(
+    case: CaseFields, source: CaseSource, begun: Beginning, one: MovingWall, kind: Held, field: str,
+    channel: tuple[float, Interval],
+) -> Holding:  # fmt: skip
+    """What a gate measures, and its gains."""
+    left, domain = channel
+    face = one.wall.extent[0][0]
+    place, name = (kind.at, "at") if kind.front is None else (kind.front, "front")
+    if not isfinite(face) or not left < face < domain[1]:
+        raise source.error(
+            f"{field}: wall '{one.wall.name}' has its side towards the flow at x = {face:g} m; allowed is a block "
+            f"between {left:g} and {domain[1]:g} m, in the domain and behind the inlet"
+        )
+    width = STRETCH * begun.diameter
+    beyond = place - 0.5 * width < left or place + 0.5 * width > face
+    if not domain[0] <= place <= domain[1] or (kind.depth is not None and beyond):
+        inner = (left + 0.5 * width, face - 0.5 * width) if kind.depth is not None else (left, face)
+        raise source.error(
+            f"{field}.{name}: {place:g} m is outside the channel before the gate; allowed is {inner[0]:g} to "
+            f"{inner[1]:g} m, between its begin and the wall '{one.wall.name}'"
+        )
+    depth, speed, level, rise = _flow(case, source, kind, field)
+    length = max(face - place, depth)
+    travel = wave_travel(length, depth, speed, case.gravity)
+    response = travel if kind.response is None else kind.response
+    if kind.front is None:
+        low, high, bins = place - 0.5 * width, place + 0.5 * width, 1
+    else:
+        low, high = left, face
+        bins = max(2, ceil((face - left) / (0.5 * width)))
+    proportional, integral = gate_gains(response, travel, length, rise / length)
+    every = max(1, round(response / GATE_LOOKS / begun.time_step))
+    first = max(1, begun.settle_steps + ceil(kind.begin / begun.time_step))
+    return Holding(
+        low, high, bins, place if kind.front is not None else depth, level, proportional, integral, kind.speed,
+        *kind.range, first, every,
+    )  # fmt: skip
+
+
+def _flow(case: CaseFields, source: CaseSource, kind: Held, field: str) -> tuple[float, float, float, float]:
+    """Depth (m) and speed (m/s) of the stream before the gate, depth at the front, and the rise of depth there, m."""
+    stream = case.inflow.over(0.0, case.run.duration) if isinstance(case.inflow, RowsInflow) else (0.0, 0.0)
+    y1, u1 = stream
+    if case.gravity == 0:
+        raise source.error(f"{field}: a gate holds a depth under gravity, and this case has none; give gravity, m/s^2")
+    if kind.depth is not None:
+        return kind.depth, y1 * u1 / kind.depth, 0.0, 0.0
+    if not y1 or jump.froude(u1, y1, case.gravity) <= 1.0:
+        raise source.error(
+            f"{field}.front: a front needs an inflow of rows that is faster than its waves (Froude number above 1); "
+            "hold a depth instead, by depth and at"
+        )
+    y2 = jump.sequent_depth(u1, y1, case.gravity)
+    return y2, y1 * u1 / y2, 0.5 * (y1 + y2), y2 - y1
