@@ -49,6 +49,7 @@ FIGURES = {
     "reflected_wave.png": "The reflected wave",
     "energy.png": "Energy of the discs",
     "gauges.png": "Depth at the gauges",
+    "tailgate.png": "Tailgate",
     "runup.png": "Run-up and overtopping",
     "drum.png": "Surface of the discs in the drum",
     "hopper.png": "Discs that pass the gap",

@@ -31,6 +31,8 @@ LEAST = 8
 """Frames in it, at least."""
 DEPTH_OFF = 0.02
 """Share of the depth by which the mean depth may be off where it is held."""
+FRONT_OFF = 0.25
+"""The same of a front, over the mean depth of the jump."""
 AT_END = 1e-3
 """Share of its way within which a gate stands at an end of it."""
 
@@ -138,7 +140,7 @@ def _why_not(holding: Holding, limit: bool, end: int, held: float, stands: bool)
     if not stands:
         return f"its height still changes, with {what}, and {asked}: run longer"
     off = abs(held - holding.target)
-    if off > (0.5 * holding.level if holding.level else DEPTH_OFF * holding.target):
+    if off > (FRONT_OFF * holding.level if holding.level else DEPTH_OFF * holding.target):
         return f"its height stands with {what}, and {asked}: run longer, or give a shorter response"
     return ""
 

@@ -112,7 +112,7 @@ Beverloo      W/(ρ √g (D − 1.4 d)^1.5), ρ and d of a disc, for one gap fro
     "tailgate": """\
 height        y of the crest; mean since it settled, ± from the swings within this run
 settled       from then on the height, averaged over a response, stays within half a diameter of the mean of the last
-              quarter; and what is held is off by 2 % of the depth, or a quarter of y1 + y2 along x, at most
+              quarter; and what is held is off by 2 % of the depth, or (y1 + y2)/8 along x, at most
 held          mass depth over ten diameters around the place, or x where the mass depth first comes to (y1 + y2)/2, y2
               after Bélanger; mean of the last quarter
 """,
