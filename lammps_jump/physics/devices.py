@@ -103,8 +103,8 @@ def creep_speed(gravity: float, slope: float, damping: float) -> float:
 GATE_LOOKS = 20
 """Looks of a gate in its response."""
 COMING_UP = 0.75
-"""Share of a travel there and back in which a wave comes up against the stream: 0.65 behind jumps of Froude numbers from
-3 to 9, and some more. With half of it gates in discs swing by twice as much, 0.2 m in place of 0.1 m (measured)."""
+"""Share of a travel there and back in which a wave comes up against the stream: 0.65 behind jumps of Froude numbers
+from 3 to 9, and some more. With half of it gates in discs swing by 0.2 m in place of 0.1 m (measured)."""
 
 
 class Holding(NamedTuple):
