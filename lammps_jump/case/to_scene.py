@@ -26,13 +26,14 @@ from lammps_jump.scene.schedule import Schedule, fitted_step, plan_stations, pla
 
 from . import checks, walls
 from .derived import skipped
+from .design import tailgate
 from .fields import CaseFields, Column
 from .foresight import speeds, ways_out
 from .foresight.asked import in_vain, light, radians_given
 from .foresight.doubts import doubts, jump_doubts
 from .foresight.grains import heap_doubts
 from .packing import TooSoft, arrange, disc_sizes
-from .parts import channel, places, tailgate
+from .parts import channel, places
 from .parts.beds import beds_of
 from .parts.earlier import EarlierRun
 from .parts.inflow import PourInflow, RowsInflow
@@ -128,10 +129,7 @@ def _scene(case: CaseFields, source: CaseSource) -> Scene:
     notes += speeds.softness(case, begun)
     notes += walls.wall_doubts(moving, begun, laws, inlets) + heap_doubts(case, begun, moving)
     ways = [way(one, *walls.span(begun)) for one in moving]
-    speed = max(
-        _largest_speed(case, begun, inlets),
-        max((largest_speed(one, *walls.span(begun)) for one in moving), default=0.0),
-    )
+    speed = max([_largest_speed(case, begun, inlets), *(largest_speed(one, *walls.span(begun)) for one in moving)])
     domain = _domain(case, source, begun, inlets, speed, ways)
     outlets = _outlets(case, source, begun, domain, speed)
     fields = {item.wall.name: item.field for item in theirs}

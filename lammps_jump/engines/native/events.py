@@ -188,7 +188,7 @@ class Tailgates:
     """
 
     def __init__(self, scene: Scene):
-        self.time_step = scene.time_step
+        self.scene = scene
         self.holdings = {wall.name: motion.holding for wall, motion in scene.walls if motion.holding}
         self.areas: dict[str, float] = {}
 
@@ -196,18 +196,21 @@ class Tailgates:
         """First step after `step` at which a gate looks; infinite without gates."""
         return min((_next_look(one, step) for one in self.holdings.values()), default=inf)
 
-    def speeds(self, step: int, x: np.ndarray, area: np.ndarray, poses: Mapping[str, Pose]) -> dict[str, float]:
-        """Speeds (m/s) from this step on of the gates that look at it; discs stand at x (m), with these areas (m^2)."""
-        found = {}
+    def move(self, step: int, discs, walls) -> None:
+        """Let the gates whose turn it is look at the discs that move, and give them their speeds."""
+        n, poses, found = discs.n, walls.poses(), {}
+        area = np.full(n, self.scene.diameter**2) if discs.radius is None else 4.0 * discs.radius[:n] ** 2
+        if discs.fixed is not None:
+            area[discs.fixed[:n] != 0] = 0.0
         for name, holding in self.holdings.items():
             if _next_look(holding, step - 1) != step:
                 continue
-            interval = holding.every * self.time_step
-            seen, total = gate_sees(holding, gate_areas(holding, x, area))
+            interval = holding.every * self.scene.time_step
+            seen, total = gate_sees(holding, gate_areas(holding, discs.x[:n], area))
             lost = (self.areas.get(name, total) - total) / interval
             self.areas[name] = total
             found[name] = gate_speed(holding, poses[name].y, seen, lost, interval)
-        return found
+        walls.set_speeds(found)
 
 
 def _next_look(holding: Holding, step: int) -> int:

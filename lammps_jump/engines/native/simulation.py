@@ -125,7 +125,7 @@ class NativeSimulation:
             Event(self.boundaries.next_sizes, self._give_sizes),
             Event(self.stations.next_after, self._see_stations),
             Event(self.windows.next_after, self._close_window),
-            Event(self.gates.next_after, self._move_gates),
+            Event(self.gates.next_after, lambda: self.gates.move(self.step, self.discs, self.walls)),
         )
         self.discs = Discs(scene, self.loops, ledger=ledger)
         self.walls = self._walls()
@@ -290,15 +290,6 @@ class NativeSimulation:
 
     def _close_window(self) -> None:
         self.windows.close(self.step, self.walls)
-
-    def _move_gates(self) -> None:
-        """Let tailgates look at the discs that move, and give them their speeds."""
-        d, scene = self.discs, self.scene
-        free = slice(d.n) if d.fixed is None else np.flatnonzero(d.fixed[: d.n] == 0)
-        area = np.full(d.n, scene.diameter**2) if d.radius is None else 4.0 * d.radius[: d.n] ** 2
-        speeds = self.gates.speeds(self.step, d.x[: d.n][free], area[free], self.walls.poses())
-        for name, speed in speeds.items():
-            self.walls.set_speed(name, speed)
 
     def _elastic_of_newcomers(self, known: int, begin: int = 0) -> float:
         """Elastic energy of the contacts of discs with ids above `known`, from row `begin` on; 0 without a ledger."""

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import pairwise
 from math import inf
 
@@ -152,10 +153,10 @@ class Walls:
         walls = zip(self.names, self.moves.moving, self.moves.pushed, strict=True)
         return {name: Pose(float(row[0]), float(row[1])) for name, moving, row in walls if moving >= LID}
 
-    def set_speed(self, name: str, speed: float) -> None:
-        """Let a tailgate go up at this speed, m/s."""
-        assert self.moves is not None
-        self.moves.pushed[self.names.index(name), 3] = speed
+    def set_speeds(self, speeds: Mapping[str, float]) -> None:
+        """Let tailgates go up at these speeds, m/s, by name."""
+        for name, speed in speeds.items() if self.moves is not None else ():
+            self.moves.pushed[self.names.index(name), 3] = speed
 
     def trouble_at_seam(self, scene: Scene) -> str:
         """What is wrong with a wall that discs have pushed to the seam of a periodic channel; empty for nothing.

@@ -7,13 +7,12 @@ from dataclasses import replace
 from math import ceil, isfinite
 
 from lammps_jump.case.fields import CaseFields
+from lammps_jump.case.parts.inflow import RowsInflow
 from lammps_jump.case.text import CaseSource
 from lammps_jump.physics import jump
 from lammps_jump.physics.devices import GATE_LOOKS, Holding, gate_gains, wave_travel
 from lammps_jump.scene import Beginning, InletRow, Interval, MovingWall
 from lammps_jump.scene.tracks import Held
-
-from .inflow import RowsInflow
 
 STRETCH = 10
 """Width over which a depth is taken, in diameters; half of it is that of the parts in which a front is looked for."""
