@@ -50,16 +50,16 @@ def _holding(
     place, name = (kind.at, "at") if kind.front is None else (kind.front, "front")
     if not isfinite(face) or not left < face < domain[1]:
         raise source.error(
-            f"{field}: wall '{one.wall.name}' has its side towards the flow at x = {face:g} m; allowed is a block "
-            f"between {left:g} and {domain[1]:g} m, in the domain and behind the inlet"
+            f"{field}: wall '{one.wall.name}' has its side towards the flow at x = {face:zg} m; allowed is a block "
+            f"between {left:zg} and {domain[1]:zg} m, in the domain and behind the inlet"
         )
     width = STRETCH * begun.diameter
     beyond = place - 0.5 * width < left or place + 0.5 * width > face
     if not domain[0] <= place <= domain[1] or (kind.depth is not None and beyond):
         inner = (left + 0.5 * width, face - 0.5 * width) if kind.depth is not None else (left, face)
         raise source.error(
-            f"{field}.{name}: {place:g} m is outside the channel before the gate; allowed is {inner[0]:g} to "
-            f"{inner[1]:g} m, between its begin and the wall '{one.wall.name}'"
+            f"{field}.{name}: {place:zg} m is outside the channel before the gate; allowed is {inner[0]:zg} to "
+            f"{inner[1]:zg} m, between its begin and the wall '{one.wall.name}'"
         )
     depth, speed, level, rise = _flow(case, source, kind, field)
     length = max(face - place, depth)
