@@ -276,7 +276,7 @@ class Held(Kind):
         low, high = self.range
         if not low <= 0.0 <= high or low == high:
             raise ValueError(
-                f"range: [{low:g}, {high:g}] is no way from where the case has the wall; allowed is [low, high] with "
+                f"range: [{low:zg}, {high:zg}] is no way from where the case has the wall; allowed is [low, high] with "
                 "low <= 0 <= high and low < high, m"
             )
 
