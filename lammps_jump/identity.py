@@ -40,6 +40,8 @@ if TYPE_CHECKING:
 
 NO_NUMBERS = ("name", "description", "skipped", "warnings", "adapted", "stiffer")
 """Fields of a scene that change no trajectory."""
+LATER, LATER_TEXT = ("earlier", None), ", holding=None"
+"""Fields that scenes and motions have got since keys were stored, as they are in scenes of before: left out."""
 Plain = Mapping[str, object]
 
 
@@ -82,10 +84,14 @@ def scene_key(scene: DataclassInstance) -> str:
     found = hashlib.sha256()
     for field in fields(scene):
         value = getattr(scene, field.name)
-        if field.name not in NO_NUMBERS:
+        if field.name not in NO_NUMBERS and (field.name, value) != LATER:
             found.update(field.name.encode())
-            found.update(value.tobytes() if isinstance(value, np.ndarray) else repr(value).encode())
+            found.update(value.tobytes() if isinstance(value, np.ndarray) else _text(value).encode())
     return found.hexdigest()
+
+
+def _text(value: object) -> str:
+    return repr(value).replace(LATER_TEXT, "")
 
 
 def field_keys(text: str) -> dict[str, str]:
