@@ -31,10 +31,10 @@ _touch_wall = function(
     "jump_touch_wall", INTEGER, REALS, REALS, REALS, ndpointer(FACE), INTEGER, REALS, INTEGERS, INTEGERS, INTEGERS,
     INTEGERS, REALS, INTEGER, result=INTEGER,
 )  # fmt: skip
-_normal_forces = function("jump_normal_forces", INTEGER, REALS, REALS, REALS, REALS, REAL, REALS)
-_elastic_sum = function("jump_elastic_sum", INTEGER, REALS, REALS, REAL, result=REAL)
+_normal_forces = function("jump_normal_forces", INTEGER, REALS, REALS, REALS, REALS, REAL, REAL, REALS)
+_elastic_sum = function("jump_elastic_sum", INTEGER, REALS, REALS, REAL, REAL, result=REAL)
 _whole_forces = function(
-    "jump_whole_forces", INTEGER, INTEGERS, INTEGERS, REALS, INTEGER, REALS, INTEGER, REAL, REAL, REALS, REALS
+    "jump_whole_forces", INTEGER, INTEGERS, INTEGERS, REALS, INTEGER, REALS, INTEGER, REAL, REAL, REAL, REALS, REALS
 )
 _thrust = function("jump_thrust", INTEGER, REALS, INTEGERS, INTEGERS, REALS, REAL, REAL, INTEGER, REALS)
 
@@ -237,19 +237,27 @@ def find_contacts(frame: Frame, flow: Flow, *, damping: bool = True) -> Contacts
     if damping and {"vx", "vy"} <= set(frame.columns):
         u, v = (np.append(np.nan_to_num(speed), 0.0) for speed in (frame.vx, frame.vy))
         opening = (u[second] - u[first] - wall_u) * nx + (v[second] - v[first] - wall_v) * ny
-    force = normal_forces(overlap, opening, stiffness, dashpot, flow.touch_width)
+    force = normal_forces(overlap, opening, stiffness, dashpot, flow.touch_width, flow.scene.cohesion)
     start, end = points[second], points[np.where(is_wall, 0, first)]
     to_wall = (flow.radii(frame)[second] - overlap)[:, None] * normal
     return Contacts(start, np.where(is_wall[:, None], start - to_wall, end), normal, overlap, force, is_wall)
 
 
 def normal_forces(
-    overlap: np.ndarray, opening: np.ndarray, stiffness: np.ndarray, dashpot: np.ndarray, touch: float | None
+    overlap: np.ndarray,
+    opening: np.ndarray,
+    stiffness: np.ndarray,
+    dashpot: np.ndarray,
+    touch: float | None,
+    cohesion: float = 0.0,
 ) -> np.ndarray:
-    """Normal force of each contact, N/m: spring and dashpot; `touch` is the width of a soft start, m."""
+    """Normal force of each contact, N/m: spring and dashpot; `touch` is the width of a soft start, m.
+
+    Less the attraction of what touches, N/m.
+    """
     force = np.empty(len(overlap))
     arrays = (np.ascontiguousarray(values, float) for values in (overlap, opening, stiffness, dashpot))
-    _normal_forces(len(force), *arrays, nan if touch is None else touch, force)
+    _normal_forces(len(force), *arrays, nan if touch is None else touch, cohesion, force)
     return force
 
 
@@ -288,7 +296,9 @@ def whole_forces(
     laws = np.array([*contacts[2:9], wall_u, wall_v], float)
     computed = np.empty_like(still), np.empty_like(still)
     touch = nan if flow.touch_width is None else flow.touch_width
-    _whole_forces(len(still), *ends, np.array([u, v, rim]), len(u), laws, rubs, slope, touch, *computed)
+    _whole_forces(
+        len(still), *ends, np.array([u, v, rim]), len(u), laws, rubs, slope, touch, flow.scene.cohesion, *computed
+    )
     if flow.written is None or not velocity:
         return computed
     written = flow.written.forces(frame.step, frame.ids[contacts.second], contacts.partner)
@@ -301,7 +311,7 @@ def elastic_energy(contacts: Touching, flow: Flow) -> float:
     """Elastic energy of contacts, J/m."""
     touch = nan if flow.touch_width is None else flow.touch_width
     overlap, stiffness = (np.ascontiguousarray(part, float) for part in (contacts.overlap, contacts.stiffness))
-    return _elastic_sum(len(overlap), overlap, stiffness, touch)
+    return _elastic_sum(len(overlap), overlap, stiffness, touch, flow.scene.cohesion)
 
 
 def thrust_of(x: np.ndarray, contacts: Touching, fx: np.ndarray, edges: np.ndarray) -> np.ndarray:

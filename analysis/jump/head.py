@@ -33,7 +33,7 @@ ODD = ("discharge", "flux", "power", "elastic_flux")
 
 
 _contact_fields = function(
-    "jump_contact_fields", INTEGER, INTEGERS, INTEGERS, REALS, REALS, INTEGER, REALS, REAL, INTEGER, REAL, REAL,
+    "jump_contact_fields", INTEGER, INTEGERS, INTEGERS, REALS, REALS, INTEGER, REALS, REAL, REAL, INTEGER, REAL, REAL,
     INTEGER, REALS,
 )  # fmt: skip
 """Adds power, thrust, elastic energy, its flux and dissipation of contacts to rows 5 to 9 of the fields."""
@@ -77,6 +77,7 @@ class EnergyFluxes:
         ends, touch = (first.astype(np.int64), second.astype(np.int64)), flow.touch_width
         _contact_fields(
             len(first), *ends, x, state, frame.n + 1, np.array(laws, float), nan if touch is None else touch,
+            flow.scene.cohesion,
             self.rounds, low, width, bins, fields,
         )  # fmt: skip
         self._times.append(time)

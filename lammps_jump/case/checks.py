@@ -194,6 +194,11 @@ def check_engine(case: CaseFields, source: CaseSource) -> None:
             raise source.error(
                 "contact.touch: 'smooth' is not in stock LAMMPS; use engine.kernel: compiled or engine.name: native"
             )
+        if case.contact.cohesion is not None:
+            raise source.error(
+                "contact.cohesion: a constant attraction of discs that touch is not in the styles of stock LAMMPS that "
+                "this program writes; use engine.kernel: compiled or engine.name: native"
+            )
 
 
 def _against_inflow(case: CaseFields) -> list[str]:

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import asdict, dataclass
 from itertools import pairwise
+from math import hypot, sqrt
 
 from lammps_jump.files import plain
 from lammps_jump.physics import contact
@@ -199,7 +200,27 @@ def _contact_rows(scene: Scene) -> list[Row]:
         rows.append(("friction_law", "friction law", scene.friction_law, ""))
         rows += _described(c, "gamma_tangential gamma_tangential_wall")
         rows += _spring_rows(scene) or _described(c, "slip_speed")
-    return [*rows, *_described(c, "largest_overlap")]
+    return [*rows, *_cohesion_rows(scene), *_described(c, "largest_overlap")]
+
+
+def _cohesion_rows(scene: Scene) -> list[Row]:
+    """The attraction of what touches; none where there is none.
+
+    Of two discs that meet at less than `sticking_speed` the restitution e leaves too little to part: the attraction F_c
+    gives F_c^2/(2 k) to their way to the balance, and takes it again, v = F_c sqrt((1/e^2 - 1)/(k m*)).
+    """
+    pull, c = scene.cohesion, scene.coefficients
+    if not pull:
+        return []
+    stick = pull * sqrt((1 / c.restitution**2 - 1) / (c.stiffness * c.mass / 2))
+    weight = c.mass * hypot(*scene.gravity)
+    bond: list[Row] = [("bond_number", "Bond number: attraction over weight", pull / weight, "")] if weight else []
+    return [
+        ("cohesion", "attraction of what touches", pull, "N/m"),
+        *bond,
+        ("cohesion_overlap", "overlap that it alone holds, over d", pull / c.stiffness / scene.diameter, ""),
+        ("sticking_speed", "discs that meet at less stick, about", stick, "m/s"),
+    ]
 
 
 def _expected_rows(case: CaseFields, scene: Scene) -> list[Row]:

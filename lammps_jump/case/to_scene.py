@@ -30,7 +30,7 @@ from .design import tailgate
 from .fields import CaseFields, Column
 from .foresight import speeds, ways_out
 from .foresight.asked import in_vain, light, radians_given
-from .foresight.doubts import doubts, jump_doubts
+from .foresight.doubts import doubts, held_deep, jump_doubts
 from .foresight.grains import heap_doubts
 from .packing import TooSoft, arrange, disc_sizes
 from .parts import channel, places
@@ -183,6 +183,7 @@ def _scene(case: CaseFields, source: CaseSource) -> Scene:
         skin=case.engine.skin or 0.3 * begun.diameter,
         touch=law.touch,
         touch_width=0.0 if sharp else law.touch_width or TOUCH_STEPS * impact_speed * begun.time_step,
+        cohesion=law.attraction(begun.coefficients.mass, case.gravity),
         periodic=case.seam is not None,
         size_steps=raster if inlets else POUR_RASTER,
         skipped=skipped(case, tuple(wall for wall, _ in moving), [wall for wall, _ in kept], begun, laws.values()),
@@ -190,7 +191,7 @@ def _scene(case: CaseFields, source: CaseSource) -> Scene:
         adapted=checks.adapted(case, begun, inlets),
     )
     checks.check_time(case, source, scene)
-    return scene
+    return replace(scene, warnings=(*scene.warnings, *told)) if (told := held_deep(scene)) else scene
 
 
 def _own_laws(case: CaseFields, begun: Beginning, given: tuple[walls.CaseWall, ...]) -> dict[str, contact.WallLaw]:

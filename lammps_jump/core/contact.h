@@ -23,7 +23,8 @@ template <class Number> struct Force {
   Number resist;     // against rolling, along the rims
 };
 
-/** The force of a contact on a disc.
+/** The force of a contact on a disc. Friction is bounded by what presses the two together: the normal force without the
+    attraction, which the spring holds (Derjaguin, Muller & Toporov 1975).
 
     nx, ny: unit vector to the disc from what it touches; vx, vy: velocity of its centre against that of its partner;
     rim: speed of the rims, R_i omega_i + R_j omega_j; turn: speed of rolling; m/s. */
@@ -41,11 +42,11 @@ inline Force<Number> contact_force(const Law &law, const Numbers<Number> &of, co
   if constexpr (Law::Friction::RUBS) {
     const Number slip = vy * nx - vx * ny - rim;
     if constexpr (Law::Friction::REMEMBERS) {
-      const Number normal = out.fx * nx + out.fy * ny;    // as the components have it, to the last bit
+      const Number normal = out.fx * nx + out.fy * ny + law.normal.pull;    // as the components have it, to the last bit
       out.rub = law.tangential.force(of, normal, slip, held);
       out.resist = law.tangential.against_rolling(rolling, normal, turn, held);
     } else {
-      out.rub = law.tangential.force(of, push, slip);
+      out.rub = law.tangential.force(of, push + law.normal.pull, slip);
     }
     out.fx = out.fx - out.rub * ny;
     out.fy = out.fy + out.rub * nx;

@@ -60,22 +60,22 @@ JUMP_API int64_t jump_touch_wall(int64_t n, const double *x, const double *y, co
   return number;
 }
 
-// Normal force of each contact, of spring and dashpot; opening: speed of parting. touch: width of a soft start, or NaN.
+// Normal force of each contact, of spring and dashpot; opening: speed of parting. touch: width of a soft start, or NaN; pull: attraction, N/m.
 JUMP_API void jump_normal_forces(int64_t n, const double *overlap, const double *opening, const double *stiffness,
-                                 const double *damping, double touch, double *force)
+                                 const double *damping, double touch, double pull, double *force)
 {
-  with_touch(touch, [&](const auto &normal, const auto &dashpot) {
+  with_touch(touch, pull, [&](const auto &normal, const auto &dashpot) {
     for (int64_t k = 0; k < n; k++)
       force[k] = normal.force(stiffness[k], overlap[k]) + dashpot.force(damping[k], opening[k], overlap[k]);
   });
 }
 
 // Elastic energy of contacts, J per m of width.
-JUMP_API double jump_elastic_sum(int64_t n, const double *overlap, const double *stiffness, double touch)
+JUMP_API double jump_elastic_sum(int64_t n, const double *overlap, const double *stiffness, double touch, double pull)
 {
   double energy = 0.0;
-  with_touch(touch, [&](const auto &normal, const auto &) {
-    for (int64_t k = 0; k < n; k++) energy += stiffness[k] * normal.energy(overlap[k]);
+  with_touch(touch, pull, [&](const auto &normal, const auto &) {
+    for (int64_t k = 0; k < n; k++) energy += normal.energy(stiffness[k], overlap[k]);
   });
   return energy;
 }
@@ -83,11 +83,12 @@ JUMP_API double jump_elastic_sum(int64_t n, const double *overlap, const double 
 // Force of each contact on its second disc. state: u, v, rim (radius times spin) of each disc and, behind them, of what
 // never moves; contact: nx, ny, overlap, dashpot, stiffness, ramp, friction, velocity of the wall. n contacts each.
 JUMP_API void jump_whole_forces(int64_t n, const int64_t *first, const int64_t *second, const double *state, int64_t discs,
-                                const double *contact, int64_t rubs, double slope, double touch, double *fx, double *fy)
+                                const double *contact, int64_t rubs, double slope, double touch, double pull, double *fx,
+                                double *fy)
 {
   const double *const u = state, *const v = state + discs, *const rim = state + 2 * discs;
   const auto tangential = !rubs ? Choice::NONE : slope == slope ? Choice::SIGN : Choice::RAMP;
-  with_slots({tangential, touch, slope, {}}, [&](const auto &law) {
+  with_slots({tangential, touch, slope, {}, pull}, [&](const auto &law) {
     for (int64_t k = 0; k < n; k++) {
       const int64_t i = first[k], j = second[k];
       const auto at = [&](int row) { return contact[row * n + k]; };
@@ -119,14 +120,14 @@ JUMP_API void jump_thrust(int64_t n, const double *x, const int64_t *first, cons
 // and weight along x and y of each disc, and of what never moves behind them; contact: nx, ny, overlap, dashpot,
 // stiffness. In each of `rounds` the velocities of the half step follow from the forces that they give.
 JUMP_API void jump_contact_fields(int64_t n, const int64_t *first, const int64_t *second, const double *x,
-                                  const double *state, int64_t discs, const double *contact, double touch, int64_t rounds,
-                                  double low, double width, int64_t bins, double *fields)
+                                  const double *state, int64_t discs, const double *contact, double touch, double pull,
+                                  int64_t rounds, double low, double width, int64_t bins, double *fields)
 {
   const Bins over{low, width, bins};
   const double *const u = state, *const v = u + discs, *const kick = v + discs;
   const double *const weight_x = kick + discs, *const weight_y = weight_x + discs;
   const int64_t walls = discs - 1;
-  with_touch(touch, [&](const auto &normal, const auto &damping) {
+  with_touch(touch, pull, [&](const auto &normal, const auto &damping) {
     const auto at = [&](int row, int64_t k) { return contact[row * n + k]; };
     const auto dash_of = [&](int64_t k, double opening) { return damping.force(at(3, k), opening, at(2, k)); };
     const auto force_of = [&](int64_t k, double dash) { return normal.force(at(4, k), at(2, k)) + dash; };
@@ -155,7 +156,7 @@ JUMP_API void jump_contact_fields(int64_t n, const int64_t *first, const int64_t
       const double ex = at(0, k), ey = at(1, k);
       const double dash = dash_of(k, opening_of(k, hu.data(), hv.data())), force = force_of(k, dash);
       const double opening = opening_of(k, u, v), share = i == walls ? 1.0 : 0.5;
-      const double energy = share * at(4, k) * normal.energy(at(2, k));
+      const double energy = share * normal.energy(at(4, k), at(2, k));
       for (const int64_t disc : {i, j}) {
         const int64_t b = disc < walls ? over.of(x[disc]) : -1;
         if (b < 0 || b >= bins) continue;

@@ -29,7 +29,7 @@ template <class Run> inline void with_law(const jump_state &s, double slope, con
                           : !has(s.friction) ? Choice::NONE
                           : has(s.sign_ramp)      ? Choice::SIGN
                                              : Choice::RAMP;
-  const Choice choice{tangential, s.touch, slope, {s.spring_ratio, s.spring_damping, s.memory_step}};
+  const Choice choice{tangential, s.touch, slope, {s.spring_ratio, s.spring_damping, s.memory_step}, s.pull};
   with_law(choice, s.radius, s.omega, run);
 }
 

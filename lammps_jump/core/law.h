@@ -4,7 +4,7 @@
    delta overlap (m), k stiffness (N/m), c dashpot (N s/m), mu friction coefficient; forces in N, all per m of width.
 
    normal      `Spring`: k delta (thesis T-4359, 3.11); `SmoothSpring` of width s: k delta^2/(2 s) below delta = s and
-               k (delta - s/2) beyond
+               k (delta - s/2) beyond; each less `pull`, a constant attraction of what touches
    damping     `Dashpot`: -c v_n; `SmoothDashpot`: times F / sqrt(2 k E), F the spring's force and E its energy, so that
                the restitution is that of the linear law at every speed and width (derived in docs/kernels.md)
    tangential  `NoFriction`; `Ramp`: min(mu |F_n|, c_t |v_t|) against the slip (LAMMPS gran/hooke); `Sign`:
@@ -24,24 +24,29 @@
 
 namespace jump {
 
-// --- normal: force of the spring, and its energy over the stiffness --------------------------------------------------
+// --- normal: force of spring and attraction, and their energy --------------------------------------------------
 
 struct Spring {
-  template <class Number> Number force(double k, const Number &overlap) const { return k * overlap; }
-  template <class Number> Number energy(const Number &overlap) const { return 0.5 * overlap * overlap; }
+  double pull;    // N per m of width
+
+  template <class Number> Number force(double k, const Number &overlap) const { return k * overlap - pull; }
+  template <class Number> Number energy(double k, const Number &overlap) const
+  {
+    return k * (0.5 * overlap * overlap) - pull * overlap;
+  }
 };
 
 struct SmoothSpring {
-  double width;    // s, m
+  double width, pull;    // s, m; N per m of width
 
   template <class Number> Number force(double k, const Number &overlap) const
   {
-    return overlap < width ? 0.5 * k * overlap * overlap / width : k * (overlap - 0.5 * width);
+    return (overlap < width ? 0.5 * k * overlap * overlap / width : k * (overlap - 0.5 * width)) - pull;
   }
-  template <class Number> Number energy(const Number &overlap) const
+  template <class Number> Number energy(double k, const Number &overlap) const
   {
-    return overlap < width ? overlap * overlap * overlap / (6.0 * width)
-                           : 0.5 * (overlap * overlap - width * overlap + width * width / 3.0);
+    return k * (overlap < width ? overlap * overlap * overlap / (6.0 * width)
+                                : 0.5 * (overlap * overlap - width * overlap + width * width / 3.0)) - pull * overlap;
   }
 };
 
@@ -154,20 +159,21 @@ struct Choice {
   double width;     // of a smooth touch, m; not above 0: a sharp one
   double slope;     // of the sign law, s/m
   Slider slider;
+  double pull;      // attraction of what touches, N per m of width
 };
 
-/** Calls run(normal, damping) with a touch of this width, m; not above 0: a sharp one. */
-template <class Run> inline void with_touch(double width, const Run &run)
+/** Calls run(normal, damping) with a touch of this width, m (not above 0: a sharp one), and this attraction. */
+template <class Run> inline void with_touch(double width, double pull, const Run &run)
 {
-  if (width > 0.0) run(SmoothSpring{width}, SmoothDashpot{width});
-  else run(Spring{}, Dashpot{});
+  if (width > 0.0) run(SmoothSpring{width, pull}, SmoothDashpot{width});
+  else run(Spring{pull}, Dashpot{});
 }
 
 /** Calls run(law) with the law that is chosen. */
 template <class Run> inline void with_slots(const Choice &choice, const Run &run)
 {
   const auto with = [&](const auto &tangential) {
-    with_touch(choice.width, [&](const auto &normal, const auto &damping) {
+    with_touch(choice.width, choice.pull, [&](const auto &normal, const auto &damping) {
       run(Law<std::decay_t<decltype(normal)>, std::decay_t<decltype(damping)>, std::decay_t<decltype(tangential)>>{
           normal, damping, tangential});
     });

@@ -65,6 +65,7 @@ struct jump_state {
   double diameter, stiffness, damping, tangential;
   double time_step, mass, inertia, weight_x, weight_y, reach2;
   double friction, sign_ramp, touch;    // NaN: there is none
+  double pull;    // N per m of width
   // memory; partner NULL: none
   int64_t slots;
   int64_t *partner;

@@ -51,13 +51,13 @@ static double elastic(const jump_state &s, const Normal &normal, int64_t begin, 
     if (known >= 0 && s.ids[i] <= known && s.ids[j] <= known) return;
     const double overlap = a + b - std::sqrt(r2);
     if (!(overlap > 0.0)) return;
-    pairs += s.stiffness * normal.energy(overlap);
+    pairs += normal.energy(s.stiffness, overlap);
     note(overlap, i, -1);
   });
   each_wall_contact(s, [&](const WallView &, int64_t wall, int64_t i, const FaceContact &found, double, double) {
     if (known >= 0 && s.ids[i] <= known) return;
     const double overlap = radius_of(s, i) - found.gap;
-    walls += s.numbers[wall][0] * normal.energy(overlap);
+    walls += normal.energy(s.numbers[wall][0], overlap);
     note(overlap, i, wall);
   });
   return pairs + walls;
@@ -263,7 +263,7 @@ double jump_elastic(const jump_state *state, int64_t begin, int64_t known, doubl
   *worst = 0.0;
   where[0] = where[1] = -1;
   double energy = 0.0;
-  with_touch(state->touch, [&](const auto &normal, const auto &) {
+  with_touch(state->touch, state->pull, [&](const auto &normal, const auto &) {
     energy = elastic(*state, normal, begin, known, worst, where);
   });
   return energy;

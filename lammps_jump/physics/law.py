@@ -15,7 +15,7 @@ from __future__ import annotations
 from math import sqrt
 
 
-def normal_force(overlap, opening, stiffness, damping, touch):
+def normal_force(overlap, opening, stiffness, damping, touch, cohesion=0.0):
     """Normal force and its dashpot part, N per m of width, positive where they push apart; tensile tail kept (3.11).
 
     Parameters
@@ -28,16 +28,18 @@ def normal_force(overlap, opening, stiffness, damping, touch):
         N/m and N s/m, per m of width.
     touch : float or None
         Width of a smooth touch, m.
+    cohesion : float
+        Constant attraction of what touches, N per m of width.
     """
     if touch is None:
         dashpot = -damping * opening
-        return stiffness * overlap + dashpot, dashpot
+        return stiffness * overlap - cohesion + dashpot, dashpot
     if overlap < touch:
         dashpot = -damping * opening * sqrt(0.75 * overlap / touch)
-        return 0.5 * stiffness * overlap * overlap / touch + dashpot, dashpot
+        return 0.5 * stiffness * overlap * overlap / touch - cohesion + dashpot, dashpot
     beyond = overlap - 0.5 * touch
     dashpot = -damping * opening * beyond / sqrt(beyond * beyond + touch * touch / 12.0)
-    return stiffness * beyond + dashpot, dashpot
+    return stiffness * beyond - cohesion + dashpot, dashpot
 
 
 def friction_force(normal, slip, friction, damping, slope):
@@ -98,7 +100,7 @@ def stored_energy(overlap, touch):
     return 0.5 * (overlap * overlap - touch * overlap + touch * touch / 3.0)
 
 
-def contact_force(overlap, normal, slip, rim, numbers, friction, slope, touch):
+def contact_force(overlap, normal, slip, rim, numbers, friction, slope, touch, cohesion=0.0):
     """The whole force of one contact on a disc: (fx, fy, tangential, dashpot), N per m of width.
 
     The tangential force acts along (-ny, nx); the dashpot is part of the normal force, along the normal.
@@ -115,18 +117,19 @@ def contact_force(overlap, normal, slip, rim, numbers, friction, slope, touch):
         Speed of the rims, R_i omega_i + R_j omega_j, m/s; 0 without spin.
     numbers : (float, float, float)
         Stiffness (N/m), dashpot of the normal force and slope of LAMMPS' viscous ramp (N s/m), per m of width.
-    friction, slope, touch
-        As in `friction_force` and `normal_force`; friction None: there is none.
+    friction, slope, touch, cohesion
+        As in `friction_force` and `normal_force`; friction None: there is none. Friction is bounded by the normal force
+        without the attraction (Derjaguin, Muller & Toporov 1975).
     """
     nx, ny = normal
     vx, vy = slip
     k, damping, ramp = numbers
-    push, dashpot = normal_force(overlap, vx * nx + vy * ny, k, damping, touch)
+    push, dashpot = normal_force(overlap, vx * nx + vy * ny, k, damping, touch, cohesion)
     fx = push * nx
     fy = push * ny
     rub = 0.0
     if friction is not None:
-        rub = friction_force(push, vy * nx - vx * ny - rim, friction, ramp, slope)
+        rub = friction_force(push + cohesion, vy * nx - vx * ny - rim, friction, ramp, slope)
         fx -= rub * ny
         fy += rub * nx
     return fx, fy, rub, dashpot

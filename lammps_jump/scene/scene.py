@@ -278,6 +278,8 @@ class Scene(Measures):
         Contact of walls that have numbers of their own, by name.
     springs : Springs, optional
         Of a contact law with memory.
+    cohesion : float
+        Constant attraction of two discs, or of a disc and a wall, while they touch, N per m of width.
     slots : int
         Contacts that a disc remembers; 0: the contact law has no memory.
     contact_output : bool
@@ -319,6 +321,7 @@ class Scene(Measures):
     overlap_limit: float = 0.0
     touch: str = "sharp"
     touch_width: float = 0.0
+    cohesion: float = 0.0
     sizes: Sizes | None = None
     size_steps: int = 1
     fixed: Fixed | None = None

@@ -54,6 +54,8 @@ def contact_law(scene: Scene) -> list[str]:
     ]
     if scene.touch == "smooth":
         words.append(f"smooth {number(scene.touch_width)}")
+    if scene.cohesion:
+        words.append(f"cohesion {number(scene.cohesion)}")
     if scene.rotation:
         words.append("spin yes")
     if springs is not None:

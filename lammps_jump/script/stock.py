@@ -49,6 +49,8 @@ def lacking(scene: Scene) -> str:
         return missing
     if scene.touch == "smooth":
         return "'touch: smooth'"
+    if scene.cohesion:
+        return "'contact.cohesion'"
     if scene.rubs and not FRICTION_LAWS[scene.friction_law].in_stock:
         return f"'friction_law: {scene.friction_law}'"
     if _rolls(scene) and (scene.periodic or scene.outlets):

@@ -30,6 +30,21 @@ LOWEST_SILL = 0.55
 over 0.46 of it without a jump, and make one at 0.65 (measured)."""
 
 
+DEEP = 0.05
+"""Overlap over the diameter that an attraction alone may hold: half of what a collision at v0 reaches by default."""
+
+
+def held_deep(scene: Scene) -> list[str]:
+    """A sentence on an attraction that holds discs deep in each other, or none."""
+    share = scene.cohesion / scene.coefficients.stiffness / scene.diameter
+    if share <= DEEP:
+        return []
+    return [
+        f"contact.cohesion of {scene.cohesion:z.3g} N/m alone holds discs {share:z.2g} diameters deep in each other; "
+        f"lower it, or {scene.stiffer}"
+    ]
+
+
 def doubts(case: CaseFields, impact_speed: float, inlets: tuple[InletRow, ...]) -> list[str]:
     """Sentences on what will probably not come out as asked: window and stiffness.
 

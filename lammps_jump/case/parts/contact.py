@@ -30,6 +30,12 @@ class Material(Strict):
     poisson: units.Plain = Field(ge=0, le=0.5, description="Poisson's ratio")
 
 
+class ShareOfWeight(Strict):
+    """A force as a share of the weight of a nominal disc."""
+
+    weight: units.Plain = Field(ge=0, le=1e6, description="force over the weight of a nominal disc (Bond number)")
+
+
 class Contact(Strict):
     """Contact of two discs: coefficients of the thesis and further options."""
 
@@ -43,6 +49,9 @@ class Contact(Strict):
     stiffness: units.Stiffness | None = Field(default=None, **STIFFNESS)
     from_material: Material | None = Field(default=None, description="stiffness of elastic cylinders")
     stiffness_wall: units.Stiffness | None = Field(default=None, **STIFFNESS)
+    cohesion: units.Stiffness | ShareOfWeight | None = Field(
+        default=None, description="constant attraction while two touch, N per m of width, or {weight: share}"
+    )
     rotation: bool = False
     correct_restitution: bool = Field(default=True, description="remove the restitution bias of velocity Verlet")
     tangential_damping: units.PerSecond | None = Field(
@@ -75,6 +84,12 @@ class Contact(Strict):
         return self
 
     @model_validator(mode="after")
+    def _attraction_pulls(self) -> Contact:
+        if isinstance(self.cohesion, float) and not 0 <= self.cohesion <= 1e24:
+            raise ValueError(f"cohesion {self.cohesion:zg} N/m is not allowed; give 0 to 1e+24, or {{weight: share}}")
+        return self
+
+    @model_validator(mode="after")
     def _springs_of_one_law(self) -> Contact:
         if not FRICTION_LAWS[self.friction_law].remembers:
             for name in ("tangential_ratio", "tangential_damping_ratio", "rolling"):
@@ -101,6 +116,12 @@ class Contact(Strict):
         if self.from_material is not None:
             return material_stiffness(self.from_material.young, self.from_material.poisson)
         return self.stiffness
+
+    def attraction(self, mass: float, gravity: float) -> float:
+        """Attraction of what touches, N per m of width, for nominal discs of this mass (kg/m)."""
+        if isinstance(self.cohesion, ShareOfWeight):
+            return self.cohesion.weight * mass * gravity
+        return self.cohesion or 0.0
 
     @property
     def stiffer(self) -> str:

@@ -191,6 +191,7 @@ class Constants(NamedTuple):
     friction: float | None
     sign: float | None
     touch: float | None
+    cohesion: float = 0.0
 
 
 class State(NamedTuple):

@@ -46,7 +46,7 @@ class jump_state(Struct):
         *fields(c_void_p, "track track_first moving centre placed listed far lid pushed clock"),
         *fields(c_double, "diameter stiffness damping tangential"),
         *fields(c_double, "time_step mass inertia weight_x weight_y reach2"),
-        *fields(c_double, "friction sign_ramp touch"),
+        *fields(c_double, "friction sign_ramp touch pull"),
         *fields(c_int64, "slots"),
         *fields(c_void_p, "partner sigma spring roll used chain around full"),
         *fields(c_double, "memory_step spring_ratio spring_damping rolling_k rolling_damping rolling_friction"),
@@ -190,7 +190,7 @@ class Core:
         for of in (law, motion):
             for name, value in of._asdict().items():
                 setattr(self._state, name, value)
-        for name, term in zip(("friction", "sign_ramp", "touch"), terms, strict=True):
+        for name, term in zip(("friction", "sign_ramp", "touch", "pull"), terms, strict=True):
             setattr(self._state, name, nan if term is None else term)
         self._held["constants"] = constants
 

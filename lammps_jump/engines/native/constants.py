@@ -52,7 +52,7 @@ def constants_of(scene: Scene, skin: float) -> Constants:
     friction = scene.coefficients.friction if scene.rubs else None
     sign = None if friction is None else FRICTION_LAWS[scene.friction_law].ramp
     touch = scene.touch_width if scene.touch == "smooth" and scene.touch_width > 0 else None
-    return Constants(law_of(scene), motion_of(scene, skin), friction, sign, touch)
+    return Constants(law_of(scene), motion_of(scene, skin), friction, sign, touch, scene.cohesion)
 
 
 def law_of(scene: Scene) -> Law:

@@ -30,19 +30,20 @@ struct Springs {
 struct DiscLaw {
   Numbers<double> of{};
   Rolling rolling;
-  Choice choice{Choice::NONE, 0.0, 0.0, {}};
+  Choice choice{Choice::NONE, 0.0, 0.0, {}, 0.0};
 
   DiscLaw() = default;
 
   /** `mass` is the effective one of nominal discs, `size` their size, or 1 m where discs are equal. */
   DiscLaw(double k, double gamma, double gamma_t, double mu, double mass, double size, bool sign, double width,
-          const Springs &springs, double rolling_friction)
+          double pull, const Springs &springs, double rolling_friction)
       : of{k, mass * gamma / size, mass * gamma_t / size, mu},
         rolling{springs.rolling * k, springs.rolling_damping * mass * gamma, rolling_friction}
   {
     const bool rubs = mu > 0.0 && (sign || gamma_t > 0.0);
     choice.tangential = springs.there ? Choice::SLIDER : !rubs ? Choice::NONE : sign ? Choice::SIGN : Choice::RAMP;
     choice.width = width;
+    choice.pull = pull;
     choice.slider = {springs.ratio, gamma > 0.0 ? gamma_t / gamma : 0.0, 0.0};
   }
 };

@@ -134,7 +134,7 @@ void FixJumpStep::init()
     if (!wall.own) wall.numbers[0] = k, wall.numbers[1] = gamma, wall.numbers[2] = gamma_t, wall.numbers[3] = mu;
     const double *const of = wall.numbers;
     const double rolling = wall.rolling < 0.0 ? pair->springs.rolling_friction : wall.rolling;
-    wall.law = {of[0], of[1], of[2], of[3], pair->mass, pair->sizes ? 0.5 * pair->diameter : 1.0, pair->sign, pair->width,
+    wall.law = {of[0], of[1], of[2], of[3], pair->mass, pair->sizes ? 0.5 * pair->diameter : 1.0, pair->sign, pair->width, pair->pull,
                 pair->springs, rolling};
   }
   if (pair->springs.there && !array_atom) error->all(FLERR, "fix jump/step needs slots for the law history");

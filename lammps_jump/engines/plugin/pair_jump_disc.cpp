@@ -43,7 +43,7 @@ void PairJumpDisc::settings(int narg, char **arg)
 {
   const std::map<std::string, double *> numbers = {{"k", &k}, {"gamma", &gamma}, {"gammat", &gamma_t}, {"mu", &mu},
                                                    {"mass", &mass}, {"diameter", &diameter}, {"skin", &skin},
-                                                   {"smooth", &width}};
+                                                   {"smooth", &width}, {"cohesion", &pull}};
   auto value = [&](int at) -> double {
     if (at >= narg) error->all(FLERR, "pair_style jump/disc: {} needs a value", arg[at - 1]);
     return utils::numeric(FLERR, arg[at], false, lmp);
@@ -78,13 +78,13 @@ void PairJumpDisc::settings(int narg, char **arg)
     } else {
       error->all(FLERR,
                  "pair_style jump/disc: unknown keyword '{}'; there are law, k, gamma, gammat, mu, mass, diameter, skin, "
-                 "smooth, spin, sizes, springs, rolling and fixed", key);
+                 "smooth, cohesion, spin, sizes, springs, rolling and fixed", key);
     }
   }
   if (!(k > 0.0) || !(mass > 0.0) || !(diameter > 0.0) || !(skin > 0.0))
     error->all(FLERR, "pair_style jump/disc needs k, mass, diameter and skin, and they must be above 0");
-  if (gamma < 0.0 || gamma_t < 0.0 || mu < 0.0)
-    error->all(FLERR, "pair_style jump/disc: gamma, gammat and mu must not be negative");
+  if (gamma < 0.0 || gamma_t < 0.0 || mu < 0.0 || pull < 0.0)
+    error->all(FLERR, "pair_style jump/disc: gamma, gammat, mu and cohesion must not be negative");
   if (sizes && !(0.0 < smallest && smallest <= largest))
     error->all(FLERR, "pair_style jump/disc: sizes are the smallest and the largest diameter, both above 0");
   if (any_fixed() && !sizes) error->all(FLERR, "pair_style jump/disc: fixed needs sizes");
@@ -92,8 +92,8 @@ void PairJumpDisc::settings(int narg, char **arg)
   if (springs.ratio < 0.0 || springs.rolling < 0.0 || springs.rolling_damping < 0.0 || springs.rolling_friction < 0.0)
     error->all(FLERR, "pair_style jump/disc: numbers of springs and rolling must not be negative");
   if (springs.there && width > 0.0) error->all(FLERR, "pair_style jump/disc: the law history has no smooth touch");
-  law = {k, gamma, gamma_t, mu, 0.5 * mass, sizes ? jump::pair_size(0.5 * diameter, 0.5 * diameter) : 1.0, sign, width, springs,
-         springs.rolling_friction};
+  law = {k, gamma, gamma_t, mu, 0.5 * mass, sizes ? jump::pair_size(0.5 * diameter, 0.5 * diameter) : 1.0, sign, width,
+         pull, springs, springs.rolling_friction};
 }
 
 void PairJumpDisc::coeff(int narg, char **arg)

@@ -59,7 +59,7 @@ class PairJumpDisc : public Pair {
   jump::Team team;
   jump::Pace pace;
   double k = 0.0, gamma = 0.0, gamma_t = 0.0, mu = 0.0;
-  double mass = 0.0, diameter = 0.0, width = 0.0;    // of nominal discs, with sizes
+  double mass = 0.0, diameter = 0.0, width = 0.0, pull = 0.0;    // of nominal discs, with sizes
   double skin = 0.0, smallest = 0.0, largest = 0.0;  // diameters from smallest to largest
   bool sign = false, sizes = false, spin = false;
   jump::Springs springs;

@@ -132,7 +132,7 @@ def pair_contact(state: State, i: int, j: int, shift: float, seen: Seen, slope: 
     size = pair_size(state, i, j)
     numbers = of.law.stiffness, of.law.damping * size, of.law.tangential * size
     own = of.friction if memory is None else None
-    fx, fy, rub, dashpot = contact_force(overlap, (nx, ny), slip, rim, numbers, own, slope, of.touch)
+    fx, fy, rub, dashpot = contact_force(overlap, (nx, ny), slip, rim, numbers, own, slope, of.touch, of.cohesion)
     rolls = 0.0
     if memory is not None:
         one, other, sense = (i, j, 1.0) if memory.ids[i] > memory.ids[j] else (j, i, -1.0)
@@ -140,7 +140,9 @@ def pair_contact(state: State, i: int, j: int, shift: float, seen: Seen, slope: 
         slips = slip[1] * nx - slip[0] * ny - rim, sense * arm * (spins[0] - spins[1])
         springs = memory.ratio * numbers[0], memory.damping * numbers[1], of.friction
         where = int(memory.ids[other]), 0.0, 0.0
-        rub, resists = spring_forces(memory, one, where, a, slips, fx * nx + fy * ny, springs, memory.rolling)
+        rub, resists = spring_forces(
+            memory, one, where, a, slips, fx * nx + fy * ny + of.cohesion, springs, memory.rolling
+        )
         fx, fy = _with_friction((fx, fy), (nx, ny), rub)
         rolls = sense * arm * resists
     dent = 0.5 * overlap if d.radius is not None or memory is not None else 0.0
@@ -276,7 +278,7 @@ def wall_contact(
     slip, spin = (vx[i] - wx, vy[i] - wy), 0.0 if spins is None else spins[i]
     rim = own * spin
     rubs = None if of.friction is None or memory is not None else friction
-    fx, fy, rub, dashpot = contact_force(own - gap, (nx, ny), slip, rim, numbers, rubs, slope, of.touch)
+    fx, fy, rub, dashpot = contact_force(own - gap, (nx, ny), slip, rim, numbers, rubs, slope, of.touch, of.cohesion)
     resists = 0.0
     if memory is not None:
         inner = inward(walls.moves, wall, float(d.x[i]), float(d.y[i]))
@@ -284,6 +286,6 @@ def wall_contact(
         where = int(walls.chain[face]), foot, float(walls.around[face])
         springs = memory.ratio * numbers[0], memory.damping * numbers[1], friction
         slips, rolling = (slip[1] * nx - slip[0] * ny - rim, rim), memory.rolling_at[wall]
-        rub, resists = spring_forces(memory, i, where, own, slips, fx * nx + fy * ny, springs, rolling)
+        rub, resists = spring_forces(memory, i, where, own, slips, fx * nx + fy * ny + of.cohesion, springs, rolling)
         fx, fy = _with_friction((fx, fy), (nx, ny), rub)
     return Contact((nx, ny), at, own - gap, (fx, fy), rub, dashpot, (own * (resists - rub), 0.0))

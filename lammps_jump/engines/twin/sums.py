@@ -15,19 +15,20 @@ from . import contact
 def elastic(state: State, begin: int, known: int) -> tuple[float, float, int, int]:
     """Elastic energy and the largest overlap; see `Loops.elastic`."""
     ids, law, touch = state.discs.ids, state.constants.law, state.constants.touch
+    pull = state.constants.cohesion
     energy, worst = 0.0, (0.0, -1, -1)
     still = _stored(state)
     for i, j, found in contact.pair_contacts(still, contact.seen_by(state), None, begin):
         if known >= 0 and ids[i] <= known and ids[j] <= known:
             continue
-        energy += law.stiffness * stored_energy(found.overlap, touch)
+        energy += law.stiffness * stored_energy(found.overlap, touch) - pull * found.overlap
         worst = max(worst, (found.overlap, i, -1), key=lambda one: one[0])
     for wall, numbers in enumerate(state.walls.near.numbers):
         for i, _, gap, _ in contact.touched_faces(state, wall):
             if known >= 0 and ids[i] <= known:
                 continue
             overlap = contact.radius_of(state, i) - gap
-            energy += numbers[0] * stored_energy(overlap, touch)
+            energy += numbers[0] * stored_energy(overlap, touch) - pull * overlap
             worst = max(worst, (overlap, i, wall), key=lambda one: one[0])
     return float(energy), *worst
 
