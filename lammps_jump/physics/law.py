@@ -100,7 +100,7 @@ def stored_energy(overlap, touch):
     return 0.5 * (overlap * overlap - touch * overlap + touch * touch / 3.0)
 
 
-def contact_force(overlap, normal, slip, rim, numbers, friction, slope, touch, cohesion=0.0):
+def contact_force(overlap, normal, slip, rim, numbers, friction, slope, touch):
     """The whole force of one contact on a disc: (fx, fy, tangential, dashpot), N per m of width.
 
     The tangential force acts along (-ny, nx); the dashpot is part of the normal force, along the normal.
@@ -115,15 +115,16 @@ def contact_force(overlap, normal, slip, rim, numbers, friction, slope, touch, c
         Velocity of the disc's centre against that of its partner, m/s.
     rim : float
         Speed of the rims, R_i omega_i + R_j omega_j, m/s; 0 without spin.
-    numbers : (float, float, float)
-        Stiffness (N/m), dashpot of the normal force and slope of LAMMPS' viscous ramp (N s/m), per m of width.
-    friction, slope, touch, cohesion
+    numbers : (float, float, float, float)
+        Stiffness (N/m), dashpot of the normal force and slope of LAMMPS' viscous ramp (N s/m), and the constant
+        attraction (N), per m of width.
+    friction, slope, touch
         As in `friction_force` and `normal_force`; friction None: there is none. Friction is bounded by the normal force
         without the attraction (Derjaguin, Muller & Toporov 1975).
     """
     nx, ny = normal
     vx, vy = slip
-    k, damping, ramp = numbers
+    k, damping, ramp, cohesion = numbers
     push, dashpot = normal_force(overlap, vx * nx + vy * ny, k, damping, touch, cohesion)
     fx = push * nx
     fy = push * ny

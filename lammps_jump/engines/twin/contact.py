@@ -132,7 +132,7 @@ def pair_contact(state: State, i: int, j: int, shift: float, seen: Seen, slope: 
     size = pair_size(state, i, j)
     numbers = of.law.stiffness, of.law.damping * size, of.law.tangential * size
     own = of.friction if memory is None else None
-    fx, fy, rub, dashpot = contact_force(overlap, (nx, ny), slip, rim, numbers, own, slope, of.touch, of.cohesion)
+    fx, fy, rub, dashpot = contact_force(overlap, (nx, ny), slip, rim, (*numbers, of.cohesion), own, slope, of.touch)
     rolls = 0.0
     if memory is not None:
         one, other, sense = (i, j, 1.0) if memory.ids[i] > memory.ids[j] else (j, i, -1.0)
@@ -278,7 +278,7 @@ def wall_contact(
     slip, spin = (vx[i] - wx, vy[i] - wy), 0.0 if spins is None else spins[i]
     rim = own * spin
     rubs = None if of.friction is None or memory is not None else friction
-    fx, fy, rub, dashpot = contact_force(own - gap, (nx, ny), slip, rim, numbers, rubs, slope, of.touch, of.cohesion)
+    fx, fy, rub, dashpot = contact_force(own - gap, (nx, ny), slip, rim, (*numbers, of.cohesion), rubs, slope, of.touch)
     resists = 0.0
     if memory is not None:
         inner = inward(walls.moves, wall, float(d.x[i]), float(d.y[i]))
