@@ -102,6 +102,8 @@ def same(core, twin):
         a, b = (getattr(one.discs, name)[: one.discs.n] for one in (core, twin))
         close(a, b, name)
     close(core.walls.sums, twin.walls.sums, "sums on walls")
+    for name, listed in core.walls.listed.items():
+        assert np.array_equal(listed, twin.walls.listed[name]), name
     if core.walls.moves is not None:
         close(core.walls.moves.pushed, twin.walls.moves.pushed, "lids")
     a, b = core.ledger, twin.ledger
@@ -135,6 +137,17 @@ def test_core_and_twin_agree(law, walls):
 @pytest.mark.parametrize("law", ["viscous, spin", "rolling"])
 def test_fixed_discs(law):
     same(*both(state_of(5, law, "box", sized=True, fixed=True)))
+
+
+def test_a_contact_goes_on_where_the_numbers_of_a_circle_begin():
+    """Its foot jumps by the whole length there; the spring must go on."""
+    scene = handmade_scene(
+        [[0.535, -5e-4]], [[0.0, 1.0]], (Circle("drum", (0.0, 0.0), 0.625, discs="inside"),), diameter=0.19,
+        impact_speed=8.0, overlap_limit=0.0, **LAWS["springs"],
+    )  # fmt: skip
+    core, twin = both(scene)
+    assert core.positions[0, 1] > 5e-4 and core.discs.spring[0].max() > 5e-4
+    same(core, twin)
 
 
 @pytest.mark.parametrize("law", ["frictionless", "sign, spin", "rolling"])
