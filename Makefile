@@ -66,7 +66,7 @@ SANITIZING = g++ -fno-sanitize-recover=all \
 	-fsanitize=address,signed-integer-overflow,shift,bounds,float-cast-overflow,integer-divide-by-zero,bool,enum
 sanitize: $(VENV)/.test
 	CXX="$(SANITIZING)" $(BIN)/python -c "from lammps_jump.compiling.build import library_path; from lammps_jump.core import CORE; library_path(CORE)"
-	CXX="$(SANITIZING)" ASAN_OPTIONS=detect_leaks=0 LD_PRELOAD="$$(g++ -print-file-name=libasan.so)" \
+	CXX="$(SANITIZING)" ASAN_OPTIONS=detect_leaks=0 LD_PRELOAD="$$(g++ -print-file-name=libasan.so) $$(g++ -print-file-name=libstdc++.so)" \
 	$(BIN)/python -m pytest -p no:cacheprovider $(SANITIZED)
 
 # job files under a Slurm of this machine; installs Debian's packages where they are missing, as root
