@@ -40,8 +40,8 @@ if TYPE_CHECKING:
 
 NO_NUMBERS = ("name", "description", "skipped", "warnings", "adapted", "stiffer")
 """Fields of a scene that change no trajectory."""
-LATER, LATER_TEXT = ("earlier", None), ", holding=None"
-"""Fields that scenes and motions have got since keys were stored, as they are in scenes of before: left out."""
+LATER, LATER_TEXTS = {"earlier": None, "cohesion": 0.0}, (", holding=None", ", given=()")
+"""Fields that scenes, and what stands in them, have got since keys were stored, as they are in those of before."""
 Plain = Mapping[str, object]
 
 
@@ -84,14 +84,17 @@ def scene_key(scene: DataclassInstance) -> str:
     found = hashlib.sha256()
     for field in fields(scene):
         value = getattr(scene, field.name)
-        if field.name not in NO_NUMBERS and (field.name, value) != LATER:
+        if field.name not in NO_NUMBERS and not (field.name in LATER and value == LATER[field.name]):
             found.update(field.name.encode())
             found.update(value.tobytes() if isinstance(value, np.ndarray) else _text(value).encode())
     return found.hexdigest()
 
 
 def _text(value: object) -> str:
-    return repr(value).replace(LATER_TEXT, "")
+    text = repr(value)
+    for later in LATER_TEXTS:
+        text = text.replace(later, "")
+    return text
 
 
 def field_keys(text: str) -> dict[str, str]:
