@@ -15,10 +15,10 @@ from pathlib import Path
 
 import pytest
 
-BUDGETS = {"cold": 30_000, "warm": 26_000}
+BUDGETS = {"cold": 34_000, "warm": 30_000}
 """Loops that a whole run may take, with empty caches of the tests and with those of the run before.
 
-The sum over all folders, a third of the files of some, on two busy cores.
+A whole run took 29,995 of 12.6 ms on two busy cores, beside the compiling of other work.
 """
 SLACK = 1.25
 """Share of the budget at which ``.ci/run`` fails: repeated runs of one commit differ by about a tenth."""

@@ -154,7 +154,7 @@ class Discs:
     def listed(self, pairs: Pairs) -> dict[str, np.ndarray]:
         """The neighbour list as it stands, by the names of `put_list`."""
         images = {} if self.owner is None else {"owner": self.owner, "shift": self.shift}
-        return {"start": self.start[: pairs.rows + 1], "discs": self.neighbours[: self.start[pairs.rows]], **images}
+        return {"start": pairs.start[: pairs.rows + 1], "discs": pairs.neighbours[: pairs.start[pairs.rows]], **images}
 
     def put_list(
         self, start: np.ndarray, discs: np.ndarray, owner: np.ndarray | None = None, shift: np.ndarray | None = None
