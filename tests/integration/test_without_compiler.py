@@ -44,7 +44,7 @@ def test_the_main_job_runs_to_its_report(made_without):
 @pytest.mark.lammps
 def test_its_profiles_are_those_of_the_core(made_without, compiled_core):
     folder, _ = made_without
-    assert core() is compiled_core
+    assert core()._name == compiled_core._name  # the handle is another where a test has loaded it anew
     case = lj.load_case(folder / "case.yaml")
     again, there = gather(read_dump(folder), flow_of(case, folder), (), []), read_netcdf(folder / "profiles.nc")
     for name in again.data_vars:
