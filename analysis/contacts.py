@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache, wraps
 from math import nan
-from typing import NamedTuple, ParamSpec, TypeVar
+from typing import Any, NamedTuple, ParamSpec, TypeVar
 
 import numpy as np
 from numpy.ctypeslib import ndpointer
@@ -44,7 +44,7 @@ Answer = TypeVar("Answer")
 
 def once_a_frame(function: Callable[Asked, Answer]) -> Callable[Asked, Answer]:
     """The same function of a frame and more, which keeps its answers for the last frame: several analyses ask alike."""
-    kept: dict[tuple, tuple] = {}
+    kept: dict[tuple[Any, ...], tuple[Any, ...]] = {}
     last: list[object] = [None]
 
     @wraps(function)

@@ -18,6 +18,7 @@ from collections.abc import Iterable
 from functools import lru_cache
 from math import ceil, floor
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -163,7 +164,7 @@ def compute_fields(
     )
 
 
-def _described(name: str, values: np.ndarray, of: str = "") -> tuple:
+def _described(name: str, values: np.ndarray, of: str = "") -> tuple[Any, ...]:
     """Values over the grid with unit and name, of their mean where `of` says so."""
     units, long_name = LONG_NAMES[name]
     return ("y", "x"), values, {"units": units, "long_name": f"{of}{long_name}"}

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import inf, isfinite, isnan, nan, sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -374,7 +374,7 @@ def figures(front: Front, gathered: Gathered) -> Drawings:
     return {"front": front_chart(history, flow), "martin_moyce": water}
 
 
-def section(found: Mapping) -> Section:
+def section(found: Mapping[str, Any]) -> Section:
     """The front; where water is asked for, against Ritter and Martin & Moyce."""
     if found.get("position") is None:
         return Section("Front", [Text(shown(found.get("reason")), "warn")])

@@ -8,7 +8,7 @@ discharge and momentum over all bins and what lies outside add up to the discs' 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -115,7 +115,7 @@ class Binner:
         self.bed = flow.mean_bed(self.edges)
         lines = bins * max(1, int(np.ceil(LINES_PER_DIAMETER * width / flow.scene.diameter - 1e-9)))
         self.bed_lines = flow.bed_height(self.edges[0] + (np.arange(lines) + 0.5) * (bins * width / lines))
-        self._kept: list[tuple] = []
+        self._kept: list[tuple[Any, ...]] = []
 
     def add(self, frame: Frame, time: float) -> None:
         """Add a frame."""

@@ -164,7 +164,7 @@ def _to_digit_of(error: float, value: float) -> str:
     return f"{round(value, last) + 0.0:z.{max(0, last)}f}"
 
 
-def is_bound(found: Mapping, key: str) -> bool:
+def is_bound(found: Mapping[str, Any], key: str) -> bool:
     """Whether the error of a number of a result, as in ``summary.json``, is a lower bound: one run cannot tell it."""
     return key in (found.get("lower_bounds") or ())
 

@@ -183,15 +183,14 @@ DEFECTS = [
 
 
 def copy_of_tree() -> Path:
-    """The tree in a folder that keeps its caches; the packages beside ``lammps_jump`` are found inside it there."""
+    """The tree in a folder that keeps its caches; there, ``inputs`` too is found inside ``lammps_jump``."""
     tree = ROOT / ".pytest_cache" / "defects"
     for name in COPIED:
         shutil.rmtree(tree / name, ignore_errors=True)
         shutil.copytree(ROOT / name, tree / name, ignore=shutil.ignore_patterns("__pycache__"), symlinks=True)
     for name in FILES:
         shutil.copy2(ROOT / name, tree)
-    for name in ("analysis", "inputs"):
-        (tree / "lammps_jump" / name).symlink_to(f"../{name}")
+    (tree / "lammps_jump" / "inputs").symlink_to("../inputs")
     return tree
 
 

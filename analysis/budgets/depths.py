@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import nan
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -77,7 +78,7 @@ def require_agreement(gathered: Gathered) -> str:
     return f"There is air below the surface: {said}. Depths by mass hold, those of the surface do not."
 
 
-def section(found: Mapping) -> Section:
+def section(found: Mapping[str, Any]) -> Section:
     """Both depths."""
     if found.get("mass") is None:
         return Section("Depth", [Text(found.get("reason") or "", "small")])

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import nan
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -212,7 +212,7 @@ def figures(grade: Grade, gathered: Gathered) -> Drawings:
     return {"energy_head": Chart("energy head of the window", PLACE, panels)}
 
 
-def section(found: Mapping) -> Section:
+def section(found: Mapping[str, Any]) -> Section:
     """Heads at the stations and what is lost between them."""
     if found.get("head_upstream") is None:
         return Section("Energy grade line", [Text(found.get("reason") or "", "small")])

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import isfinite, nan
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -69,7 +69,7 @@ class InflowCounter:
     def __init__(self, flow: Flow, contacts: object = None):
         self.flow, self.rows = flow, flow.scene.inlets
         self._highest, self._step = 0, 0
-        self._kept: list[tuple] = []
+        self._kept: list[tuple[Any, ...]] = []
 
     def add(self, frame: Frame, time: float) -> None:
         """Take in a frame at a time, s."""
@@ -314,7 +314,7 @@ def _notes(delivered: float, asked: float, refused: int, turns: int, blocked: st
     )
 
 
-def section(found: Mapping) -> Section:
+def section(found: Mapping[str, Any]) -> Section:
     """Discharge asked for and delivered, row by row; the stream behind the inlet. `found` as in ``summary.json``."""
     stream = [
         ("Discharge [m²/s]", found["asked"], found["delivered"]),

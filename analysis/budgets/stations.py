@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 from lammps_jump.analysis.report.page import Section, Table, Text, cut
 
@@ -23,7 +24,7 @@ FRAME_ERRORS = {"lost": "inflow"}
 """Number of a budget from frames whose error is also that of another one."""
 
 
-def place(ledger: Mapping) -> str:
+def place(ledger: Mapping[str, Any]) -> str:
     """The stations in words."""
     numbers = {key: ledger[f"stations_{key}"] for key in ("left", "right", "begin", "end", "speed", "discharge")}
     text = (
@@ -33,7 +34,7 @@ def place(ledger: Mapping) -> str:
     return text.format(**numbers).replace("-", "−")
 
 
-def line(summary: Mapping) -> str:
+def line(summary: Mapping[str, Any]) -> str:
     """Line of the screen; empty where no stations were asked for."""
     ledger = summary.get("ledger") or {}
     if ledger.get("stations_lost") is None:
@@ -42,7 +43,7 @@ def line(summary: Mapping) -> str:
     return f"stations: head lost {lost} m (every step counted, {rest} m left over) between {place(ledger)}"
 
 
-def section(summary: Mapping) -> Section | None:
+def section(summary: Mapping[str, Any]) -> Section | None:
     """The budget of the ledger, and that from frames between the same stations; None where none was asked for."""
     ledger = summary.get("ledger") or {}
     if ledger.get("stations_lost") is None:
@@ -62,6 +63,6 @@ def _metres(head: float) -> str:
     return f"{round(head, 3) + 0.0:z.3f}".replace("-", "−")
 
 
-def _of_frames(found: Mapping, key: str) -> str:
+def _of_frames(found: Mapping[str, Any], key: str) -> str:
     error = f"{FRAME_ERRORS.get(key, key)}_error"
     return cut({key: found.get(key), f"{key}_error": found.get(error)}, key)

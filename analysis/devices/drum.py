@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import atan, degrees, nan
+from typing import Any
 
 import numpy as np
 
@@ -136,7 +137,7 @@ def figures(drum: Drum, gathered: Gathered) -> Drawings:
     return {"drum": Chart("surface of the discs in the drum", TIME, [panel])}
 
 
-def section(drum: Mapping) -> Section:
+def section(drum: Mapping[str, Any]) -> Section:
     """The angle, and how fast the drum turns."""
     if drum.get("angle") is None:
         return Section("Drum", [])

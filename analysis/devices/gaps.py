@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import atan2, degrees, hypot
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -145,7 +145,7 @@ def _rows(scene: Scene) -> list[tuple[np.ndarray, bool]]:
 def gaps_of(scene: Scene) -> list[Gap]:
     """Every narrow place between standing walls through which the smallest disc fits, the narrowest first."""
     start, end, leaving = straight_faces(scene)
-    found: dict[tuple, Gap] = {}
+    found: dict[tuple[Any, ...], Gap] = {}
     along = end - start
     squared = np.einsum("ij,ij->i", along, along)
     for corner in leaving:

@@ -13,6 +13,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from math import isfinite, nan
+from typing import Any
 
 import numpy as np
 
@@ -138,7 +139,7 @@ def _gaps(outlets: Sequence[Outlet]) -> dict[str, object]:
 
 
 def _discharge(
-    flow: Flow, outlets: Sequence[Outlet], known: Mapping, window: tuple[float, float], *, ends: bool
+    flow: Flow, outlets: Sequence[Outlet], known: Mapping[str, Any], window: tuple[float, float], *, ends: bool
 ) -> dict[str, object]:
     """Numbers of the window, by key."""
     time, passed, mass, scene = known["time"], known["passed"], known["mass"], flow.scene
@@ -245,7 +246,7 @@ def figures(hopper: Hopper, gathered: Gathered) -> Drawings:
     return {"hopper": Chart("discs that pass the gap", TIME, panels, window)}
 
 
-def section(hopper: Mapping) -> Section:
+def section(hopper: Mapping[str, Any]) -> Section:
     """Discharge, its window and steadiness; gaps by their places."""
     if hopper.get("discharge") is None:
         return Section("Outlet", [Text(hopper.get("reason") or "", "warn")])

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import inf, isfinite, nan
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -327,7 +327,7 @@ def figures(runup: RunUp, gathered: Gathered) -> Drawings:
     return {"runup": Chart("run-up and overtopping", TIME, panels)}
 
 
-def section(runup: Mapping) -> Section:
+def section(runup: Mapping[str, Any]) -> Section:
     """Highest place, still water, crest, and what went over."""
     if runup.get("highest") is None:
         return Section("Run-up", [])

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import isfinite, nan
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -181,7 +181,7 @@ def figures(gates: Mapping[str, Tailgate], _: Gathered) -> Drawings:
     return {"tailgate": Chart("tailgate", TIME, tuple(panels), since)} if panels else {}
 
 
-def section(gates: Mapping[str, Mapping]) -> Section:
+def section(gates: Mapping[str, Mapping[str, Any]]) -> Section:
     """Height, time of settling and what is held, of each gate."""
     blocks: list[Table | Text] = []
     for name, gate in gates.items():

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import nan, pi
+from typing import Any
 
 import numpy as np
 
@@ -108,7 +109,7 @@ def figures(waves: Waves, gathered: Gathered) -> Drawings:
     return {"gauges": Chart("depth at the gauges", TIME, [Panel("Depth of the\nfree surface [m]", lines)])}
 
 
-def section(waves: Mapping) -> Section:
+def section(waves: Mapping[str, Any]) -> Section:
     """Depths by gauge; heights of waves where a paddle makes some."""
     names = {"means": "mean depth of the window [m]", "lowest": "lowest", "largest": "largest of the record"}
     names |= {"heights": "wave height [m]", "depths": "mean depth of whole periods [m]"}

@@ -9,7 +9,7 @@ import threading
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from typing import ParamSpec
+from typing import Any, ParamSpec
 
 Given = ParamSpec("Given")
 
@@ -40,7 +40,7 @@ def aside(work: Callable[Given, None], *given: Given.args, **named: Given.kwargs
         work(*given, **named)
 
 
-def _quietly(work: Callable, given: tuple, named: dict) -> None:
+def _quietly(work: Callable[..., Any], given: tuple[Any, ...], named: dict[str, Any]) -> None:
     """Do the work in the copy; what fails is told by the process that does it again."""
     with suppress(BaseException):
         work(*given, **named)

@@ -11,7 +11,7 @@ import io
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 import matplotlib as mpl
 import numpy as np
@@ -66,7 +66,9 @@ def style() -> AbstractContextManager[None]:
 
 
 @contextmanager
-def drawing(width: float = 7.2, height: float = 3.6, rows: int = 1, columns: int = 1, **subplots) -> Iterator[tuple]:
+def drawing(
+    width: float = 7.2, height: float = 3.6, rows: int = 1, columns: int = 1, **subplots
+) -> Iterator[tuple[Any, ...]]:
     """A figure with its Agg canvas, and its axes, in this package's `style` for the time of a ``with`` block.
 
     Parameters
@@ -127,7 +129,7 @@ def _draw_chart(chart: Chart) -> Figure:
     count, beside = len(chart.panels), any(panel.x for panel in chart.panels)
     heights = [panel.height for panel in chart.panels]
     rows, columns = (1, count) if beside else (count, 1)
-    shape: dict = {} if beside else {"height_ratios": heights, "sharex": True}
+    shape: dict[str, Any] = {} if beside else {"height_ratios": heights, "sharex": True}
     size = (8.4, 3.8) if beside else (7.4, 1.2 + 2.5 * sum(heights) / max(heights))
     with drawing(*size, rows, columns, squeeze=False, **shape) as (figure, grid):
         for axes, panel in zip(grid.flat, chart.panels, strict=True):

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -52,7 +53,7 @@ WHOLE = ("impulse_x", "impulse_y", "peak_moment")
 """Numbers of the three tables of the section."""
 
 
-def section(found: Mapping) -> Section:
+def section(found: Mapping[str, Any]) -> Section:
     """Forces on the probed structures, the impulse identity, the reflected wave; `found` as in ``summary.json``."""
     structures = {name: values for name, values in found.items() if isinstance(values, Mapping) and "peak" in values}
     touched = {name: values for name, values in structures.items() if values.get("component")}
@@ -68,7 +69,7 @@ def section(found: Mapping) -> Section:
     return Section("Forces", [*blocks, *(Text(note) for note in found.get("notes") or [])])
 
 
-def _table(title: str, structures: Mapping[str, Mapping], keys: Sequence[str]) -> Table:
+def _table(title: str, structures: Mapping[str, Mapping[str, Any]], keys: Sequence[str]) -> Table:
     """Numbers of structures, with their units; forces in kN/m."""
     numbers, rows = numbers_of(Force), []
     scales = {key: KILO if numbers[key].unit.startswith("N") else 1.0 for key in keys}
@@ -82,11 +83,11 @@ def _table(title: str, structures: Mapping[str, Mapping], keys: Sequence[str]) -
     return Table(rows, (title, *(["component"] if "peak" in keys else []), *heads))
 
 
-def _scaled(values: Mapping, key: str, scale: float) -> float | None:
+def _scaled(values: Mapping[str, Any], key: str, scale: float) -> float | None:
     return None if values.get(key) is None else values[key] / scale
 
 
-def component_of(values: Mapping) -> str:
+def component_of(values: Mapping[str, Any]) -> str:
     """Name of the component of a force, of which its peak is: Fx or Fy."""
     return str(values.get("component") or "").replace("f", "F")
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from math import nan
+from typing import Any
 
 import numpy as np
 
@@ -58,7 +59,7 @@ class MomentumLedger:
 
     def __init__(self, flow: Flow, _: ContactCollector | None = None):
         self.flow = flow
-        self._rows: list[tuple] = []
+        self._rows: list[tuple[Any, ...]] = []
         self._before: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
 
     def add(self, frame: Frame, time: float) -> None:
@@ -109,7 +110,7 @@ def with_inflow(history: MomentumHistory, arrivals: Arrivals, scene: Scene) -> M
     return replace(history, brought=brought, held=held, same=np.append(False, np.isfinite(arrivals.age[1:])))
 
 
-def _by_wall(frames: tuple[dict[str, tuple], ...], kind: type) -> dict[str, np.ndarray]:
+def _by_wall(frames: tuple[dict[str, tuple[Any, ...]], ...], kind: type) -> dict[str, np.ndarray]:
     """Pairs of each wall, shape (frames, 2); zeros in frames without the wall."""
     names = dict.fromkeys(name for frame in frames for name in frame)
     return {name: np.array([frame.get(name, (0, 0)) for frame in frames], kind) for name in names}

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from math import atan, atan2, degrees, isfinite, nan, sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.special import stdtrit
@@ -370,11 +370,11 @@ def figures(heap: Heap, gathered: Gathered) -> Drawings:
     return {"heap": Chart("shape of the heap", PLACE, [panel])}
 
 
-def _with_interval(heap: Mapping, key: str) -> str:
+def _with_interval(heap: Mapping[str, Any], key: str) -> str:
     return f"{heap[key]:z.1f} ± {heap[f'{key}_interval']:z.1f}"
 
 
-def section(heap: Mapping) -> Section:
+def section(heap: Mapping[str, Any]) -> Section:
     """Height and slopes; run-out of a column beside published ones."""
     if heap.get("height") is None:
         return Section("Heap", [Text(heap.get("reason") or "", "warn")])

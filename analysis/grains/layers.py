@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import ceil, isfinite, nan
+from typing import Any
 
 import numpy as np
 
@@ -319,7 +320,7 @@ def figures(layers: Layers, gathered: Gathered) -> Drawings:
     return {"layers": Chart(f"layers, {stretch}", "Height y [m]", panels)}
 
 
-def section(layers: Mapping) -> Section:
+def section(layers: Mapping[str, Any]) -> Section:
     """Where the layers are, and their means."""
     if not layers.get("layers"):
         return Section("Layers", [])

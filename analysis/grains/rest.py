@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import inf, isfinite, isnan, nan, sqrt
+from typing import Any
 
 import numpy as np
 
@@ -237,7 +238,7 @@ def figures(rest: Rest, gathered: Gathered) -> Drawings:
     return {"rest": Chart("the discs come to rest", flow.time_axis, panels)}
 
 
-def section(rest: Mapping) -> Section:
+def section(rest: Mapping[str, Any]) -> Section:
     """When the discs came to rest, or why they do not."""
     if rest.get("speed") is None:
         return Section("Rest", [])

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from math import ceil, isfinite, nan
+from typing import Any
 
 import numpy as np
 
@@ -82,13 +83,13 @@ class Members:
     froude: int | None = number("", "runs for the Froude number to 3 %, at least", default=None)
 
 
-def errors(jump: object, pieces: Sequence[Mapping]) -> dict[str, float]:
+def errors(jump: object, pieces: Sequence[Mapping[str, Any]]) -> dict[str, float]:
     """Standard error within this run of each number of a `Jump` that has one, by its key ``<number>_error``."""
     names = [field.name for field in fields(jump) if field.name.endswith("_error")]
     return {name: piece_error(_values(pieces, name.removesuffix("_error"))) for name in names}
 
 
-def drift(pieces: Sequence[Mapping]) -> Drift:
+def drift(pieces: Sequence[Mapping[str, Any]]) -> Drift:
     """Drift of the main numbers within the window."""
     if not pieces:
         return Drift()
@@ -117,5 +118,5 @@ def starts_needed(found: Mapping[str, int | None]) -> str:
     return ", ".join([*texts[:-2], " and ".join(texts[-2:])]) if texts else ""
 
 
-def _values(pieces: Sequence[Mapping], key: str) -> np.ndarray:
+def _values(pieces: Sequence[Mapping[str, Any]], key: str) -> np.ndarray:
     return np.array([piece.get(key, nan) for piece in pieces], float)

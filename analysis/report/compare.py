@@ -57,7 +57,7 @@ def comparison(left: Side, right: Side) -> str:
     return render(" and ".join(names), sections, tab=" and ".join(names))
 
 
-def _rows(left: Mapping, right: Mapping) -> Iterator[tuple[str, str, str, str]]:
+def _rows(left: Mapping[str, Any], right: Mapping[str, Any]) -> Iterator[tuple[str, str, str, str]]:
     """Label, both numbers and their difference, cut to their errors within the runs."""
     for name, quantity in QUANTITIES.items():
         first, second = (_parts(summary.get(name)) for summary in (left, right))
@@ -69,7 +69,7 @@ def _rows(left: Mapping, right: Mapping) -> Iterator[tuple[str, str, str, str]]:
                     yield _row(part, number, *sides)
 
 
-def _parts(found: object) -> dict[str, Mapping]:
+def _parts(found: object) -> dict[str, Mapping[str, Any]]:
     """What holds the numbers of a quantity, by the name of the structure where there are several."""
     if not isinstance(found, Mapping):
         return {}
@@ -77,7 +77,7 @@ def _parts(found: object) -> dict[str, Mapping]:
     return structures or {"": found}
 
 
-def _row(part: str, number: Number, left: Mapping, right: Mapping) -> tuple[str, str, str, str]:
+def _row(part: str, number: Number, left: Mapping[str, Any], right: Mapping[str, Any]) -> tuple[str, str, str, str]:
     key, unit = number.key, number.unit
     texts = [cut(side, key) if side.get(key) is not None else shown(None) for side in (left, right)]
     values, errors = ([side.get(name) for side in (left, right)] for name in (key, f"{key}_error"))
@@ -102,7 +102,7 @@ def _on_one_scale(left: Curve, right: Curve) -> list[Curve]:
     return pair
 
 
-def _ends(panel: Mapping, axis: str, limits: str) -> tuple[float, float] | None:
+def _ends(panel: Mapping[str, Any], axis: str, limits: str) -> tuple[float, float] | None:
     """Least and greatest value on an axis of a panel; None where there is none."""
     faint = len(panel["lines"]) > 1
     values = [value for line in panel["lines"] if not (faint and line["look"] in ("faint", "dots"))

@@ -17,7 +17,7 @@ from contextlib import suppress
 from functools import lru_cache
 from math import isfinite
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
@@ -258,7 +258,7 @@ def heading(meaning: str, unit: str) -> str:
     return f"{first}{meaning[1:]}" + (f" [{unit.translate(POWERS)}]" if unit else "")
 
 
-def errors_of(result: type, found: Mapping) -> list[tuple[str, str]]:
+def errors_of(result: type, found: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Rows (meaning with unit, standard error within this run) of a result's numbers that have one."""
     numbers = numbers_of(result).values()
     known = [(number, found.get(f"{number.key}_error")) for number in numbers if found.get(number.key) is not None]
@@ -286,7 +286,7 @@ def percent_of(share: float | None, error: float | None = None, *, bound: bool =
     return f"{'+' * (share > 0)}{text} %".replace("-", "−")
 
 
-def with_error(found: Mapping, key: str, scale: float = 1.0, unit: str = "", *, alone: bool = False) -> str:
+def with_error(found: Mapping[str, Any], key: str, scale: float = 1.0, unit: str = "", *, alone: bool = False) -> str:
     """A number of ``summary.json`` with its standard error within this run, where it has one."""
     value, error = found[key], found.get(f"{key}_error")
     if value is None:
@@ -295,7 +295,7 @@ def with_error(found: Mapping, key: str, scale: float = 1.0, unit: str = "", *, 
     return shown(value / scale, unit, error, bound=is_bound(found, key), alone=alone).replace("-", "−")
 
 
-def cut(found: Mapping, key: str, scale: float = 1.0, unit: str = "") -> str:
+def cut(found: Mapping[str, Any], key: str, scale: float = 1.0, unit: str = "") -> str:
     """A number of ``summary.json``, cut to its standard error within this run."""
     return with_error(found, key, scale, unit, alone=True)
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from typing import Any
 
 from .kinds import Doubt, Verdict, part, shown
 
@@ -11,14 +12,14 @@ ROUGH = 0.1
 """Interval of the height over the height, above which it is called rough."""
 
 
-def _gates(summary: Mapping) -> Iterator[tuple[str, Mapping]]:
+def _gates(summary: Mapping[str, Any]) -> Iterator[tuple[str, Mapping[str, Any]]]:
     """Gates that have found a height, by name."""
     for name, gate in part(summary, "tailgate").items():
         if isinstance(gate, Mapping) and gate.get("height") is not None:
             yield name, gate
 
 
-def _height(summary: Mapping) -> str:
+def _height(summary: Mapping[str, Any]) -> str:
     said = []
     for name, gate in _gates(summary):
         error = gate.get("height_interval")
@@ -27,7 +28,7 @@ def _height(summary: Mapping) -> str:
     return ". ".join(said) + "." if said else ""
 
 
-def _rough(summary: Mapping) -> str:
+def _rough(summary: Mapping[str, Any]) -> str:
     return "; ".join(
         f"the height of {name} is known to ± {shown(gate['height_interval'])} m only: run longer"
         for name, gate in _gates(summary)

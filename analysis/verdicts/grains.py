@@ -5,13 +5,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 from lammps_jump.analysis.report.headline import FELL
 
 from .kinds import Doubt, Verdict, above, at, below, of_grains, part, place, reason, shown
 
 
-def _outlet(summary: Mapping) -> str:
+def _outlet(summary: Mapping[str, Any]) -> str:
     hopper = part(summary, "hopper")
     rate = hopper.get("discharge")
     if rate is None:
@@ -27,7 +28,7 @@ def _outlet(summary: Mapping) -> str:
     return f"Discs leave at {shown(rate / 1e3)} t/s per metre through {through}."
 
 
-def _law(summary: Mapping) -> str:
+def _law(summary: Mapping[str, Any]) -> str:
     number, width = at(summary, "hopper.beverloo"), at(summary, "hopper.slot_in_diameters")
     if number is None:  # why there is none stands among the doubts
         return ""
@@ -35,17 +36,17 @@ def _law(summary: Mapping) -> str:
     return f" Over ρ √g (D − 1.4 d)^1.5, after Beverloo, that is {shown(number)}.{at_width}"
 
 
-def _outlet_at_length(summary: Mapping) -> str:
+def _outlet_at_length(summary: Mapping[str, Any]) -> str:
     said = _outlet(summary)
     return said + _law(summary) if at(summary, "hopper.discharge") is not None else said
 
 
-def _few_pass(summary: Mapping) -> str:
+def _few_pass(summary: Mapping[str, Any]) -> str:
     discs = at(summary, "hopper.discs")
     return f"{discs} discs pass while the flow is on" if discs is not None and discs < 100 else ""
 
 
-def _pause(summary: Mapping) -> str:
+def _pause(summary: Mapping[str, Any]) -> str:
     pause, usual = at(summary, "hopper.pause"), at(summary, "hopper.usual_pause")
     if pause is None or not usual or pause <= 20 * usual:
         return ""
@@ -54,7 +55,7 @@ def _pause(summary: Mapping) -> str:
     )
 
 
-def _no_law(summary: Mapping) -> str:
+def _no_law(summary: Mapping[str, Any]) -> str:
     why = part(summary, "hopper").get("no_beverloo")
     return f"there is no number of Beverloo: {why}" if why else ""
 
@@ -78,7 +79,7 @@ OUTLET = Verdict(
 )  # fmt: skip
 
 
-def _heap(summary: Mapping) -> str:
+def _heap(summary: Mapping[str, Any]) -> str:
     heap = part(summary, "heap")
     if heap.get("height") is None:
         return ""
@@ -89,14 +90,14 @@ def _heap(summary: Mapping) -> str:
     return f"The column has run out {shown(heap['run_out_over_base'])} times its base and {rests}{slope}."
 
 
-def _moves(summary: Mapping) -> str:
+def _moves(summary: Mapping[str, Any]) -> str:
     rest = part(summary, "heap").get("at_rest")
     if rest is None:
         rest = part(summary, "state").get("at_rest")
     return "the discs still move: height and slope are those of the last frame" if rest is False else ""
 
 
-def _wide(summary: Mapping) -> str:
+def _wide(summary: Mapping[str, Any]) -> str:
     half = at(summary, "heap.angle_interval")
     return (
         f"the flanks are no straight lines: their angle is known to ± {shown(half)} degrees"
@@ -105,7 +106,7 @@ def _wide(summary: Mapping) -> str:
     )
 
 
-def _unlike(summary: Mapping) -> str:
+def _unlike(summary: Mapping[str, Any]) -> str:
     left, right = at(summary, "heap.angle_left"), at(summary, "heap.angle_right")
     if left is None or right is None:
         return ""
@@ -115,7 +116,7 @@ def _unlike(summary: Mapping) -> str:
     return f"the flanks differ: {left:z.0f} degrees to the left and {right:z.0f} to the right"
 
 
-def _creeps(summary: Mapping) -> str:
+def _creeps(summary: Mapping[str, Any]) -> str:
     if "friction_law" not in summary or of_grains(summary):
         return ""
     return "friction has no memory (contact.friction_law: history): a heap creeps and flattens"
@@ -140,7 +141,7 @@ HEAP = Verdict(
 )
 
 
-def _drum(summary: Mapping) -> str:
+def _drum(summary: Mapping[str, Any]) -> str:
     drum = part(summary, "drum")
     angle = drum.get("angle")
     if angle is None:
@@ -148,7 +149,7 @@ def _drum(summary: Mapping) -> str:
     return f"The drum turns, and its surface slopes at {angle:z.1f} degrees."
 
 
-def _centrifuge(summary: Mapping) -> str:
+def _centrifuge(summary: Mapping[str, Any]) -> str:
     froude = at(summary, "drum.froude")
     if froude is None or 1e-4 <= froude <= 0.1:
         return ""
@@ -181,7 +182,7 @@ def _filled(share: float | None) -> str:
     return f"the discs fill {shown(100 * share)} % of the drum" if share is not None and not 0.2 <= share <= 0.8 else ""
 
 
-def _incline(summary: Mapping) -> str:
+def _incline(summary: Mapping[str, Any]) -> str:
     layers = part(summary, "layers")
     speed = layers.get("velocity")
     if speed is None:
@@ -192,7 +193,7 @@ def _incline(summary: Mapping) -> str:
     return f"The layer flows at {shown(abs(speed))} m/s{rubs}."
 
 
-def _changes(summary: Mapping) -> str:
+def _changes(summary: Mapping[str, Any]) -> str:
     change = at(summary, "layers.change")
     if change is None or abs(change) <= 0.1 or part(summary, "state").get("at_rest"):
         return ""

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from math import floor, log10
+from typing import Any
 
 from lammps_jump.analysis.report.headline import A_JUMP, AT_SILL, WITH
 
@@ -16,14 +17,14 @@ SWALLOWED = "no jump found"
 """Verdict that says nothing where no stream flows in."""
 
 
-def is_asked(summary: Mapping) -> bool:
+def is_asked(summary: Mapping[str, Any]) -> bool:
     """Whether page and screen show what was looked for: a case asked for a jump, or one was found in a dump."""
     jump = part(summary, "jump")
     found = jump.get("verdict") in (*A_JUMP, AT_SILL)
     return bool(jump.get("verdict")) and (found or asked_of_a_dump("jump", summary))
 
 
-def is_spoken_of(summary: Mapping) -> bool:
+def is_spoken_of(summary: Mapping[str, Any]) -> bool:
     """Whether the title may speak of a jump: found, or asked for where a stream flows in; never of grains."""
     jump = part(summary, "jump")
     if not is_asked(summary) or of_grains(summary):
@@ -33,7 +34,7 @@ def is_spoken_of(summary: Mapping) -> bool:
     return not collapsed(part(summary, "front")) and ("inflow" in summary or jump["verdict"] != SWALLOWED)
 
 
-def title(summary: Mapping) -> str:
+def title(summary: Mapping[str, Any]) -> str:
     """The jump in a sentence: its depth against Bélanger's, and what its front does."""
     if not is_spoken_of(summary):
         return ""
@@ -43,7 +44,7 @@ def title(summary: Mapping) -> str:
     return said.replace(".", f" in {has} of {starts} starts.", 1) if has < starts else said
 
 
-def sentence(summary: Mapping) -> str:
+def sentence(summary: Mapping[str, Any]) -> str:
     """What to compare with what, as the analysis of the jump says it."""
     return (part(summary, "jump").get("headline") or "") if is_spoken_of(summary) else ""
 
@@ -66,7 +67,7 @@ def _off(of: str, off: float, error: float | None) -> str:
     return f"its {of} is {abs(100 * off):z.{digits}f} % {'above' if off > 0 else 'below'} Bélanger’s"
 
 
-def _jump(jump: Mapping, errors: float) -> str:
+def _jump(jump: Mapping[str, Any], errors: float) -> str:
     """Verdict on a jump; its front stands within so many of its errors."""
     if jump["verdict"] == AT_SILL:
         return "A jump that ends at the sill: no level water to compare."
@@ -92,13 +93,13 @@ def _jump(jump: Mapping, errors: float) -> str:
     return " ".join(filter(None, (f"{name}.", f"{tail[:1].upper()}{tail[1:]}." if tail else "")))
 
 
-def _filling(summary: Mapping) -> str:
+def _filling(summary: Mapping[str, Any]) -> str:
     if not part(summary, "jump").get("filling"):
         return ""
     return "the channel still fills: the depth behind the jump is a lower bound; run longer"
 
 
-def _drift(summary: Mapping) -> str:
+def _drift(summary: Mapping[str, Any]) -> str:
     jump = part(summary, "jump")
     moved, depth = (jump.get("drift") or {}).get("y2"), jump.get("y2")
     if moved is None or not depth or abs(moved) <= 0.05 * depth:
@@ -106,22 +107,22 @@ def _drift(summary: Mapping) -> str:
     return f"the depth behind the jump changes by {shown(100 * abs(moved) / depth)} % within the window"
 
 
-def _left_out(summary: Mapping) -> str:
+def _left_out(summary: Mapping[str, Any]) -> str:
     out = part(summary, "jump").get("left_out") or ()
     return f"Bélanger’s relation leaves out {' and '.join(out)}" if out else ""
 
 
-def _at_inlet(summary: Mapping) -> str:
+def _at_inlet(summary: Mapping[str, Any]) -> str:
     stream = part(summary, "jump").get("stream") or {}
     return "the stream before the jump is compressed up to the inlet" if stream.get("at_inlet") else ""
 
 
-def _frames(summary: Mapping) -> str:
+def _frames(summary: Mapping[str, Any]) -> str:
     count = at(summary, "jump.frames_in_window")
     return f"the window holds {count} frames, too few for errors" if count is not None and count < 16 else ""
 
 
-def _unanswered(summary: Mapping) -> str:
+def _unanswered(summary: Mapping[str, Any]) -> str:
     if not is_asked(summary) or is_spoken_of(summary) or collapsed(part(summary, "front")):
         return ""
     if of_grains(summary):

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from lammps_jump.physics.slip import FRICTION_LAWS
 
-Said = Callable[[Mapping], str]
+Said = Callable[[Mapping[str, Any]], str]
 """Makes a sentence of a summary; empty where there is nothing to be said."""
 
 
@@ -57,11 +57,11 @@ class Verdict(NamedTuple):
     alone: bool = False
     unanswered: Said | None = None
 
-    def said(self, summary: Mapping) -> str:
+    def said(self, summary: Mapping[str, Any]) -> str:
         """The longer sentence."""
         return (self.sentence or self.title)(summary)
 
-    def doubted(self, summary: Mapping) -> list[str]:
+    def doubted(self, summary: Mapping[str, Any]) -> list[str]:
         """What is doubtful about this answer of a summary, or why there is none."""
         if not self.title(summary):
             why = self.unanswered(summary) if self.unanswered else ""
@@ -69,18 +69,18 @@ class Verdict(NamedTuple):
         return [text for doubt in self.doubts if (text := doubt.found(summary))]
 
 
-def part(summary: Mapping, key: str) -> Mapping[str, Any]:
+def part(summary: Mapping[str, Any], key: str) -> Mapping[str, Any]:
     """The numbers of a quantity; empty where it was not made."""
     found = summary.get(key)
     return found if isinstance(found, Mapping) else {}
 
 
-def asked_of_a_dump(quantity: str, summary: Mapping) -> bool:
+def asked_of_a_dump(quantity: str, summary: Mapping[str, Any]) -> bool:
     """Whether a quantity was asked for, where the summary is that of a dump; of a run what is there was asked for."""
     return "given" not in summary or quantity in (summary["given"].get("analyses") or ())
 
 
-def of_grains(summary: Mapping) -> bool:
+def of_grains(summary: Mapping[str, Any]) -> bool:
     """Whether friction has a memory: contacts carry slopes at rest, as those of grains do and of water do not."""
     law = FRICTION_LAWS.get(summary.get("friction_law") or "")
     return law is not None and law.remembers
@@ -94,7 +94,7 @@ def reason(quantity: str) -> Said:
 def above(key: str, limit: float, text: str, scale: float = 1.0) -> Said:
     """A doubt that holds where the size of a number is above a limit; `text` takes the scaled size as ``{}``."""
 
-    def found(summary: Mapping) -> str:
+    def found(summary: Mapping[str, Any]) -> str:
         value = at(summary, key)
         return text.format(shown(scale * abs(value))) if value is not None and abs(value) > limit else ""
 
@@ -104,14 +104,14 @@ def above(key: str, limit: float, text: str, scale: float = 1.0) -> Said:
 def below(key: str, limit: float, text: str) -> Said:
     """A doubt that holds where a number is below a limit; `text` takes it as ``{}``."""
 
-    def found(summary: Mapping) -> str:
+    def found(summary: Mapping[str, Any]) -> str:
         value = at(summary, key)
         return text.format(shown(value)) if value is not None and value < limit else ""
 
     return found
 
 
-def at(summary: Mapping, key: str) -> Any:
+def at(summary: Mapping[str, Any], key: str) -> Any:
     """What stands at ``quantity.number``, a number; None where there is none."""
     quantity, _, name = key.partition(".")
     value = part(summary, quantity).get(name)

@@ -4,23 +4,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 from lammps_jump.analysis.report.page import percent
 
 from .kinds import Doubt, Verdict, at, part, shown
 
 
-def _conserved(summary: Mapping) -> Mapping:
+def _conserved(summary: Mapping[str, Any]) -> Mapping[str, Any]:
     energy = part(summary, "energy")
     return energy if energy.get("conservative") and energy.get("max_deviation") is not None else {}
 
 
-def _energy(summary: Mapping) -> str:
+def _energy(summary: Mapping[str, Any]) -> str:
     energy = _conserved(summary)
     return f"The energy stays within {percent(energy['max_deviation'])} of that of the start." if energy else ""
 
 
-def _energy_at_length(summary: Mapping) -> str:
+def _energy_at_length(summary: Mapping[str, Any]) -> str:
     energy = _conserved(summary)
     return (
         f"The energy deviates from that of the start by at most {percent(energy['max_deviation'], 4)}; exact "
@@ -30,7 +31,7 @@ def _energy_at_length(summary: Mapping) -> str:
     )
 
 
-def _drifts(summary: Mapping) -> str:
+def _drifts(summary: Mapping[str, Any]) -> str:
     off = at(summary, "energy.max_deviation")
     return f"it changes by {shown(100 * off)} %: halve run.time_step_fraction" if off is not None and off > 0.02 else ""
 
@@ -50,17 +51,17 @@ SLOW = 0.01
 """Median speed over √(g d) below which discs are slow."""
 
 
-def is_foreign(summary: Mapping) -> bool:
+def is_foreign(summary: Mapping[str, Any]) -> bool:
     """Whether the summary is that of a dump of which no case is known."""
     return "given" in summary and "case_yaml" not in summary
 
 
-def _size(summary: Mapping) -> str:
+def _size(summary: Mapping[str, Any]) -> str:
     state = part(summary, "state")
     return f"they take {shown(state['length'])} m along x and {shown(state['height'])} m in height"
 
 
-def _state(summary: Mapping) -> str:
+def _state(summary: Mapping[str, Any]) -> str:
     state = part(summary, "state")
     share = state.get("speed_over_root_gd")
     discs = state.get("discs")
@@ -81,7 +82,7 @@ def _state(summary: Mapping) -> str:
     return begin + said if begin else f"{said[:1].upper()}{said[1:]}"
 
 
-def _falls_on(summary: Mapping) -> str:
+def _falls_on(summary: Mapping[str, Any]) -> str:
     state = part(summary, "state")
     share = state.get("speed_over_root_gd")
     if state.get("at_rest") or share is None or share >= SLOW:
@@ -91,13 +92,13 @@ def _falls_on(summary: Mapping) -> str:
     return "the discs are slow, yet their top or their number changed at the end: run longer"
 
 
-def _lost(summary: Mapping) -> str:
+def _lost(summary: Mapping[str, Any]) -> str:
     state = part(summary, "state")
     first, last = state.get("first_discs") or 0, state.get("discs") or 0
     return f"{first - last} of {first} discs have left" if last < first else ""
 
 
-def _untold(summary: Mapping) -> str:
+def _untold(summary: Mapping[str, Any]) -> str:
     return (
         "walls, inflow and the way of contacts are not in a dump: give the case with --case, or ask for what is there"
         if is_foreign(summary)

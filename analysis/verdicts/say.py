@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from typing import Any
 
 from .gates import TAILGATE
 from .grains import DRUM, HEAP, INCLINE, OUTLET
@@ -21,7 +22,7 @@ STATUS = {"failed": "The run failed.", "interrupted": "The run was interrupted."
 """Titles of runs that did not end."""
 
 
-def answered(summary: Mapping) -> list[tuple[str, int]]:
+def answered(summary: Mapping[str, Any]) -> list[tuple[str, int]]:
     """Titles and numbers of the verdicts that answer; one that stands alone does so only where it is first."""
     found: list[tuple[str, int]] = []
     for number, verdict in enumerate(VERDICTS):
@@ -33,7 +34,7 @@ def answered(summary: Mapping) -> list[tuple[str, int]]:
     return found
 
 
-def verdict(summary: Mapping) -> str:
+def verdict(summary: Mapping[str, Any]) -> str:
     """One or two short sentences on what happened, the title of a report; empty where there is nothing to be said.
 
     `summary` is that of a run, or of starts of one case, as of `rows.together`.
@@ -44,7 +45,7 @@ def verdict(summary: Mapping) -> str:
     return _signed(" ".join(said for said, _ in answered(summary)[:TOGETHER]))
 
 
-def headline(summary: Mapping) -> str:
+def headline(summary: Mapping[str, Any]) -> str:
     """The sentences at length, from what a summary holds; empty where there is nothing to be said."""
     said = [VERDICTS[number].said(summary) for _, number in answered(summary)]
     if not said and "position" in (summary.get("front") or {}):
@@ -52,7 +53,7 @@ def headline(summary: Mapping) -> str:
     return _signed(" ".join(filter(None, said)))
 
 
-def doubts(summary: Mapping) -> list[str]:
+def doubts(summary: Mapping[str, Any]) -> list[str]:
     """What makes the answers of the title doubtful in this run, as sentences."""
     if (summary.get("status") or "complete") != "complete":
         return []
@@ -66,7 +67,7 @@ def doubts(summary: Mapping) -> list[str]:
     return [_signed(f"{text[:1].upper()}{text[1:].rstrip('.')}.") for text in dict.fromkeys(found)]
 
 
-def is_shown(quantity: str, summary: Mapping) -> bool:
+def is_shown(quantity: str, summary: Mapping[str, Any]) -> bool:
     """Whether page and screen show a quantity: no jump that nobody asked for, no front where nothing runs."""
     if quantity == "jump":
         return jump_is_asked(summary)

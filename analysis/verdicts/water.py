@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from math import sqrt
+from typing import Any
 
 from lammps_jump.analysis.report.headline import DISCS, against_water
 from lammps_jump.analysis.report.page import percent
@@ -22,12 +23,12 @@ RUNNING = 0.2
 """Momentum flux of what comes over the largest thrust of water at rest from which on water runs against a wall."""
 
 
-def collapsed(front: Mapping) -> bool:
+def collapsed(front: Mapping[str, Any]) -> bool:
     """Whether there was a column at the start, whose front then ran."""
     return front.get("column_base") is not None and front.get("speed") is not None
 
 
-def has_front(summary: Mapping) -> bool:
+def has_front(summary: Mapping[str, Any]) -> bool:
     """Whether page and screen show the front: a case asked for it; in a dump a column fell, or a stream runs."""
     front = part(summary, "front")
     if front.get("position") is None:
@@ -38,7 +39,7 @@ def has_front(summary: Mapping) -> bool:
     return along is not None and speed is not None and abs(along) > ONE_WAY * speed
 
 
-def _collapse(summary: Mapping) -> str:
+def _collapse(summary: Mapping[str, Any]) -> str:
     front = part(summary, "front")
     if not has_front(summary) or part(summary, "heap").get("run_out_over_base") is not None:  # told by the heap
         return ""
@@ -55,7 +56,7 @@ def _collapse(summary: Mapping) -> str:
     return f"{what} front {'creeps' if slow else 'runs'} at {shown(front['speed'])} m/s{more}."
 
 
-def _collapse_at_length(summary: Mapping) -> str:
+def _collapse_at_length(summary: Mapping[str, Any]) -> str:
     front = part(summary, "front")
     if "position" not in front:
         return ""
@@ -86,7 +87,7 @@ def _collapse_at_length(summary: Mapping) -> str:
     return " ".join([*said, "One run cannot say how sure that is: repeat it from other starts."])
 
 
-def _against_water(front: Mapping) -> list[str]:
+def _against_water(front: Mapping[str, Any]) -> list[str]:
     said = []
     water, ritter = front.get("martin_moyce") or {}, front.get("ritter") or {}
     if water.get("mean_bulk") is not None:
@@ -108,14 +109,14 @@ def _against_water(front: Mapping) -> list[str]:
     return said
 
 
-def _lone_discs(summary: Mapping) -> str:
+def _lone_discs(summary: Mapping[str, Any]) -> str:
     bulk, far, base = (at(summary, f"front.{key}") for key in ("position", "position_99", "column_base"))
     if bulk is None or far is None or base is None or abs(far - bulk) <= 0.25 * max(abs(bulk), base):
         return ""
     return f"bulk and 99 % of the discs end at different places, {place(bulk)} and {place(far)} m"
 
 
-def _slow_gate(summary: Mapping) -> str:
+def _slow_gate(summary: Mapping[str, Any]) -> str:
     opens = at(summary, "front.gate_open")
     return f"the gate takes {shown(opens)} s to open: no closed form belongs to it" if opens is not None else ""
 
@@ -133,7 +134,7 @@ COLLAPSE = Verdict(
 )
 
 
-def _waves(summary: Mapping) -> str:
+def _waves(summary: Mapping[str, Any]) -> str:
     waves = part(summary, "waves")
     if waves.get("height") is None:
         return ""
@@ -142,7 +143,7 @@ def _waves(summary: Mapping) -> str:
     return f"Waves of {shown(waves['period'])} s are {pairs[0][1]:z.2f} m high at x = {pairs[0][0]:zg} m{last}."
 
 
-def _die_out(summary: Mapping) -> str:
+def _die_out(summary: Mapping[str, Any]) -> str:
     first, last = at(summary, "waves.height"), at(summary, "waves.height_last")
     if not first or last is None or last >= 0.5 * first:
         return ""
@@ -164,7 +165,7 @@ WAVES = Verdict(
 )
 
 
-def _run_up(summary: Mapping) -> str:
+def _run_up(summary: Mapping[str, Any]) -> str:
     found = part(summary, "runup")
     if found.get("highest") is None:
         return ""
@@ -180,20 +181,20 @@ def _run_up(summary: Mapping) -> str:
     return f"The water reaches y = {place(found['highest'])} m on {on}{above_still}; {tail}."
 
 
-def _to_the_crest(summary: Mapping) -> str:
+def _to_the_crest(summary: Mapping[str, Any]) -> str:
     if not part(summary, "runup").get("reaches_crest"):
         return ""
     return "the water reaches the crest: a higher slope or wall would show a higher run-up"
 
 
-def _few_over(summary: Mapping) -> str:
+def _few_over(summary: Mapping[str, Any]) -> str:
     discs = at(summary, "runup.over_discs")
     if not discs or discs >= 100:
         return ""
     return f"{discs} discs make the volume over the crest, which scatters by {100 / discs**0.5:z.0f} % at least"
 
 
-def _still_passes(summary: Mapping) -> str:
+def _still_passes(summary: Mapping[str, Any]) -> str:
     return (
         "water still goes over the crest at the end: run longer" if part(summary, "runup").get("still_passes") else ""
     )
@@ -216,7 +217,7 @@ RUN_UP = Verdict(
 )
 
 
-def struck(summary: Mapping) -> tuple[str, Mapping]:
+def struck(summary: Mapping[str, Any]) -> tuple[str, Mapping[str, Any]]:
     """Name and force of the probed wall that water runs against: that of the run-up, else that with the largest peak.
 
     An upright face towards a flow has an oncoming momentum; floors and walls that move have none. Water at rest before
@@ -229,12 +230,12 @@ def struck(summary: Mapping) -> tuple[str, Mapping]:
     return max(known, key=lambda pair: abs(pair[1]["peak"]), default=("", {}))
 
 
-def _runs(force: Mapping) -> bool:
+def _runs(force: Mapping[str, Any]) -> bool:
     """Whether discs bring momentum, beside the thrust of the deepest water there; what climbs the wall is that deep."""
     return (force.get("oncoming_flux") or 0.0) > RUNNING * (force.get("hydrostatic") or 0.0)
 
 
-def _impact(summary: Mapping) -> str:
+def _impact(summary: Mapping[str, Any]) -> str:
     name, force = struck(summary)
     if not name or "inflow" in summary or summary.get("friction_law"):
         return ""
@@ -245,7 +246,7 @@ def _impact(summary: Mapping) -> str:
     return f"The discs push {name} with {shown(abs(force['peak']) / 1e3)} kN/m{along} at most{when}."
 
 
-def _spike(summary: Mapping) -> str:
+def _spike(summary: Mapping[str, Any]) -> str:
     _, force = struck(summary)
     raw, peak = force.get("peak_unfiltered"), force.get("peak")
     if not raw or not peak or abs(raw) <= 1.5 * abs(peak):
@@ -253,7 +254,7 @@ def _spike(summary: Mapping) -> str:
     return f"without low-pass the peak is {shown(abs(raw / peak))} times as high: single discs strike the wall"
 
 
-def _unbalanced(summary: Mapping) -> str:
+def _unbalanced(summary: Mapping[str, Any]) -> str:
     identities = part(summary, "force").get("identity") or {}
     off = [one["relative"] for one in identities.values() if one.get("complete") and one.get("relative") is not None]
     if max(off, default=0.0) <= 0.05:

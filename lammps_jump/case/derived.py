@@ -7,6 +7,7 @@ from collections.abc import Collection
 from dataclasses import asdict, dataclass
 from itertools import pairwise
 from math import hypot, sqrt
+from typing import Any
 
 from lammps_jump.files import plain
 from lammps_jump.physics import contact
@@ -80,7 +81,7 @@ class Derived:
         """What to beware of, in sentences."""
         return self.scene.warnings
 
-    def as_data(self) -> dict:
+    def as_data(self) -> dict[str, Any]:
         """Plain data of ``check --json``: coefficients, groups of numbers, inflow rows, what is skipped, warnings."""
         scene = self.scene
         groups = {title: {key: value for key, _, value, _ in rows} for title, rows in self.tables}

@@ -45,13 +45,13 @@ def explain(error: ValidationError, source: CaseSource, model: type[BaseModel] =
     return CaseError(f"{source.place(path)}: {_sentence(first, path, model)}{more}")
 
 
-def _others(problems: list[dict], source: CaseSource) -> str:
+def _others(problems: list[dict[str, Any]], source: CaseSource) -> str:
     """Where the other problems are, as far as they are few."""
     paths = dict.fromkeys(dotted_path(_data_path(problem["loc"], source.whole)) for problem in problems[1:])
     return f": {', '.join(paths)}" if all(paths) and len(paths) <= MOST_OTHERS else ""
 
 
-def _data_path(location: tuple, data: Any) -> PathKey:
+def _data_path(location: tuple[Any, ...], data: Any) -> PathKey:
     """Pydantic's location without the tags of discriminated unions, some of which begin with <, and of branches."""
     path: list[str | int] = []
     here = data
@@ -66,7 +66,7 @@ def _data_path(location: tuple, data: Any) -> PathKey:
     return tuple(path)
 
 
-def _sentence(problem: dict, path: PathKey, model: type[BaseModel]) -> str:
+def _sentence(problem: dict[str, Any], path: PathKey, model: type[BaseModel]) -> str:
     kind, context, value = problem["type"], problem.get("ctx", {}), problem.get("input")
     if kind in UNKNOWN:
         return f"unknown field; {_meant(path, _models_at(problem['loc'][:-1], model), model)}"
@@ -165,7 +165,7 @@ def _models(annotation: object) -> list[type]:
     return [model for part in get_args(annotation) for model in _models(part)]
 
 
-def _models_at(location: tuple, model: type) -> list[type]:
+def _models_at(location: tuple[Any, ...], model: type) -> list[type]:
     """The models that may stand at pydantic's location, from `model` on; a tag chooses one of several."""
     found = [model]
     for part in location:
@@ -179,7 +179,7 @@ def _fields(models: list[type]) -> dict[str, FieldInfo]:
     return {name: field for item in models for name, field in fields_of(item).items()}
 
 
-def _limits(location: tuple, model: type) -> str:
+def _limits(location: tuple[Any, ...], model: type) -> str:
     field = _fields(_models_at(location[:-1], model)).get(location[-1])
     if field is None:
         return ""

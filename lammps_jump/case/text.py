@@ -345,7 +345,7 @@ def _is_number(part: str) -> bool:
     return part.isascii() and part.isdigit() and len(part) < 10  # ² is a digit, and no number to int()
 
 
-def _item_index(items: list, part: str, told: str, path: PathKey) -> int:
+def _item_index(items: list[Any], part: str, told: str, path: PathKey) -> int:
     if _is_number(part) and int(part) < len(items):
         return int(part)
     names = [str(item["name"]) for item in items if isinstance(item, dict) and "name" in item]

@@ -110,7 +110,7 @@ def _meet(one: Sequence[float], two: Sequence[float]) -> bool:
     return all(abs(a - b) <= SAME_END * max(1.0, abs(a)) for a, b in zip(one, two, strict=True))
 
 
-def _unjoined(lines: dict[int, Line], ends: dict, order: list[int], left: list[int]) -> str:
+def _unjoined(lines: dict[int, Line], ends: dict[str, Any], order: list[int], left: list[int]) -> str:
     """What is wrong with lines of a join that have no order."""
     last, here = lines[order[-1]], ends[order[-1]][1]
     for index in left:

@@ -10,6 +10,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd  # xarray needs it and brings it
@@ -32,7 +33,7 @@ THREADS = "KMP_DUPLICATE_LIB_OK"
 """Lets two OpenMP libraries into one process; a choice of the caller's."""
 
 
-def write_table(table: Mapping[str, Sequence], path: str | Path, units: Mapping[str, str] | None = None) -> Path:
+def write_table(table: Mapping[str, Sequence[Any]], path: str | Path, units: Mapping[str, str] | None = None) -> Path:
     """A table of equally long columns as CSV: names in the first line (``name [unit]``), 10 digits, empty for NaN.
 
     Parameters
@@ -55,7 +56,7 @@ def write_table(table: Mapping[str, Sequence], path: str | Path, units: Mapping[
     return _write(path, csv_text(columns.set_axis(heads, axis=1), float_format="%.10g"))
 
 
-def without_minus_zero(values: Sequence) -> Sequence:
+def without_minus_zero(values: Sequence[Any]) -> Sequence:
     """The values with 0 in place of -0."""
     numbers = np.asarray(values)
     return numbers + 0.0 if numbers.dtype.kind == "f" else values

@@ -175,7 +175,7 @@ def with_groups(rows: Iterable[Row], groups: Groups, walls: Sequence[MovingWall]
             yield step, name, *map(float, total)
 
 
-def write_forces(path: str | Path, scene: Scene, forces: Iterable[tuple]) -> None:
+def write_forces(path: str | Path, scene: Scene, forces: Iterable[tuple[Any, ...]]) -> None:
     """Write ``forces.csv``, means over windows; rows of the scene's groups are added.
 
     Parameters

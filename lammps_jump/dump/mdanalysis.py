@@ -19,6 +19,7 @@ to leave it out, or keep distances below the free room around the discs.
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import MDAnalysis
 import numpy as np
@@ -35,7 +36,7 @@ FORMAT = "JUMPDUMP"
 PRESENT = "prop x > -1e30"
 """Selection of the discs that are there: true for every number, false for NaN."""
 
-_scanned: dict[tuple, tuple[np.ndarray, np.ndarray]] = {}
+_scanned: dict[tuple[Any, ...], tuple[np.ndarray, np.ndarray]] = {}
 
 
 def universe(path: str | Path, *, diameter: float = 0.0, mass: float = 1.0, dimensions: bool = True):

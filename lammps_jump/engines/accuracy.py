@@ -12,6 +12,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 from lammps_jump.case import CaseFields, ReadCase
 from lammps_jump.case.packing import disc_sizes
@@ -90,7 +91,7 @@ def scene_kind(case: CaseFields) -> str | None:
 
 
 @lru_cache(maxsize=4)
-def read_store(path: Path = STORE) -> dict[str, dict]:
+def read_store(path: Path = STORE) -> dict[str, dict[str, Any]]:
     """Return the stored calibration by kind of scene.
 
     Raises
@@ -169,7 +170,7 @@ def fits(row: Calibrated, case: CaseFields, usable: set[str]) -> bool:
     return not slip_warnings(coefficients, law.friction_law, law.rotation)
 
 
-def _reason(row: Calibrated, base: Calibrated | None, entry: dict, case: CaseFields, accuracy: float) -> str:
+def _reason(row: Calibrated, base: Calibrated | None, entry: dict[str, Any], case: CaseFields, accuracy: float) -> str:
     """Return which setting, how sure, how much quicker than the thesis' step, and what the calibration lacks."""
     words, quantity = KINDS[scene_kind(case)]
     quicker = f", {base.seconds / row.seconds:z.1f} times quicker than stock LAMMPS at f = 0.05" if base else ""

@@ -18,7 +18,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from lammps_jump import errors
 from lammps_jump.errors import SetupError
@@ -183,7 +183,7 @@ class Child:
         self.messages.close()
 
 
-def _message(text: str) -> dict:
+def _message(text: str) -> dict[str, Any]:
     """A message of the worker; empty where another rank's output has torn it."""
     try:
         return json.loads(text)

@@ -8,13 +8,14 @@ import threading
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from functools import partial
+from typing import Any
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT, signal.SIGUSR1, signal.SIGUSR2, signal.SIGXCPU)
 """Ctrl-C, the end of a job, a closed terminal, Ctrl-\\, a time limit that comes near (two), one of processor time."""
 
 
 @contextmanager
-def handled_by(handler: Callable) -> Iterator[None]:
+def handled_by(handler: Callable[..., Any]) -> Iterator[None]:
     """Give the `SIGNALS` to `handler`; nothing changes outside the main thread, which alone receives signals.
 
     A signal that is ignored stays ignored, as in a job that the shell has put into the background.

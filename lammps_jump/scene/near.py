@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import inf, sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -130,7 +130,7 @@ def _span(ends: np.ndarray) -> tuple[float, float]:
 
 
 def mark_cells(
-    faces: Faces, box: np.ndarray, ends: tuple[int, int], cells: tuple, reach: float, start: np.ndarray,
+    faces: Faces, box: np.ndarray, ends: tuple[int, int], cells: tuple[Any, ...], reach: float, start: np.ndarray,
     listed: np.ndarray,
 ) -> None:  # fmt: skip
     """Count the faces near each cell of one wall in ``start[cell + 1]``; with room in `listed`, list them from there.

@@ -11,6 +11,7 @@ import sys
 from collections.abc import Iterable
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 from lammps_jump.engines.accuracy import KINDS, STORE, Calibrated
 from lammps_jump.files import read_json, write_json
@@ -20,7 +21,7 @@ from .settings import Setting
 KEPT = ("case", "restitution", "friction", "members", "reference", "versions", "machine")
 
 
-def make_store(benchmarks: Iterable[dict]) -> dict[str, dict[str, dict]]:
+def make_store(benchmarks: Iterable[dict[str, Any]]) -> dict[str, dict[str, dict[str, Any]]]:
     """Return the content of ``calibration.json`` from the contents of finished ``bench.json``."""
     kinds = {}
     for data in benchmarks:
@@ -35,7 +36,7 @@ def make_store(benchmarks: Iterable[dict]) -> dict[str, dict[str, dict]]:
     return {"kinds": kinds}
 
 
-def _calibrated(row: dict, quantity: str) -> Calibrated | None:
+def _calibrated(row: dict[str, Any], quantity: str) -> Calibrated | None:
     """Return a row of a benchmark as it is stored; None for another flow, several ranks, or no error."""
     errors, setting = row["errors"].get(quantity) or {}, Setting(**row["setting"])
     other = any(value is not None for value in (setting.penetration, setting.diameter, setting.skin))

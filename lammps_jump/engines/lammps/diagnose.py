@@ -6,6 +6,7 @@ from __future__ import annotations
 import re
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from lammps_jump.scene.scene import Scene
 from .log import read_log
 
 
-def explain(error: str, scene: Scene, folder: Path, state: tuple | None) -> str:
+def explain(error: str, scene: Scene, folder: Path, state: tuple[Any, ...] | None) -> str:
     """One paragraph about a failed run.
 
     Parameters

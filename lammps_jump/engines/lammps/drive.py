@@ -9,6 +9,7 @@ import threading
 from collections.abc import Callable
 from contextlib import chdir
 from pathlib import Path
+from typing import Any
 
 from lammps_jump.engines.checkpoint import cut_back, join_part, remove_checkpoint
 from lammps_jump.engines.interrupts import save_request, stop_request
@@ -121,7 +122,9 @@ def _threads_of(plugin: Path | None) -> Callable[[], int]:
     return ctypes.CDLL(str(plugin)).jump_threads if plugin else lambda: 1
 
 
-def _report(engine, job: Job, outcome: Outcome, report: Callable, saver: Saver, ended: threading.Event) -> None:
+def _report(
+    engine, job: Job, outcome: Outcome, report: Callable[..., Any], saver: Saver, ended: threading.Event
+) -> None:
     """Report step and discs of the last line of the log until the run has ended; ask for checkpoints when due."""
     scene, threads = job.scene, None
     while not ended.wait(REPORT_SECONDS):
@@ -140,7 +143,7 @@ def _report(engine, job: Job, outcome: Outcome, report: Callable, saver: Saver, 
         report(found)
 
 
-def _state(engine) -> tuple | None:
+def _state(engine) -> tuple[Any, ...] | None:
     """(ids, positions) of what is left after an error, if the engine still answers."""
     count = engine.extract_global("nlocal")
     ids, places = engine.numpy.extract_atom("id"), engine.numpy.extract_atom("x")

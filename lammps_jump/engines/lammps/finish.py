@@ -6,6 +6,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from lammps_jump.dump.find import with_groups
 from lammps_jump.engines.checkpoint import join_part, last_saved
@@ -47,7 +48,7 @@ class Outcome:
     interrupted: bool = False
     unsaved: str = ""
     version: str = ""
-    state: tuple | None = None
+    state: tuple[Any, ...] | None = None
     seconds: float = 0.0
     cpu_seconds: float = 0.0
 

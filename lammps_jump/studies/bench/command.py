@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from lammps_jump import Case, load_case
 from lammps_jump.errors import CaseError
@@ -74,7 +75,7 @@ def run_bench(
         return store.finish(show(store.data, folder))
 
 
-def settings_page(data: dict, folder: Path) -> str:
+def settings_page(data: dict[str, Any], folder: Path) -> str:
     """Return the page of a benchmark of settings; draws its figures."""
     for name in data["quantities"]:
         draw_quantity(data, name, folder)

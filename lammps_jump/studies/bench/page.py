@@ -6,6 +6,7 @@ from __future__ import annotations
 from functools import partial
 from itertools import product
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 from matplotlib.ticker import LogLocator
@@ -23,7 +24,7 @@ MARKS = {
 COLUMNS = ("label", "family", "plain", "seconds", "error")
 
 
-def page(data: dict) -> str:
+def page(data: dict[str, Any]) -> str:
     """Return one benchmark as a page: cheapest settings, then every row.
 
     Parameters
@@ -44,7 +45,7 @@ def page(data: dict) -> str:
     return "\n\n".join([f"### {data['case']}", about, short_table(data), markdown(columns, data["rows"])]) + "\n"
 
 
-def short_table(data: dict) -> str:
+def short_table(data: dict[str, Any]) -> str:
     """Return the cheapest setting for 5 % and 1 % of each quantity, beside stock LAMMPS at f = 0.05."""
     rows = {row["label"]: row for row in data["rows"]}
     base, targets = rows.get("stock f=0.05"), {"0.05": "5 %", "0.01": "1 %"}
@@ -56,14 +57,14 @@ def short_table(data: dict) -> str:
     return markdown(dict.fromkeys(lines[0] if lines else (), ""), lines)
 
 
-def _error(row: dict, name: str) -> str:
+def _error(row: dict[str, Any], name: str) -> str:
     entry = row["errors"].get(name)
     if not entry or entry["error"] is None:
         return "-"
     return percent(entry["error"]) + (f" ({percent(entry['floor'])})" if entry["floor"] else "")
 
 
-def _cell(row: dict | None, name: str, base: dict | None) -> str:
+def _cell(row: dict[str, Any] | None, name: str, base: dict[str, Any] | None) -> str:
     if row is None or row["seconds"] is None:
         return "none shown"
     text = f"{row['label']}: {row['seconds']:z.2f} s" if base is not None else f"{row['seconds']:z.2f} s"
@@ -72,7 +73,7 @@ def _cell(row: dict | None, name: str, base: dict | None) -> str:
     return f"{text} ({_error(row, name)})"
 
 
-def draw_quantity(data: dict, name: str, folder: Path) -> Path:
+def draw_quantity(data: dict[str, Any], name: str, folder: Path) -> Path:
     """Draw run time (s, log) against error (%, log): families by mark, Pareto front as a line, floor as a band.
 
     A setting without any error has no place on a logarithmic axis.

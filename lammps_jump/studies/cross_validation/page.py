@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from math import isfinite, nan
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -156,7 +157,7 @@ def law_profiles(laws: dict[str, Comparison]) -> Chart:
     return Chart(LAW_FIGURES[1], PLACE, [Panel("depth by mass [m]", lines)])
 
 
-def write_report(report: dict, description: str, figures: dict[str, Path], path: Path) -> Path:
+def write_report(report: dict[str, Any], description: str, figures: dict[str, Path], path: Path) -> Path:
     """Write the page with the figures in it.
 
     Parameters
@@ -181,7 +182,7 @@ def write_report(report: dict, description: str, figures: dict[str, Path], path:
     return write_text(path, render(f"Cross-validation: {report['name']}", sections))
 
 
-def verdict_text(report: dict) -> str:
+def verdict_text(report: dict[str, Any]) -> str:
     """Return the outcome in two sentences."""
     checks, quantities = report["disc_by_disc"], report["statistics"]["quantities"]
     failed = [check for check in checks if not check["agrees"] and not check["expected_difference"]]
@@ -201,8 +202,8 @@ def verdict_text(report: dict) -> str:
     return "The engines differ. " + "; ".join(f"{part}: {', '.join(of)}" for part, of in found.items() if of) + "."
 
 
-def _checks(report: dict, pictures: list[Picture]) -> Section:
-    def verdict(check: dict) -> str:
+def _checks(report: dict[str, Any], pictures: list[Picture]) -> Section:
+    def verdict(check: dict[str, Any]) -> str:
         reason = check["expected_difference"]
         word = f"differs as expected: {reason}" if reason else ("agrees" if check["agrees"] else "DIFFERS")
         return f"{word} {check['note']}"
@@ -223,7 +224,7 @@ def _checks(report: dict, pictures: list[Picture]) -> Section:
     return Section("Disc by disc", [intro, table, _growth(report["divergence"]), *pictures])
 
 
-def _growth(part: dict) -> Text:
+def _growth(part: dict[str, Any]) -> Text:
     rates = [part[name]["rate"] for name in ("growth", "twin_growth")]
     texts = [f"{r:z.3g} /s (e-fold in {1 / r:z.3g} s)" if r else "no exponential stretch to fit" for r in rates]
     levels = ", ".join(
@@ -237,7 +238,7 @@ def _growth(part: dict) -> Text:
     )
 
 
-def _statistics(report: dict, pictures: list[Picture]) -> Section:
+def _statistics(report: dict[str, Any], pictures: list[Picture]) -> Section:
     intro = Text(
         f"Starts differ by up to {report['jitter']:zg} d (row speeds by that share); both engines get the same "
         "ones. Difference: second minus first, with its 95 % interval (Welch); for a curve at its worst point. "
@@ -257,7 +258,7 @@ def _statistics(report: dict, pictures: list[Picture]) -> Section:
     return Section("Statistics", [intro, *_verdicts(report["statistics"], *names), *limits, *pictures])
 
 
-def _verdicts(part: dict, one: str, two: str) -> list[Text | Table]:
+def _verdicts(part: dict[str, Any], one: str, two: str) -> list[Text | Table]:
     """Return the verdicts on the jump, and the table of all quantities, of one comparison."""
     columns: dict[str, Column] = {
         "quantity": lambda row: f"{row['name']}{' at ' + row['place'] if row['place'] else ''} [{row['unit']}]",
@@ -273,7 +274,7 @@ def _verdicts(part: dict, one: str, two: str) -> list[Text | Table]:
     return [Text(f"Jump: {one}: {texts[0]}; {two}: {texts[1]}."), table]
 
 
-def _laws(laws: dict, pictures: list[Picture]) -> list[Section]:
+def _laws(laws: dict[str, Any], pictures: list[Picture]) -> list[Section]:
     intro = Text(
         "Native engine, same starts, against viscous friction with velocity Verlet and corrected restitution. "
         "A difference here is a finding, not a failure."
@@ -282,7 +283,7 @@ def _laws(laws: dict, pictures: list[Picture]) -> list[Section]:
     return [Section("What each choice changes", [intro]), *parts, Section("", pictures)] if laws else []
 
 
-def _how(report: dict) -> Section:
+def _how(report: dict[str, Any]) -> Section:
     found = ", ".join(f"{name} {value}" for name, value in report["versions"].items())
     text = f"Seeds {', '.join(map(str, report['seeds']))}; versions: {found}; {report['seconds']:z.0f} s of computing."
     return Section("How to repeat it", [Text(text), *(Text(f"Note: {note}") for note in report["notes"])])

@@ -17,6 +17,7 @@ from functools import partial
 from itertools import product
 from math import isfinite, nan
 from pathlib import Path
+from typing import Any
 
 from lammps_jump import Case
 from lammps_jump.engines import choose, usable_kernels
@@ -134,7 +135,7 @@ def cross_validate(
     kernel: str = "auto",
     engine: str = "native",
     say: Say = print,
-) -> dict:
+) -> dict[str, Any]:
     """Compare the engines on a case and leave ``cross_validation.json``, figures and a report in a folder.
 
     Parameters
@@ -183,7 +184,9 @@ def cross_validate(
         return report
 
 
-def as_dict(study: Study, divergence: Divergence, found: Comparison, criteria: list[Results], seconds: float) -> dict:
+def as_dict(
+    study: Study, divergence: Divergence, found: Comparison, criteria: list[Results], seconds: float
+) -> dict[str, Any]:
     """Return what goes into ``cross_validation.json``.
 
     Parameters

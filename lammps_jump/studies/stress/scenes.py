@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from itertools import product
 from math import nan
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import yaml
@@ -82,7 +83,7 @@ def ended(outcome: pool.Outcome) -> Outcome:
     return Outcome(outcome.kind if outcome.kind in ("hang", "crash") else "bug", str(outcome.value))
 
 
-def base_case(**changes: object) -> dict:
+def base_case(**changes: object) -> dict[str, Any]:
     """Return a small box of discs under gravity, as data of a case file."""
     case = dict(HARD["base"])
     for key, value in changes.items():
@@ -90,7 +91,7 @@ def base_case(**changes: object) -> dict:
     return case
 
 
-def hard_scenes(long: bool = False) -> dict[str, tuple[dict, tuple[str, ...]]]:
+def hard_scenes(long: bool = False) -> dict[str, tuple[dict[str, Any], tuple[str, ...]]]:
     """Return (case data, outcomes that are right for it) by name."""
     scenes = {
         name: (base_case(**{key: value for key, value in changes.items() if key != "right"}), tuple(changes["right"]))
@@ -110,7 +111,7 @@ def hard_scenes(long: bool = False) -> dict[str, tuple[dict, tuple[str, ...]]]:
     return scenes
 
 
-def random_case(seed: int) -> dict:
+def random_case(seed: int) -> dict[str, Any]:
     """Return a small scene drawn from a seed: contact, walls, discs, inflow, step; many of them are unreasonable."""
     random = np.random.default_rng([20261121, seed])
     d, speed = random.choice((0.05, 0.2, 1.0)), random.choice((1.0, 5.0, 20.0))
@@ -143,7 +144,7 @@ def random_case(seed: int) -> dict:
         initial = [
             {**lattice, "jitter": random.choice((0, 0.02)), "velocities": {i: fast[i] for i in fast if i <= nx * ny}}
         ]
-    case: dict = {
+    case: dict[str, Any] = {
         "name": f"random_{seed}",
         "gravity": random.choice((0.0, 9.81, 50.0)),
         "discs": {"diameter": d, "density": random.choice((1.0, 1000.0))},
@@ -164,7 +165,7 @@ def random_case(seed: int) -> dict:
     return plain(case)
 
 
-def judge(case: dict, engine: str) -> Outcome:
+def judge(case: dict[str, Any], engine: str) -> Outcome:
     """Build a case for an engine of `ENGINE_CHANGES`, run it and judge all that it wrote."""
     changes = dict(ENGINE_CHANGES[engine])
     if FRICTION_LAWS[case["contact"].get("friction_law", "viscous")].remembers and engine == "native":

@@ -46,7 +46,7 @@ GROWTH = {"engine": "", "f:": "{fraction:zg}", "mean change:": "{mean:+z.3%}",
           "scatter over entry phases:": "{scatter:z.2%}"}  # fmt: skip
 
 
-def report(data: dict) -> str:
+def report(data: dict[str, Any]) -> str:
     """Return the Markdown page: what ended badly, limits, growth, scenes, random scenes, resting bed."""
     random = data["random"]
     parts = ["## What ended badly", "\n".join(f"- {text}" for text in data["bad"]) or "Nothing."]
@@ -69,7 +69,7 @@ def report(data: dict) -> str:
     return "\n\n".join([*parts, "## Resting bed", "\n".join(map(bed.format_map, data["bed"]))]) + "\n"
 
 
-def draw_map(limits: list[dict], path: Path) -> Path:
+def draw_map(limits: list[dict[str, Any]], path: Path) -> Path:
     """Draw restitution against time step: predicted limits as lines, measured ones as marks, a panel an integrator."""
     table = pd.DataFrame([row for row in limits if not row["friction"]])
     grid = np.concatenate([np.linspace(0.02, 0.98, 97), [1.0]])
@@ -189,7 +189,7 @@ class Stress:
         found = self.store.call(calls, self.pool, otherwise=ended, patience=patience)
         return [{kind: name, "engine": e, **row} for (name, e), row in zip(points, found, strict=True)]
 
-    def _call(self, calls: list[partial], tell: Callable[[Results], str]) -> list[Results]:
+    def _call(self, calls: list[partial[Any]], tell: Callable[[Results], str]) -> list[Results]:
         return self.store.call(calls, self.pool, said=lambda piece: self.say("  " + tell(piece)))
 
 
@@ -253,7 +253,7 @@ def gain(engine: str, fraction: float) -> Results:
     return {"engine": engine, "fraction": fraction, "mean": float(found.mean()), "scatter": float(found.std())}
 
 
-def limit_options(quick: bool) -> list[dict]:
+def limit_options(quick: bool) -> list[dict[str, Any]]:
     """Return arrangement, restitution, friction and spin of every limit to be measured."""
     if quick:
         return [{"arrangement": name, "restitution": 0.2} for name in ARRANGEMENTS if name != "column"]
@@ -263,7 +263,7 @@ def limit_options(quick: bool) -> list[dict]:
     return smooth + [{**rough, "restitution": e, "rotation": spin} for e, spin in product(few[1:], (False, True))]
 
 
-def may_heat(case: dict) -> bool:
+def may_heat(case: dict[str, Any]) -> bool:
     """Return whether the step is forced, or heats hard elastic contacts although it is stable."""
     run = case["run"]
     return run["allow_unstable"] or (case["contact"]["restitution"] > 0.9 and run["time_step_fraction"] >= 0.2)
