@@ -83,9 +83,15 @@ class ReadCase:
         return cls._read(read, changes or (), path.stem)
 
     @classmethod
-    def parse(cls, text: str, file: str = "<case>", changes: Changes = (), *, stored: bool = False) -> Self:
-        """As `load`, from YAML text; `file` is its name in messages, `stored` says that this program wrote it."""
+    def parse(
+        cls, text: str, file: str = "<case>", changes: Changes = (), *, stored: bool = False, folder: Path | None = None
+    ) -> Self:
+        """As `load`, from YAML text; `file` is its name in messages, `stored` says that this program wrote it.
+
+        Tables and runs that it names lie in `folder`.
+        """
         read = parse_source(text, file)
+        read.folder = folder
         if stored:
             old_words.translate(read)
         return cls._read(read, changes, Path(file).stem)
