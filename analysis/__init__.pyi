@@ -4,11 +4,11 @@ from . import quantities as quantities
 from . import report as report
 from . import tables as tables
 from . import verdicts as verdicts
-from .energy import Energy as Energy
+from .budgets.energy import Energy as Energy
+from .devices.front import Front as Front
 from .flow import Flow as Flow
 from .flow import from_scene as from_scene
 from .forces.history import Force as Force
-from .front import Front as Front
 from .guess import from_dump as from_dump
 from .jump.summary import Jump as Jump
 from .quantities import QUANTITIES as QUANTITIES

@@ -19,11 +19,11 @@ from lammps_jump.errors import DumpError, SetupError
 from lammps_jump.files import CONTACTS_FILE, CURVES, plain, write_json
 from lammps_jump.units import as_summary, is_bound, numbers_of, shown
 
-from . import draw, energy, front
+from . import draw
 from .beds.slope import AlongBed, sloping_stretch
-from .budgets import depths, grade, inflow, stations
+from .budgets import depths, energy, grade, inflow, stations
 from .contacts import ContactCollector
-from .devices import drum, gaps, hopper, runup, tailgate, waves
+from .devices import drum, front, gaps, hopper, runup, tailgate, waves
 from .draw.aside import aside
 from .draw.chart import Bars, Chart, Drawings, Map
 from .draw.depths import depth_profile, xt_map

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-from .analysis.energy import Energy as Energy
+from .analysis.budgets.energy import Energy as Energy
+from .analysis.devices.front import Front as Front
 from .analysis.forces.history import Force as Force
-from .analysis.front import Front as Front
 from .analysis.jump.summary import Jump as Jump
 from .dump.find import read_dump as read_dump
 from .dump.frame import Frame as Frame

@@ -16,9 +16,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lammps_jump.analysis.contacts import ContactCollector
+from lammps_jump.analysis.devices.front import bulk_front, stack_top
 from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Line, Panel
 from lammps_jump.analysis.flow import Flow
-from lammps_jump.analysis.front import bulk_front, stack_top
 from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.report.page import Section, Table, described
 from lammps_jump.dump.frame import Frame, make_frame

@@ -18,9 +18,9 @@ import numpy as np
 from scipy.special import stdtrit
 
 from lammps_jump.analysis.contacts import ContactCollector
+from lammps_jump.analysis.devices.front import bulk_front, quantile_front
 from lammps_jump.analysis.draw.chart import PLACE, Chart, Drawings, Line, Panel
 from lammps_jump.analysis.flow import Flow
-from lammps_jump.analysis.front import bulk_front, quantile_front
 from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.profiles import bin_frames
 from lammps_jump.analysis.report.page import Section, Table, Text, described

@@ -13,15 +13,15 @@ from math import isfinite, nan
 from typing import Any, NamedTuple
 
 from lammps_jump.analysis.budgets.depths import Depths
+from lammps_jump.analysis.budgets.energy import Energy
 from lammps_jump.analysis.budgets.grade import Grade
 from lammps_jump.analysis.budgets.inflow import Delivery
 from lammps_jump.analysis.devices.drum import Drum
+from lammps_jump.analysis.devices.front import Front, MartinMoyce
 from lammps_jump.analysis.devices.hopper import Hopper
 from lammps_jump.analysis.devices.runup import RunUp
 from lammps_jump.analysis.devices.waves import Waves
-from lammps_jump.analysis.energy import Energy
 from lammps_jump.analysis.forces.history import Force
-from lammps_jump.analysis.front import Front, MartinMoyce
 from lammps_jump.analysis.grains.heap import Heap
 from lammps_jump.analysis.grains.layers import Layers
 from lammps_jump.analysis.grains.rest import Rest

@@ -10,8 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from made_up import collected, disc_frame, examples, flow_context, numbers
 
-from lammps_jump.analysis.contacts import ContactCollector, find_contacts, pair_sums, wall_sums
-from lammps_jump.analysis.energy import (
+from lammps_jump.analysis.budgets.energy import (
     EnergyLedger,
     analyse_energy,
     drift,
@@ -20,6 +19,7 @@ from lammps_jump.analysis.energy import (
     tables,
     work_of_walls,
 )
+from lammps_jump.analysis.contacts import ContactCollector, find_contacts, pair_sums, wall_sums
 from lammps_jump.analysis.flow import from_scene
 from lammps_jump.dump.find import ForceHistory
 from lammps_jump.engines.native.engine import take_frame

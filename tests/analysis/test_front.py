@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from made_up import collected, disc_frame, flow_context, numbers
 
-from lammps_jump.analysis.front import (
+from lammps_jump.analysis.devices.front import (
     FrontHistory,
     FrontTracker,
     analyse_front,

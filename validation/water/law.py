@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from lammps_jump.analysis.devices.front import off_curve
 from lammps_jump.analysis.draw.style import BLACK, BLUE, GOLD, GREY, drawing
-from lammps_jump.analysis.front import off_curve
 from lammps_jump.physics.measured import KOSHIZUKA_OKA_FRONT, MARTIN_MOYCE_FRONT
 from lammps_jump.studies.validation import DERIVED, SECOND_HAND, Found, Law, Point, Row, around, mean_of
 

@@ -8,7 +8,7 @@ from math import sqrt
 import numpy as np
 
 from lammps_jump import Run
-from lammps_jump.analysis.front import dimensionless
+from lammps_jump.analysis.devices.front import dimensionless
 
 GRAVITY = 9.81
 

@@ -20,7 +20,7 @@ import numpy as np
 import yaml
 
 from lammps_jump import load_case
-from lammps_jump.analysis.energy import EnergyLedger
+from lammps_jump.analysis.budgets.energy import EnergyLedger
 from lammps_jump.analysis.flow import from_scene
 from lammps_jump.analysis.passes import feed, with_velocities
 from lammps_jump.dump import open_dump, read_dump

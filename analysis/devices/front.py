@@ -16,16 +16,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from lammps_jump.analysis.contacts import ContactCollector
 from lammps_jump.analysis.draw.chart import Chart, Drawings, Line, Panel
+from lammps_jump.analysis.flow import Flow
+from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.report.page import Section, Table, Text, described, percent
+from lammps_jump.analysis.statistics import known_mean
 from lammps_jump.dump.frame import Frame, make_frame
 from lammps_jump.physics import measured, waves
 from lammps_jump.units import number, shown
-
-from .contacts import ContactCollector
-from .flow import Flow
-from .passes import Gathered, Tables
-from .statistics import known_mean
 
 ASPECT = 2
 """n² = H/a of the columns in Martin & Moyce's tables."""

@@ -11,16 +11,15 @@ from math import nan
 
 import numpy as np
 
+from lammps_jump.analysis.contacts import ContactCollector
 from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Line, Panel
+from lammps_jump.analysis.flow import Flow
+from lammps_jump.analysis.forces.impulse import window_lengths
+from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.report.page import Section, Table, described, percent
 from lammps_jump.dump.find import ForceHistory
 from lammps_jump.dump.frame import Frame
 from lammps_jump.units import number
-
-from .contacts import ContactCollector
-from .flow import Flow
-from .forces.impulse import window_lengths
-from .passes import Gathered, Tables
 
 
 @dataclass(frozen=True)
