@@ -78,6 +78,8 @@ PLACES = {
     ("figures", "folder"): (RUN, ("figures", "@")),
     ("fluid", "case"): (CASE, ("fluid", "@", *QUICK)),
     ("fluid", "out"): (FOLDER, ("fluid", "CASE", *QUICK, "--out", "@")),
+    ("import", "drawing"): (POINTS, ("import", "@")),
+    ("import", "into"): (CASE, ("import", "DRAWING", "--into", "@")),
     ("preview", "case"): (CASE, ("preview", "@", "--out", "OUT")),
     ("preview", "out"): (FOLDER, ("preview", "CASE", "--out", "@")),
     ("run", "folder"): (RUN, ("run", "@")),

@@ -26,7 +26,7 @@ ROOT = Path(__file__).parents[1]
 
 FLOORS = (
     "errors", "quoting", "files", "folders", "units", "provenance", "identity", "compiling", "core", "physics", "scene",
-    "dump", "case", "script", "engines", "analysis", "runs", "sweeps", "studies", "cli",
+    "dump", "case", "drawings", "script", "engines", "analysis", "runs", "sweeps", "studies", "cli",
 )  # fmt: skip
 """What lies in ``lammps_jump``, from the top down: each imports only what stands before it."""
 AT_THE_ROOT = {"__init__.py", "__main__.py", *(f"{name}.py" for name in FLOORS[:7])}

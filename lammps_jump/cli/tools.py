@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Commands about cases and this machine: check, preview, new, schema, doctor, kernels."""
+"""Commands about cases and this machine: check, preview, import, new, schema, doctor, kernels."""
 
 from __future__ import annotations
 
@@ -8,12 +8,15 @@ import sys
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 import lammps_jump.case as cases
-from lammps_jump import cli, compiling, engines, files, runs, studies
+from lammps_jump import cli, compiling, drawings, engines, files, runs, studies
+from lammps_jump.errors import CaseError
+from lammps_jump.quoting import echoed
+from lammps_jump.units import to_si
 
 from .options import Accuracy, CaseFile, Commands, EngineName, Kernel, Sets, assignments, place
 
@@ -29,6 +32,28 @@ kernels = typer.Typer(
     rich_markup_mode=None,
 )  # fmt: skip
 app.add_typer(kernels, name="kernels")
+
+
+def shift_of(given: str) -> tuple[float, float]:
+    """Where the origin comes to lie, m: ``2,-1.5`` or ``2 m, -150 cm``."""
+    try:
+        x, y = (float(to_si(part, "m")) for part in given.split(","))
+    except ValueError as error:
+        raise typer.BadParameter(f"{echoed(given)}: {error}; write x and y, such as 2,-1.5") from None
+    return x, y
+
+
+def layers(name: str, text: str) -> typer.models.OptionInfo:
+    """An option that names a layer and may be repeated."""
+    return typer.Option(name, metavar="LAYER", help=f"{text} May be repeated.")
+
+
+def _layer_and_wall(given: str) -> tuple[str, str]:
+    """Layer and wall of ``LAYER=WALL``; without the sign the wall is called as the layer."""
+    name, sign, wall = given.rpartition("=")
+    if sign and not (name and wall):
+        raise CaseError(f"--layer {echoed(given)}: expected LAYER=WALL, such as --layer 'bed level=bed'")
+    return (name, wall) if sign else (given, drawings.wall_name(given))
 
 
 @app.command()
@@ -65,6 +90,49 @@ def preview(
 ) -> None:
     """Draw a case before it is run: walls, motions, discs, inlets, outlets; prints the names of page and picture."""
     print(*runs.view.write_preview(cases.load_case(case, assignments(set_)), out or Path()), sep="\n")
+
+
+@app.command("import")
+def import_(
+    drawing: Annotated[
+        Path, typer.Argument(help="DXF, SVG, GeoJSON, or a table of chainage and level (CSV).", show_default=False)
+    ],
+    layer: Annotated[
+        list[str] | None,
+        typer.Option("--layer", metavar="LAYER=WALL", help="Take this layer alone, as this wall. May be repeated."),
+    ] = None,
+    scale: Annotated[
+        str | None,
+        typer.Option(metavar="UNIT", help="Unit of the drawing, such as mm, metres of one unit, or 1:100."),
+    ] = None,
+    shift: Annotated[
+        Any,
+        typer.Option(parser=shift_of, metavar="X,Y", help="Where the drawing's origin comes to lie, m."),
+    ] = "0,0",
+    reverse: Annotated[list[str] | None, layers("--reverse", "Its open lines run the other way.")] = None,
+    inside: Annotated[list[str] | None, layers("--inside", "Its closed outlines hold the discs inside.")] = None,
+    sheet: Annotated[list[str] | None, layers("--sheet", "Its open lines are felt from both sides.")] = None,
+    along: Annotated[
+        bool, typer.Option("--along", help="GeoJSON in plan with heights: x is the way along each line.")
+    ] = False,
+    into: Annotated[
+        Path | None, typer.Option("--into", metavar="CASE", help="Add the walls to this case file; comments stay.")
+    ] = None,
+) -> None:
+    """Make walls of a drawing, one layer a wall: prints entries of a case with what each is, or adds them to a case."""
+    taken = drawings.read_drawing(drawing, scale=scale, shift=shift, along=along)
+    names = dict(_layer_and_wall(text) for text in layer or [])
+    choice = drawings.Choice(names, tuple(reverse or ()), tuple(inside or ()), tuple(sheet or ()))
+    found = drawings.entries(taken, choice)
+    text = drawings.yaml_text(found)
+    if into is None:
+        print(f"walls:\n{text}", end="")
+    else:
+        drawings.write_into(into, found)
+        print(text, end="")
+        print(f"added to {into}: `lammps-jump preview {into}` draws it", file=sys.stderr)
+    for note in (*taken.notes, *drawings.doubts(found, max(taken.extent()))):
+        print(f"note: {note}", file=sys.stderr)
 
 
 @app.command()

@@ -230,13 +230,13 @@ def _meeting(
             if one == two or (beside and a.kind == b.kind == SEGMENT):
                 continue
             joints = {ends[one], ends[one + 1]} & {ends[two], ends[two + 1]} if beside else set()
-            for point in _common(a, b, near):
+            for point in common(a, b, near):
                 if all(hypot(*np.subtract(point, joint)) > 1e3 * near for joint in joints):
                     return (one, two), point
     return None
 
 
-def _common(a: Face, b: Face, near: float) -> list[Point]:
+def common(a: Face, b: Face, near: float) -> list[Point]:
     """Points that two faces have in common, m; faces that are closer than `near` meet."""
     if a.kind == SEGMENT and b.kind == SEGMENT:
         points = _of_lines(a, b, near)

@@ -35,6 +35,8 @@ CASE = {
     "analysis": {"energy": True},
 }
 MINE = b"precious"
+ENDINGS = {("animate", "out"): ".gif", ("compare", "second"): ".csv", ("import", "drawing"): ".dxf"}
+"""How the name of a place must end."""
 
 
 def commands(group: typer.Typer, before: str = "") -> Iterator[tuple[str, Callable]]:
@@ -72,6 +74,7 @@ def finished(tmp_path_factory) -> Path:
     lj.load_case(place / "case.yaml").run(place / "run")
     (place / "laws" / "x").mkdir(parents=True)
     (place / "laws" / "x" / "law.py").write_text("LAW = 1\n")
+    (place / "bed.csv").write_text("chainage (m),level (m)\n0,0\n4,0\n")
     return place
 
 
@@ -121,9 +124,7 @@ SHORT = [(key, FAULTS[kind][number % len(FAULTS[kind])]) for number, (key, (kind
 )
 def test_what_stands_in_a_place_is_refused_and_left(finished, tmp_path, monkeypatch, capsys, key, fault):
     kind, words = PLACES[key]
-    place = (
-        tmp_path / "at" / ("place.gif" if key == ("animate", "out") else "place.csv" if key[1] == "second" else "place")
-    )
+    place = tmp_path / "at" / f"place{ENDINGS.get(key, '')}"
     if fault == "below a file":
         place = place.parent / "file" / "place"
         place.parent.parent.mkdir()
@@ -132,7 +133,7 @@ def test_what_stands_in_a_place_is_refused_and_left(finished, tmp_path, monkeypa
     put(fault, place)
     names = {"@": place, "CASE": finished / "case.yaml", "RUN": tmp_path / "run", "DUMPED": tmp_path / "run",
              "DUMP": tmp_path / "run" / "dump.lammpstrj", "OUT": tmp_path / "out", "OUT.html": tmp_path / "out.html",
-             "LAWS": finished / "laws"}  # fmt: skip
+             "LAWS": finished / "laws", "DRAWING": finished / "bed.csv"}  # fmt: skip
     shutil.copytree(finished / "run", tmp_path / "run")
     monkeypatch.chdir(tmp_path)
     monkeypatch.delenv("DISPLAY", raising=False)

@@ -1,0 +1,301 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Walls of a drawing: strokes of a layer that meet are joined; each outline is an entry of a case, with what it is."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import combinations
+from math import hypot
+from typing import Any
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from lammps_jump.errors import CaseError
+from lammps_jump.quoting import LONGEST_NAME
+from lammps_jump.scene.shapes import ArcTo, PlaceError
+from lammps_jump.scene.walls import Circle, Line, Polygon
+
+from .crossings import crossing
+from .strokes import Drawing, Layer, Point, Stroke
+
+SAME = 1e-6
+"""Distance over the size of a drawing up to which two ends are one."""
+NEARLY = 0.01
+"""Distance over the size of a drawing up to which two ends nearly meet."""
+DIGITS = 9
+"""Digits of the numbers that are written."""
+
+
+@dataclass(frozen=True)
+class Choice:
+    """What the user says of layers.
+
+    Attributes
+    ----------
+    names : mapping of str to str
+        Layers to take, with the names of their walls; empty: all.
+    reverse : collection of str
+        Layers whose open lines run the other way, so that the discs are on the other side.
+    inside : collection of str
+        Layers whose closed outlines hold the discs inside.
+    sheet : collection of str
+        Layers whose open lines the discs feel from both sides.
+    """
+
+    names: Mapping[str, str] = field(default_factory=dict)
+    reverse: Sequence[str] = ()
+    inside: Sequence[str] = ()
+    sheet: Sequence[str] = ()
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A wall of a case.
+
+    Attributes
+    ----------
+    wall : dict
+        Fields of the entry.
+    layer : str
+    facts : tuple of str
+        Extent, points and arcs, whether it is closed, and on which side the discs are.
+    doubts : tuple of str
+        What may be wrong with it alone.
+    """
+
+    wall: dict[str, Any]
+    layer: str
+    facts: tuple[str, ...]
+    doubts: tuple[str, ...] = ()
+
+
+def entries(drawing: Drawing, choice: Choice | None = None) -> list[Entry]:
+    """The walls of a drawing in metres, a layer each; a layer of several outlines gives name_1, name_2, ...
+
+    Raises
+    ------
+    CaseError
+        A layer that is not there, names that a wall cannot have or that two walls would have.
+    """
+    choice = choice or Choice()
+    known = [layer.name for layer in drawing.layers]
+    for name in (*choice.names, *choice.reverse, *choice.inside, *choice.sheet):
+        if name not in known:
+            raise CaseError(f"{drawing.file}: there is no layer '{name}'; it has {', '.join(map(repr, known))}")
+    size = max(*drawing.extent(), 1e-300)
+    found: list[Entry] = []
+    for layer in drawing.layers:
+        if not choice.names or layer.name in choice.names:
+            found += _of_layer(layer, choice, size)
+    for index, entry in enumerate(found):
+        name = entry.wall["name"]
+        if name in [other.wall["name"] for other in found[:index]]:
+            raise CaseError(f"{drawing.file}: two walls would be called '{name}'; name them by --layer LAYER=WALL")
+    return found
+
+
+def _of_layer(layer: Layer, choice: Choice, size: float) -> list[Entry]:
+    """Entries of one layer."""
+    given = choice.names.get(layer.name)
+    name = given or wall_name(layer.name)
+    if not re.fullmatch(r"[A-Za-z0-9_]+", name) or len(name) > LONGEST_NAME:
+        raise CaseError(
+            f"--layer {layer.name}={name}: is no name of a wall; allowed are letters, digits and _, up to "
+            f"{LONGEST_NAME} of them"
+        )
+    outlines, turned = _joined(layer.strokes, SAME * size)
+    count = len(outlines) + len(layer.rings)
+    found = []
+    for number, outline in enumerate(outlines, 1):
+        own = name if count == 1 else f"{name}_{number}"
+        found.append(_outline(outline, own, layer.name, choice, turned))
+    for number, ring in enumerate(layer.rings, len(outlines) + 1):
+        own = name if count == 1 else f"{name}_{number}"
+        where = "inside" if layer.name in choice.inside else "outside"
+        wall = {"name": own, "kind": "circle", "centre": _rounded(ring.centre), "radius": _digits(ring.radius)}
+        facts = (f"circle of radius {ring.radius:z.4g} m about {_place(ring.centre)}", f"discs {where}")
+        found.append(Entry(wall | ({"discs": where} if where == "inside" else {}), layer.name, facts))
+    return found
+
+
+def wall_name(layer: str) -> str:
+    """A layer's name with the letters that a wall's may have."""
+    return re.sub(r"[^A-Za-z0-9_]+", "_", layer).strip("_")[:LONGEST_NAME] or "wall"
+
+
+def _joined(strokes: Sequence[Stroke], same: float) -> tuple[list[Stroke], int]:
+    """Strokes put together where two ends meet, and how many were turned round for it.
+
+    Where three ends or more meet nothing is joined there.
+    """
+    if not strokes:
+        return [], 0
+    ends = np.array([point for stroke in strokes for point in (stroke.points[0], stroke.points[-1])])
+    partner: dict[int, int] = {}
+    for one, two in cKDTree(ends).query_pairs(same):
+        for end, other in ((one, two), (two, one)):
+            partner[end] = -1 if end in partner else other
+    used, found, turned = set[int](), [], 0
+    heads = [number for number in range(len(strokes)) if partner.get(2 * number, -1) < 0]
+    heads += [number for number in range(len(strokes)) if number not in heads and partner.get(2 * number + 1, -1) < 0]
+    for number in [*heads, *range(len(strokes))]:
+        if number in used:
+            continue
+        here = 2 * number if number not in heads or partner.get(2 * number, -1) < 0 else 2 * number + 1
+        chain: list[tuple[int, bool]] = []
+        while here >= 0 and here // 2 not in used:
+            used.add(here // 2)
+            chain.append((here // 2, here % 2 == 1))
+            here = partner.get(here ^ 1, -1)
+        first = min(chain)  # the stroke that was drawn first says which way the outline runs
+        if first[1]:
+            chain = [(stroke, not back) for stroke, back in reversed(chain)]
+        turned += sum(back for _, back in chain)
+        parts = [_turned(strokes[stroke]) if back else strokes[stroke] for stroke, back in chain]
+        found.append((first[0], _linked(parts)))
+    return [stroke for _, stroke in sorted(found, key=lambda item: item[0])], turned
+
+
+def _turned(stroke: Stroke) -> Stroke:
+    return Stroke(stroke.points[::-1], tuple(0.0 - bend for bend in stroke.bends[::-1]))
+
+
+def _linked(strokes: Sequence[Stroke]) -> Stroke:
+    """Strokes one behind the other as one."""
+    points, bends = strokes[0]
+    for stroke in strokes[1:]:
+        points, bends = points + stroke.points[1:], bends + stroke.bends
+    return Stroke(points, bends)
+
+
+def _outline(stroke: Stroke, name: str, layer: str, choice: Choice, turned: int) -> Entry:
+    """The entry of a line or of a closed outline."""
+    points, bends = _distinct(stroke)
+    size = float(np.ptp(np.array(points), axis=0).max())
+    closed = len(points) > 2 and hypot(*np.subtract(points[0], points[-1])) <= SAME * size
+    (x0, y0), (x1, y1) = np.min(points, axis=0), np.max(points, axis=0)
+    facts = [f"x {x0:z.4g} to {x1:z.4g} m, y {y0:z.4g} to {y1:z.4g} m"]
+    wall: dict[str, Any] = {"name": name, "kind": "polygon" if closed else "line"}
+    if not closed and layer in choice.reverse:
+        points, bends = _turned(Stroke(points, bends))
+    kept = points[:-1] if closed and not bends[-1] else points
+    arcs = sum(bend != 0 for bend in bends)
+    facts.append(f"{len(points) - closed} points, {arcs} {'arc' if arcs == 1 else 'arcs'}")
+    rows: list[Any] = [_rounded(points[0])]
+    for point, bend in zip(kept[1:], bends, strict=False):
+        rows.append({"arc_to": _rounded(point), "radius": _digits(bend)} if bend else _rounded(point))
+    wall["points"] = rows
+    if closed:
+        where = "inside" if layer in choice.inside else "outside"
+        facts.append(f"closed, discs {where}")
+        wall |= {"discs": "inside"} if where == "inside" else {}
+    elif layer in choice.sheet:
+        facts.append("open, discs on both sides")
+        wall["sheet"] = True
+    else:
+        facts.append(f"open, discs on its left: {_side(points[0], points[-1])}")
+    if turned:
+        facts.append(f"pieces of the layer that are turned round to join the one drawn first: {turned}")
+    return Entry(wall, layer, tuple(facts), tuple(_alone(wall)))
+
+
+def _alone(wall: dict[str, Any]) -> list[str]:
+    """What a wall of this shape is refused for."""
+    try:
+        _wall(wall)
+    except PlaceError as error:
+        return [f"{wall['name']}: {error}"]
+    return []
+
+
+def _wall(wall: Mapping[str, Any]) -> Circle | Line | Polygon:
+    """The wall of an entry."""
+    if wall["kind"] == "circle":
+        return Circle(wall["name"], tuple(wall["centre"]), wall["radius"])
+    points = tuple(ArcTo(tuple(p["arc_to"]), p["radius"]) if isinstance(p, dict) else tuple(p) for p in wall["points"])
+    return (Line if wall["kind"] == "line" else Polygon)(wall["name"], points)
+
+
+def _side(start: Point, end: Point) -> str:
+    """In words, what lies on the left of a way."""
+    dx, dy = end[0] - start[0], end[1] - start[1]
+    level = abs(dx) >= abs(dy)
+    where = ("above it" if dx > 0 else "below it") if level else ("at smaller x" if dy > 0 else "at larger x")
+    return f"{where}, as it runs from {_place(start)} to {_place(end)}"
+
+
+def _place(point: Point) -> str:
+    return f"({point[0]:z.4g}, {point[1]:z.4g}) m"
+
+
+def _distinct(stroke: Stroke) -> Stroke:
+    """A stroke without points that repeat the one before."""
+    size = float(np.ptp(np.array(stroke.points), axis=0).max())
+    points, bends = [stroke.points[0]], []
+    for point, bend in zip(stroke.points[1:], stroke.bends, strict=True):
+        if hypot(*np.subtract(point, points[-1])) > SAME * size:
+            points.append(point)
+            bends.append(bend)
+    return Stroke(tuple(points), tuple(bends))
+
+
+def _digits(value: float) -> float:
+    return float(f"{value:z.{DIGITS}g}")
+
+
+def _rounded(point: Point) -> list[float]:
+    return [_digits(point[0]), _digits(point[1])]
+
+
+def doubts(found: Sequence[Entry], size: float) -> list[str]:
+    """Sentences on walls together: shapes that are refused, ends that nearly meet, walls that cross."""
+    told = [text for entry in found for text in entry.doubts]
+    whole = [entry for entry in found if not entry.doubts]
+    lines = [entry.wall for entry in whole if entry.wall["kind"] == "line"]
+    ends = [(wall["name"], point) for wall in lines for point in _ends(wall)]
+    for (one, a), (two, b) in combinations(ends, 2):
+        gap = hypot(a[0] - b[0], a[1] - b[1])
+        if SAME * size < gap <= NEARLY * size:
+            what = f"ends of {one} and {two} nearly meet" if one != two else f"{one} is nearly closed"
+            told.append(f"{what}: its gap at {_place(a)} is {gap:z.3g} m")
+    for first, second in combinations(whole, 2):
+        if at := crossing(_wall(first.wall).chains(), _wall(second.wall).chains(), SAME * size):
+            told.append(f"{first.wall['name']} and {second.wall['name']} cross at {_place(at)}")
+    return told
+
+
+def _ends(wall: Mapping[str, Any]) -> tuple[Point, Point]:
+    """Both ends of an open line."""
+    first, last = wall["points"][0], wall["points"][-1]
+    return tuple(first), tuple(last["arc_to"] if isinstance(last, dict) else last)
+
+
+def yaml_text(found: Sequence[Entry], indent: str = "  ") -> str:
+    """Entries as items of the list ``walls`` of a case, each behind a comment that says what it is."""
+    rows = []
+    for entry in found:
+        rows.append(f"{indent}# {entry.wall['name']}, layer '{entry.layer}': {'; '.join(entry.facts)}")
+        parts = [f"{key}: {_flow(value)}" for key, value in entry.wall.items()]
+        rows.append(f"{indent}- {{{', '.join(parts)}}}" if sum(map(len, parts)) < 100 else _long(parts, indent))
+    return "\n".join(rows) + "\n"
+
+
+def _long(parts: Sequence[str], indent: str) -> str:
+    """An entry with its fields one below the other."""
+    rows = [textwrap.fill(part, 110, subsequent_indent=f"{indent}    ", break_on_hyphens=False) for part in parts]
+    return f"{indent}- " + f"\n{indent}  ".join(rows)
+
+
+def _flow(value: Any) -> str:
+    """A value in YAML's flow style."""
+    if isinstance(value, list):
+        return f"[{', '.join(map(_flow, value))}]"
+    if isinstance(value, dict):
+        return f"{{{', '.join(f'{key}: {_flow(one)}' for key, one in value.items())}}}"
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:z.{DIGITS}g}" if isinstance(value, float) else str(value)

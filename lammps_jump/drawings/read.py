@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A drawing of any kind, in metres."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+from lammps_jump.errors import CaseError, SetupError
+from lammps_jump.files import read_file
+from lammps_jump.units import to_si
+
+from .dxf import read_dxf
+from .geojson import read_geojson
+from .strokes import Drawing, Measure, Point
+from .survey import read_survey
+from .svg import read_svg
+
+MOST_DRAWING = 100_000_000
+"""Bytes of a drawing."""
+TOLERANCE = 1e-3
+"""How far straight pieces may lie from the curve that they stand for, m."""
+KINDS = ".dxf, .svg, .geojson, .json, .csv, .txt"
+
+
+def read_drawing(
+    path: str | Path,
+    *,
+    scale: str | None = None,
+    shift: Point = (0.0, 0.0),
+    along: bool = False,
+    tolerance: float = TOLERANCE,
+    data: bytes | None = None,
+) -> Drawing:
+    """A drawing in metres.
+
+    Parameters
+    ----------
+    path : path
+        Its ending names the kind: DXF, SVG, GeoJSON, or a table of a survey (CSV).
+    scale : str, optional
+        Unit of the drawing (``mm``), or metres of one of its units (``0.5``): goes before what the file says. Or what
+        the drawing is reduced by (``1:100``), beside the unit of the file.
+    shift : (float, float)
+        Where the origin of the drawing comes to lie, m.
+    along : bool
+        Lines of GeoJSON are drawn in plan, with heights.
+    tolerance : float
+        How far straight pieces may lie from a curve, m.
+    data : bytes, optional
+        What the file holds, where it has been read already.
+
+    Raises
+    ------
+    CaseError
+        A file that cannot be read, another kind, nothing in it, no unit (both readings are named), a wrong scale.
+    SetupError
+        The package that reads this kind is not installed.
+    """
+    path = Path(path)
+    measure = _measure(scale, tolerance)
+    reader = _reader(path, measure, along=along)
+    try:
+        drawing = reader(read_file(path, MOST_DRAWING) if data is None else data, str(path))
+    except FileNotFoundError:
+        raise CaseError(f"{path}: no such drawing") from None
+    except OSError as error:
+        raise CaseError(f"{path}: cannot be read ({error.strerror or error})") from None
+    except ImportError as error:
+        raise SetupError(
+            f"{path}: {error.name} reads such drawings and is not installed: pip install 'lammps-jump[drawings]'"
+        ) from None
+    if not any(layer.points() for layer in drawing.layers):
+        left = "; ".join(drawing.notes)
+        raise CaseError(f"{path}: holds no line, arc or circle" + (f" ({left})" if left else ""))
+    factor = measure.per_unit(drawing.unit)
+    if factor is None:
+        raise CaseError(_two_readings(drawing))
+    notes = list(drawing.notes)
+    if measure.metres is not None and drawing.unit is not None and abs(factor / drawing.unit - 1) > 1e-9:
+        notes.append(f"{drawing.unit_told}; --scale {scale} is taken instead")
+    return replace(drawing, layers=tuple(layer.mapped(factor, shift) for layer in drawing.layers), notes=tuple(notes))
+
+
+def _reader(path: Path, measure: Measure, *, along: bool) -> Callable[[bytes, str], Drawing]:
+    kinds: dict[str, Callable[[bytes, str], Drawing]] = {
+        ".dxf": partial(read_dxf, measure=measure),
+        ".svg": partial(read_svg, measure=measure),
+        ".geojson": partial(read_geojson, along=along),
+        ".json": partial(read_geojson, along=along),
+        ".csv": read_survey,
+        ".txt": read_survey,
+    }
+    ending = path.suffix.lower()
+    if ending not in kinds:
+        raise CaseError(f"{path}: ends in '{ending}'; drawings that are read end in {KINDS}")
+    if along and kinds[ending].__class__ is partial and ending not in (".geojson", ".json"):
+        raise CaseError(f"{path}: --along is for GeoJSON, whose lines are drawn in plan with heights; leave it out")
+    return kinds[ending]
+
+
+def _measure(scale: str | None, tolerance: float) -> Measure:
+    """What ``--scale`` says: a unit, metres of one, or 1:100."""
+    if scale is None:
+        return Measure(tolerance=tolerance)
+    if (reduced := re.fullmatch(r"1\s*:\s*(\d+\.?\d*)", scale)) and float(reduced[1]):
+        return Measure(None, float(reduced[1]), tolerance)
+    for text in (scale, f"1 {scale or 'unit'}"):
+        try:
+            metres = float(to_si(text, "m"))
+        except ValueError as error:
+            problem = error
+            continue
+        if metres > 0:
+            return Measure(metres, tolerance=tolerance)
+        problem = ValueError(f"{scale} is out of range; allowed is > 0")
+        break
+    raise CaseError(f"--scale {scale}: {problem}; write a unit such as mm, metres of one unit such as 0.01, or 1:100")
+
+
+def _two_readings(drawing: Drawing) -> str:
+    wide, high = drawing.extent()
+    return (
+        f"{drawing.file}: its unit is not known ({drawing.unit_told}). In metres it is {wide:z.4g} m wide and "
+        f"{high:z.4g} m high, in millimetres {wide / 1e3:z.4g} m and {high / 1e3:z.4g} m: say which by --scale m or "
+        "--scale mm (any unit, or the metres of one unit)"
+    )
