@@ -112,7 +112,7 @@ def test_a_column_is_a_dense_pile():
 def test_any_pile_stays_in_its_rectangle_without_overlaps(ratio, share, width, height, seed):
     sizes = Sizes((share, 1 - share), (1.0, 1.0 / ratio), (1.0, 1.0 / ratio), seed)
     d = sizes.diameters(np.arange(1, 401))
-    positions = piled(d.tolist(), (-1.0, -1.0 + width), (2.0, 2.0 + height), 1.0)
+    positions = piled(tuple(d.tolist()), (-1.0, -1.0 + width), (2.0, 2.0 + height), 1.0)
     d = d[: len(positions)]
     if len(d):
         assert overlaps(positions, d).max() < 1e-8

@@ -126,7 +126,7 @@ def pile(sizes: Sizes, e: float, wall: float, squeezed: float) -> tuple[np.ndarr
     """Stiffness and damping matrices over the masses of a pile; discs nearer than `squeezed` to touching touch."""
     box = ((0.0, 5.0), (0.0, 5.0))
     d = sizes.diameters(np.arange(1, 201))
-    places = piled(d.tolist(), *box, sizes.largest)
+    places = piled(tuple(d.tolist()), *box, sizes.largest)
     d = d[: len(places)]
     m = M * d**2
     xi = contact.damping_ratio(e)

@@ -47,15 +47,16 @@ def foot_of(scene: Scene, depth: float, speed: float, gravity: float) -> Foot | 
     bed = bed_height(scene.permanent, x, scene.smallest)
     with np.errstate(invalid="ignore"):
         breaks = np.flatnonzero(~(np.abs(np.diff(bed)) < LEVEL * np.diff(x))) + 1
-    stretches = [part for part in np.split(np.arange(POINTS), breaks) if isfinite(bed[part[0]])]
-    longest = max(stretches, key=len, default=[])
-    if len(longest) < 2 or not isfinite(bed[0]):  # a chute to the end has no foot
+    begins, long = np.append(0, breaks), np.diff(breaks, prepend=0, append=POINTS)
+    longest = int(np.argmax(np.where(np.isfinite(bed[begins]), long, 0)))
+    first, last = begins[longest], begins[longest] + long[longest] - 1
+    if long[longest] < 2 or not isfinite(bed[first]) or not isfinite(bed[0]):  # a chute to the end has no foot
         return None
-    fall = float(bed[0] - bed[longest[0]])
+    fall = float(bed[0] - bed[first])
     if fall < LEAST_FALL * scene.diameter:
         return None
     discharge = speed * depth
     energy = jump.specific_energy(depth, speed, gravity) + fall
     y1 = jump.fast_depth(discharge, energy, gravity)
     stream = jump.inflow_theory(y1, discharge / y1, gravity) if isfinite(y1) else None
-    return Foot(float(x[longest[0]]), fall, float(x[longest[-1]] - x[longest[0]]), stream)
+    return Foot(float(x[first]), fall, float(x[last] - x[first]), stream)

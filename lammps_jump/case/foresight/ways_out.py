@@ -66,8 +66,12 @@ def unguarded(
         if one.motion.kind is not None:
             (x0, x1), (y0, y1) = way(one, begun.time(0), begun.time(begun.steps))
             swept |= (seeds[:, 0] > x0) & (seeds[:, 0] < x1) & (seeds[:, 1] > y0) & (seeds[:, 1] < y1)
+    before = None
     for step in (0, begun.steps):
         there = [wall for one in walls if (wall := one.at(step)) is not None] + list(begun.beds)
+        if there == before and not swept.any():
+            continue  # nothing moves
+        before = there
         for edge, places in _edges(there, seeds[~swept] if step else seeds, room, begun, outlets).items():
             found[edge] = np.concatenate([found.get(edge, np.empty(0)), places])
     said = []
