@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 from . import film as film
 from . import maps as maps
-from . import preview as preview
+from . import sketch as sketch
 from . import snapshots as snapshots
 from . import style as style
 from .depths import depth_profile as depth_profile

@@ -10,8 +10,6 @@ from dataclasses import fields
 from math import isfinite
 from pathlib import Path
 
-import numpy as np
-
 from lammps_jump.analysis import draw, report
 from lammps_jump.case.case import ReadCase
 from lammps_jump.files import read_file, write_text, writes
@@ -31,11 +29,12 @@ MOST_PICTURE = 100_000_000
 
 
 def case_html(name: str, scene: Scene) -> str:
-    """Name, coefficients and a drawing of the walls of a case."""
+    """Name, coefficients and the drawing of a case."""
     values = scene.coefficients
     units = {key: number.unit for key, number in numbers_of(values).items()}
     rows = "".join(f"<tr><td>{key}</td><td>{getattr(values, key):z.4g} {units[key]}</td></tr>" for key in COEFFICIENTS)
-    return f"<p><b>{html.escape(name)}</b>: {html.escape(scene.description)}</p><table>{rows}</table>{_drawing(scene)}"
+    drawing = draw.sketch.svg(draw.sketch.preview(scene))
+    return f"<p><b>{html.escape(name)}</b>: {html.escape(scene.description)}</p><table>{rows}</table>{drawing}"
 
 
 def number_table(results: Sequence[object]) -> str:
@@ -50,23 +49,23 @@ def number_table(results: Sequence[object]) -> str:
     return f"<table>{''.join(cells)}</table>"
 
 
-def _drawing(scene: Scene) -> str:
-    """SVG of the walls within the domain, y upwards."""
-    x, y = scene.domain
-    shapes = [
-        f"<path d='{' '.join(_loop(corners) for corners in wall.outline(x, y))}' fill='{fill}' fill-rule='evenodd'/>"
-        for wall in scene.permanent
-        for fill in ("none" if wall.hollow else "#bbb",)
+def drawing_of(case: ReadCase, widest: float = draw.sketch.WIDEST) -> draw.sketch.Drawing:
+    """Drawing of a case before it is run, at most so many pixels wide.
+
+    Raises
+    ------
+    CaseError
+        A scene that cannot be run.
+    """
+    found, asked = case.check(), case.fields
+    columns = [item for item in asked.initial if item.kind == "column"]
+    regions = [
+        draw.sketch.Region("column" if len(columns) == 1 else f"column {number}", item.x, item.y)
+        for number, item in enumerate(columns, start=1)
     ]
-    return (
-        f"<svg width='640' viewBox='{x[0]:zg} {-y[1]:zg} {x[1] - x[0]:zg} {y[1] - y[0]:zg}' stroke='#333' "
-        f"stroke-width='{(x[1] - x[0]) / 500:zg}'><g transform='scale(1 -1)'>{''.join(shapes)}</g></svg>"
-    )
-
-
-def _loop(corners: np.ndarray) -> str:
-    """A closed polygon of an SVG path."""
-    return f"M{' '.join(f'{x:zg},{y:zg}' for x, y in corners)}Z"
+    expected = found.numbers.get("belanger_y2") if asked.analysis.jump else None
+    sequent = expected if isinstance(expected, float) else None
+    return draw.sketch.preview(found.scene, regions, sequent=sequent, widest=widest)
 
 
 def write_preview(case: ReadCase, folder: str | Path = ".") -> tuple[Path, Path]:
@@ -80,19 +79,12 @@ def write_preview(case: ReadCase, folder: str | Path = ".") -> tuple[Path, Path]
         The folder cannot be written.
     """
     found, folder = case.check(), Path(folder)
-    scene, asked = found.scene, case.fields
-    columns = [item for item in asked.initial if item.kind == "column"]
-    regions = [
-        draw.preview.Region("column" if len(columns) == 1 else f"column {number}", item.x, item.y)
-        for number, item in enumerate(columns, start=1)
-    ]
-    expected = found.numbers.get("belanger_y2") if asked.analysis.jump else None
-    sequent = expected if isinstance(expected, float) else None
+    scene = found.scene
     name = default_folder(case).name
     picture, path = folder / f"{name}.preview.png", folder / f"{name}.preview.html"
     with writes(folder):
         folder.mkdir(parents=True, exist_ok=True)
-    draw.save(draw.preview.preview(scene, regions, sequent=sequent), picture)
+    draw.save(draw.sketch.figure(drawing_of(case)), picture)
     page, data = report.page, base64.b64encode(read_file(picture, MOST_PICTURE)).decode()
     caption = "At the start, to scale" + ("; dashed shapes and red arrows: how walls move" if scene.moves else "")
     first = [page.Picture(caption, f"data:{page.PNG};base64,{data}"), page.Items(found.begins, "Where it begins")]

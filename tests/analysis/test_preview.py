@@ -11,8 +11,11 @@ import yaml
 from made_up import call
 
 import lammps_jump as lj
-from lammps_jump.analysis.draw.labels import ROOM, Label, place_labels
-from lammps_jump.analysis.draw.preview import Region, preview
+from lammps_jump.analysis.draw.sketch.drawing import Area
+from lammps_jump.analysis.draw.sketch.labels import ROOM, Label, place_labels
+from lammps_jump.analysis.draw.sketch.picture import figure
+from lammps_jump.analysis.draw.sketch.preview import Region, preview
+from lammps_jump.analysis.draw.sketch.svg import svg
 from lammps_jump.analysis.draw.style import drawing, save
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.build import handmade_scene
@@ -88,21 +91,21 @@ def drawn(**more):
         np.column_stack([x.ravel(), y.ravel()]), np.tile([1.0, 0.0], (x.size, 1)), walls, domain=((-1, 13), (-2, 6)),
         steps=400, inlets=rows, outlets=(Outlet("x", 12.0, "above", 10),), **more,
     )  # fmt: skip
-    figure = preview(scene, [Region("column", (3.5, 4.1), (2.9, 4.1))], sequent=1.5)
-    return figure, [text for text in figure.axes[0].texts if text.get_text()]
+    return preview(scene, [Region("column", (3.5, 4.1), (2.9, 4.1))], sequent=1.5)
 
 
 def test_everything_that_the_case_names_is_named_and_no_two_labels_touch():
-    figure, texts = drawn()
+    picture = figure(drawn())
+    texts = [text for text in picture.axes[0].texts if text.get_text()]
     told = [text.get_text() for text in texts]
     names = ["left", "bed", "weir", "pier", "chute", "leaf", "paddle (oscillate)", "arm (rotate)", "lid (load)"]
     assert set(names) < set(told) and any(text.startswith("sluice, opens at t = ") for text in told)
     assert {"column, 10 discs, 1 m/s", "inlet: 3 rows, mean 3 m/s", "outlet x = 12 m"} < set(told)
     assert any(text.endswith("(Bélanger): 1.5 m") for text in told)
-    renderer = figure.canvas.get_renderer()
+    renderer = picture.canvas.get_renderer()
     seen = [text.get_window_extent(renderer) for text in texts]
     assert not [pair for pair in combinations(seen, 2) if pair[0].overlaps(pair[1])]
-    place = figure.axes[0].get_window_extent(renderer)
+    place = picture.axes[0].get_window_extent(renderer)
     assert all(place.x0 <= box.x0 and box.x1 <= place.x1 and place.y0 <= box.y0 and box.y1 <= place.y1 for box in seen)
 
 
@@ -110,15 +113,15 @@ def test_a_dotted_edge_is_spoken_of_where_it_is_in_the_picture():
     walls = [Plane("floor", "y", 0, "above")]
     for domain, dotted in ((((-0.3, 1.3), (-0.1, 2)), True), (((-900, 900), (-900, 900)), False)):
         scene = handmade_scene([[0.0, 1.0], [1.0, 1.0]], [[0.0, 0.0]] * 2, walls, domain=domain)
-        assert ("(dotted)" in preview(scene, []).axes[0].get_title(loc="right")) is dotted
+        assert ("(dotted)" in figure(preview(scene, [])).axes[0].get_title(loc="right")) is dotted
 
 
 def test_ghosts_and_arrows_are_where_walls_go():
-    figure, _ = drawn()
-    ghosts = [patch.get_xy() for patch in figure.axes[0].patches if type(patch).__name__ == "Polygon"]
+    shapes = drawn().shapes
+    ghosts = [shape.rings[0] for shape in shapes if shape.look == "ghost" and isinstance(shape, Area)]
     of_arm = [ghost for ghost in ghosts if np.hypot(*(ghost - (10, 3)).T).max() < 1.01]
     assert len(of_arm) == 4 and min(ghost[:, 0].min() for ghost in of_arm) < 9.2  # it turns right round
-    ways = [patch.get_path().vertices for patch in figure.axes[0].patches if type(patch).__name__ == "FancyArrowPatch"]
+    ways = [shape.points for shape in shapes if shape.look == "arrow"]
     assert all(np.isfinite(way).all() for way in ways) and len(ways) >= 3 + 1 + 1 + 1 + 2
 
 
@@ -174,6 +177,42 @@ def test_the_old_picture_stays_where_the_new_one_cannot_be_written(tmp_path, mon
 
 def test_a_case_in_a_notebook_shows_walls_of_several_parts_as_one_shape():
     case = lj.load_case(yaml.safe_load(CASE))
-    drawing = case._repr_html_().partition("<svg")[2].partition("</svg>")[0]
-    paths = ET.fromstring(f"<svg{drawing}</svg>").findall(".//path")
-    assert len(paths) == 2 and all(path.get("fill-rule") == "evenodd" for path in paths)
+    drawing = case._repr_html_().partition("<svg")[2].rpartition("</svg>")[0]
+    looks = [shape.get("class") for shape in ET.fromstring(f"<svg{drawing}</svg>").iter(f"{SVG}path")]
+    assert looks.count("solid") == 1 and looks.count("edge plain") == 1
+
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+def test_the_svg_shows_what_the_figure_shows():
+    """Each shape of the description, each label where it is, discs at their places; nothing in it acts."""
+    found = drawn(name="a")
+    tree = ET.fromstring(svg(found))
+    looks = [one.get("class") for one in tree.iter()]
+    told = [shape for shape in found.shapes if shape.look not in ("discs", "arrow", "label")]
+    for look in {shape.look for shape in told}:
+        assert sum((one or "").split(" ")[0] == look for one in looks) == sum(one.look == look for one in told)
+    labels = {one.text: one for one in tree.iter(f"{SVG}text") if (one.get("class") or "").startswith("label")}
+    for shape in found.shapes:
+        if shape.look == "label":
+            at = float(labels[shape.text].get("x")), float(labels[shape.text].get("y"))
+            asked = (shape.x - found.x[0]) * found.scale, (found.y[1] - shape.y) * found.scale - 4
+            assert at == pytest.approx(asked, abs=0.06)
+    discs = next(one for one in tree.iter() if one.get("class") == "disc")
+    (places,) = (shape.places for shape in found.shapes if shape.look == "discs")
+    seen = [part.removesuffix("h0").split(" ") for part in discs.get("d").split("M")[1:]]
+    assert np.allclose(np.array(seen, float)[:, 0], (places[:, 0] - found.x[0]) * found.scale, atol=0.06)
+    assert float(tree.get("width")) <= 1320 + 60
+    narrow = preview(handmade_scene([[0.0, 1.0]], [[0.0, 0.0]], [Plane("floor", "y", 0, "above")]), [], widest=320)
+    assert narrow.size[0] == pytest.approx(320) and float(ET.fromstring(svg(narrow)).get("width")) < 390
+
+
+def test_text_of_a_case_is_no_markup_in_the_svg():
+    attack = '<script>alert(1)</script>&" onload=x'
+    found = drawn(name=attack)
+    found.label(attack, 3.0, 3.0)
+    found.place_labels()
+    tree = ET.fromstring(svg(found))
+    assert {one.tag for one in tree.iter()} == {f"{SVG}{name}" for name in ("svg", "g", "path", "text")}
+    assert attack in tree.get("aria-label") and not [one for one in tree.iter() if one.get("onload")]

@@ -8,24 +8,16 @@ from dataclasses import dataclass, replace
 from math import hypot
 
 import numpy as np
-from matplotlib.collections import EllipseCollection
-from matplotlib.figure import Figure
-from matplotlib.patches import PathPatch, Polygon, Rectangle
-from matplotlib.path import Path as Way
 
 from lammps_jump.analysis.flow import from_scene
-from lammps_jump.quoting import figure_text
 from lammps_jump.scene.motion import MovingWall, Placed, Pose
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.walls import Interval, Wall, parts_of, rectangle, thin
 
-from .labels import DOTS, HIGHEST, NARROWEST, Drawing
-from .style import BLACK, BLUE, GREY, RED, WALL, style
+from .drawing import BAND, HIGHEST, NARROWEST, WIDEST, Area, Discs, Drawing, Stroke
 
 FLATTEST, TALLEST = 0.26, HIGHEST / NARROWEST
 """Least and most height of what is shown, in its lengths."""
-DISC, RIM = "#a9c4e4", "#4f7cb3"
-EDGE = "#464646"
 MOST_DISCS = 30_000
 """Discs that are drawn; of more every n-th is left out."""
 ROWS = 24
@@ -36,8 +28,6 @@ SMALL = 200.0
 """Pixels of a wall that its label had better not cover unless it fits."""
 MOST_EDGES = 100
 """Edges of a wall that labels had better not cross."""
-BAND = 6.0
-"""Width of the band behind an open line, pixels."""
 
 
 @dataclass(frozen=True)
@@ -49,8 +39,10 @@ class Region:
     y: Interval
 
 
-def preview(scene: Scene, regions: Sequence[Region] = (), *, sequent: float | None = None) -> Figure:
-    """Picture of a scene before it is run.
+def preview(
+    scene: Scene, regions: Sequence[Region] = (), *, sequent: float | None = None, widest: float = WIDEST
+) -> Drawing:
+    """Drawing of a scene before it is run.
 
     Parameters
     ----------
@@ -59,27 +51,27 @@ def preview(scene: Scene, regions: Sequence[Region] = (), *, sequent: float | No
         Named rectangles of discs.
     sequent : float, optional
         Depth to expect behind a jump, m above the bed.
+    widest : float
+        Pixels of its width at most.
     """
     walls = [(one, _way(one, scene)) for one in scene.walls]
-    with style():
-        drawing = Drawing(*_shown(scene, walls, regions, sequent))
-        _draw_domain(drawing, scene)
-        _draw_discs(drawing, scene, regions)
-        for one, way in sorted(walls, key=lambda pair: not pair[0].wall.hollow):
-            _draw_wall(drawing, one.wall)
-            if way:
-                _draw_way(drawing, one, way)
-        _draw_traffic(drawing, scene)
-        if sequent is not None:
-            _draw_sequent(drawing, scene, sequent)
-        for one, _ in walls:
-            _name_wall(drawing, one, scene)
-        drawing.write_labels()
-        drawing.axes.set_title(figure_text(scene.name), fontsize=11)
-        dotted = " (dotted)" if _edge_seen(drawing, scene) else ""
-        domain = f"domain{dotted}: x {_span(scene.domain[0])} m, y {_span(scene.domain[1])} m"
-        drawing.axes.set_title(domain, fontsize=8.5, color="#555555", loc="right")
-    return drawing.figure
+    drawing = Drawing(*_shown(scene, walls, regions, sequent), widest)
+    drawing.add(Area("domain", (rectangle(*scene.domain),)))
+    _draw_discs(drawing, scene, regions)
+    for one, way in sorted(walls, key=lambda pair: not pair[0].wall.hollow):
+        _draw_wall(drawing, one.wall)
+        if way:
+            _draw_way(drawing, one, way)
+    _draw_traffic(drawing, scene)
+    if sequent is not None:
+        _draw_sequent(drawing, scene, sequent)
+    for one, _ in walls:
+        _name_wall(drawing, one, scene)
+    drawing.place_labels()
+    drawing.title = scene.name
+    dotted = " (dotted)" if _edge_seen(drawing, scene) else ""
+    drawing.aside = f"domain{dotted}: x {_span(scene.domain[0])} m, y {_span(scene.domain[1])} m"
+    return drawing
 
 
 def _way(one: MovingWall, scene: Scene) -> list[Pose]:
@@ -145,11 +137,6 @@ def _proportioned(x: Interval, y: Interval) -> tuple[Interval, Interval]:
     return (x[0] - more, x[1] + more), y
 
 
-def _draw_domain(drawing: Drawing, scene: Scene) -> None:
-    (x0, x1), (y0, y1) = scene.domain
-    drawing.axes.add_patch(Rectangle((x0, y0), x1 - x0, y1 - y0, fill=False, ec=GREY, ls=(0, (2, 3)), lw=1.0, zorder=0))
-
-
 def _edge_seen(drawing: Drawing, scene: Scene) -> bool:
     """Whether an edge of the domain lies within the picture."""
     views = zip((drawing.x, drawing.y), scene.domain, strict=True)
@@ -166,10 +153,7 @@ def _draw_discs(drawing: Drawing, scene: Scene, regions: Sequence[Region]) -> No
     every = -(-len(x) // MOST_DISCS) or 1
     size = scene.diameters(np.arange(1, len(x) + 1))
     rim = min(0.6, 0.08 * scene.diameter * drawing.scale)
-    look = {"fc": DISC, "ec": RIM, "lw": rim, "zorder": 2, "offset_transform": drawing.axes.transData}
-    shown, turned = size[::every], np.zeros(len(size[::every]))
-    discs = EllipseCollection(shown, shown, turned, units="xy", offsets=scene.positions[::every], **look)
-    drawing.axes.add_collection(discs)
+    drawing.add(Discs(scene.positions[::every], size[::every], rim))
     for place in regions:
         held = (x >= place.x[0]) & (x <= place.x[1]) & (y >= place.y[0]) & (y <= place.y[1])
         middle = np.array([np.mean(place.x), np.mean(place.y)])
@@ -178,14 +162,13 @@ def _draw_discs(drawing: Drawing, scene: Scene, regions: Sequence[Region]) -> No
         mean = scene.velocities[held].mean(axis=0) if held.any() else np.zeros(2)
         if (speed := hypot(*mean)) > 0.01:
             long = 0.05 * (drawing.x[1] - drawing.x[0]) / speed
-            drawing.arrow(np.array([middle - 0.5 * long * mean, middle + 0.5 * long * mean]), BLUE)
+            drawing.arrow(np.array([middle - 0.5 * long * mean, middle + 0.5 * long * mean]), "blue")
             text += f", {speed:z.3g} m/s"
-        drawing.label(text, middle[0], place.y[1], BLUE)
+        drawing.label(text, middle[0], place.y[1], "blue")
     _draw_movers(drawing, scene, regions)
     for pour in scene.pours:
-        size = pour.x[1] - pour.x[0], pour.y[1] - pour.y[0]
-        drawing.axes.add_patch(Rectangle((pour.x[0], pour.y[0]), *size, fill=False, ec=BLUE, ls=":", zorder=2))
-        drawing.label(f"pour, {pour.count} discs", float(np.mean(pour.x)), pour.y[1], BLUE)
+        drawing.add(Area("pour", (rectangle(pour.x, pour.y),)))
+        drawing.label(f"pour, {pour.count} discs", float(np.mean(pour.x)), pour.y[1], "blue")
 
 
 def _draw_movers(drawing: Drawing, scene: Scene, regions: Sequence[Region]) -> None:
@@ -196,8 +179,8 @@ def _draw_movers(drawing: Drawing, scene: Scene, regions: Sequence[Region]) -> N
         return
     long = 0.06 * (drawing.x[1] - drawing.x[0]) / speed.max()
     for begin, velocity in zip(scene.positions[movers], scene.velocities[movers], strict=True):
-        drawing.arrow(np.array([begin, begin + long * velocity]), BLUE)
-    drawing.label(f"{speed.max():z.3g} m/s", *scene.positions[movers[speed[movers].argmax()]], BLUE)
+        drawing.arrow(np.array([begin, begin + long * velocity]), "blue")
+    drawing.label(f"{speed.max():z.3g} m/s", *scene.positions[movers[speed[movers].argmax()]], "blue")
 
 
 def _draw_wall(drawing: Drawing, wall: Wall) -> None:
@@ -208,15 +191,12 @@ def _draw_wall(drawing: Drawing, wall: Wall) -> None:
     if wall.hollow:
         rings.append(rectangle(*wide)[::-1])  # all that is outside
     if rings:
-        solid = Way.make_compound_path(*(Way(np.vstack([ring, ring[:1]]), closed=True) for ring in rings))
-        look = {"fc": WALL, "ec": EDGE, "lw": 1.1, "zorder": 0.5 if wall.hollow else 3}
-        drawing.axes.add_patch(PathPatch(solid, **look))
-    still = {"scalex": False, "scaley": False, "solid_joinstyle": "round"}
+        drawing.add(Area("outside" if wall.hollow else "solid", tuple(rings)))
     for part in sheets:
-        drawing.axes.plot(*part.T, color=EDGE, lw=2.4, zorder=3, **still)
+        drawing.add(Stroke("sheet", part))
     for part in lines:
-        drawing.axes.plot(*_band(part, BAND / drawing.scale).T, color=WALL, lw=BAND * 72 / DOTS, zorder=3, **still)
-        drawing.axes.plot(*part.T, color=EDGE, lw=1.6, zorder=3, **still)
+        drawing.add(Stroke("band", _band(part, BAND / drawing.scale)))
+        drawing.add(Stroke("edge", part))
 
 
 def _band(line: np.ndarray, width: float) -> np.ndarray:
@@ -239,16 +219,16 @@ def _draw_way(drawing: Drawing, one: MovingWall, way: list[Pose]) -> None:
     for k in kept[1:]:
         outlines, lines = parts_of(_at(one, way[k]), drawing.x, drawing.y)
         for part in outlines:
-            look = {"fc": "none" if one.wall.hollow else WALL, "ec": EDGE, "lw": 0.9, "ls": (0, (4, 2)), "zorder": 2.5}
-            drawing.axes.add_patch(Polygon(part, alpha=0.45, **look))
+            ring = np.vstack([part, part[:1]])
+            drawing.add(Stroke("ghost", ring) if one.wall.hollow else Area("ghost", (part,)))
         for part in lines:
-            drawing.axes.plot(*part.T, color=EDGE, lw=1.0, ls=(0, (4, 2)), alpha=0.45, scalex=False, scaley=False)
+            drawing.add(Stroke("ghost", part))
     end = int(_apart(ways, ways[0]).argmax())
     traced = int(np.hypot(*(ways[end] - ways[0]).T).argmax())
     trace = ways[: end + 1, traced]
     moves = np.append(True, np.hypot(*np.diff(trace, axis=0).T) > 0)
     if moves.sum() > 1:
-        drawing.arrow(trace[moves], RED)
+        drawing.arrow(trace[moves], "red")
 
 
 def _apart(ways: np.ndarray, pose: np.ndarray) -> np.ndarray:
@@ -265,24 +245,24 @@ def _draw_traffic(drawing: Drawing, scene: Scene) -> None:
         apart = (rows[-1].y - rows[0].y) / max(1, len(rows) - 1) * drawing.scale
         head = float(np.clip(1.2 * apart, 5.0, 13.0)) if len(rows) > 1 else 13.0
         for row in rows:
-            drawing.arrow(np.array([(row.x, row.y), (row.x + long * row.vx, row.y)]), BLUE, 1.1, head)
+            drawing.arrow(np.array([(row.x, row.y), (row.x + long * row.vx, row.y)]), "blue", 1.1, head)
         mean, top = np.mean([row.vx for row in scene.inlets]), max(scene.inlets, key=lambda row: row.y)
         count = len(scene.inlets)
         said = f"{count} row{'s' * (count > 1)}, mean {mean:z.3g} m/s"
         if scene.hydrograph:
             said = f"against time, up to {count} row{'s' * (count > 1)} and {fastest:z.3g} m/s"
-        drawing.label(f"inlet: {said}", top.x, top.y, BLUE)
+        drawing.label(f"inlet: {said}", top.x, top.y, "blue")
     for outlet in scene.outlets:
         upright, sign = outlet.axis == "x", 1 if outlet.side == "above" else -1
-        line = drawing.axes.axvline if upright else drawing.axes.axhline
-        line(outlet.at, color=BLACK, ls="-.", lw=1.0, zorder=1.5)
         sides = (drawing.x, drawing.y)
         along, reach = sides[1 if upright else 0], 0.02 * (drawing.x[1] - drawing.x[0]) * sign
         across = along[0] + 0.8 * (along[1] - along[0])
         ends, thin_one = np.array([(outlet.at, across), (outlet.at + reach, across)]), 1.5 / drawing.scale
         drawn = (outlet.at - thin_one, outlet.at + thin_one)
+        line = np.column_stack([[outlet.at] * 2, along])
+        drawing.add(Stroke("outlet", line if upright else line[:, ::-1]))
         drawing.keep_free(*((drawn, drawing.y) if upright else (drawing.x, drawn)))
-        drawing.arrow(ends if upright else ends[:, ::-1], BLACK, 1.0)
+        drawing.arrow(ends if upright else ends[:, ::-1], "plain", 1.0)
         place = ends[0] if upright else ends[0, ::-1]
         drawing.label(f"outlet {outlet.axis} = {outlet.at:zg} m".replace("-", "\N{MINUS SIGN}"), *place)
 
@@ -300,10 +280,10 @@ def _draw_sequent(drawing: Drawing, scene: Scene, sequent: float) -> None:
     level = np.flatnonzero(bed <= low + 0.5 * scene.diameter)
     stretch = max(np.split(level, np.flatnonzero(np.diff(level) > 1) + 1), key=len)
     ends, height = (float(x[stretch[0]]), float(x[stretch[-1]])), low + sequent
-    drawing.axes.plot(ends, [height] * 2, color=RED, ls=(0, (5, 2)), lw=1.5, zorder=4, scalex=False, scaley=False)
+    drawing.add(Stroke("level", np.array([(ends[0], height), (ends[1], height)])))
     drawing.keep_free(ends, (height - 2 / drawing.scale, height + 2 / drawing.scale))
     drawing.label(
-        f"sequent depth to expect (Bélanger): {sequent:z.3g} m", ends[0] + 0.7 * (ends[1] - ends[0]), height, RED
+        f"sequent depth to expect (Bélanger): {sequent:z.3g} m", ends[0] + 0.7 * (ends[1] - ends[0]), height, "red"
     )
 
 
@@ -329,4 +309,4 @@ def _name_wall(drawing: Drawing, one: MovingWall, scene: Scene) -> None:
     drawing.label(text, float(place[0]), float(place[1]), on=on)
     if motion.load is not None:
         force = np.array(motion.load.force) / (hypot(*motion.load.force) or 1.0)
-        drawing.arrow(np.array([place, place + 0.04 * (drawing.x[1] - drawing.x[0]) * force]), RED)
+        drawing.arrow(np.array([place, place + 0.04 * (drawing.x[1] - drawing.x[0]) * force]), "red")

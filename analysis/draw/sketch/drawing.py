@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A drawing to scale, described: shapes in metres by what they are, and labels that have found their places.
+
+`picture.figure` draws it with matplotlib, `svg.svg` as text of a page. Neither knows what is drawn.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from math import hypot
+from typing import NamedTuple
+
+import numpy as np
+
+from lammps_jump.scene.walls import Interval
+
+from .labels import Label, place_labels
+
+WIDEST, NARROWEST, HIGHEST, DOTS = 1320, 640, 640, 120
+"""Pixels of what is shown: most and least width, most height; and those of an inch."""
+BAND = 6.0
+"""Width of the band behind an open line, pixels."""
+TEXT = 8.5
+"""Size of labels, points."""
+HEIGHTS = {
+    "domain": 0.0, "outside": 0.5, "outlet": 1.5, "discs": 2.0, "pour": 2.0, "ghost": 2.5, "solid": 3.0, "sheet": 3.0,
+    "band": 3.0, "edge": 3.0, "level": 4.0, "arrow": 5.0, "leader": 7.0, "label": 8.0,
+}  # fmt: skip
+"""What is drawn, and above what: the larger covers the smaller."""
+
+
+class Area(NamedTuple):
+    """Closed rings, shape (n, 2) each, m; a ring within another one is a hole."""
+
+    look: str
+    rings: tuple[np.ndarray, ...]
+
+
+class Stroke(NamedTuple):
+    """A line through points, shape (n, 2), m."""
+
+    look: str
+    points: np.ndarray
+    tone: str = "plain"
+
+
+class Discs(NamedTuple):
+    """Discs at places, shape (n, 2), with their diameters, shape (n,), m; the width of their rims, pixels."""
+
+    places: np.ndarray
+    diameters: np.ndarray
+    rim: float
+    look: str = "discs"
+
+
+class Arrow(NamedTuple):
+    """A line through points, shape (n, 2), m, with a head at its end; width and size of the head, points."""
+
+    points: np.ndarray
+    tone: str
+    width: float
+    head: float
+    look: str = "arrow"
+
+
+class Text(NamedTuple):
+    """A label with its lower left corner, m."""
+
+    text: str
+    x: float
+    y: float
+    tone: str
+    look: str = "label"
+
+
+class _Named(NamedTuple):
+    """A label that waits for its place."""
+
+    text: str
+    place: tuple[float, float]
+    tone: str
+    on: tuple[Interval, Interval]
+
+
+Shape = Area | Stroke | Discs | Arrow | Text
+
+
+class Drawing:
+    """A drawing that grows.
+
+    Parameters
+    ----------
+    x, y : (float, float)
+        What is shown, m.
+    widest : float
+        Pixels of its width at most.
+
+    Attributes
+    ----------
+    scale : float
+        Pixels of a metre.
+    size : (float, float)
+        Pixels.
+    shapes : list of Shape
+        In the order in which they came; see `HEIGHTS`.
+    title, aside : str
+        Above it: on the left, and small on the right.
+    """
+
+    def __init__(self, x: Interval, y: Interval, widest: float = WIDEST):
+        self.x, self.y = x, y
+        self.scale = min(widest / (x[1] - x[0]), HIGHEST / (y[1] - y[0]))
+        self.size = self.scale * (x[1] - x[0]), self.scale * (y[1] - y[0])
+        self.shapes: list[Shape] = []
+        self.title = self.aside = ""
+        self.labels: list[_Named] = []
+        self.busy: list[tuple[float, float, float, float]] = []
+
+    def add(self, shape: Shape) -> None:
+        """Put a shape in."""
+        self.shapes.append(shape)
+
+    def label(self, text: str, x: float, y: float, tone: str = "plain", *, on: tuple[Interval, Interval] | None = None):
+        """A text for a point, m; in the middle of the rectangle `on` instead, if it fits there."""
+        place = float(np.clip(x, *self.x)), float(np.clip(y, *self.y))
+        self.labels.append(_Named(text, place, tone, on or ((0.0, 0.0), (0.0, 0.0))))
+
+    def keep_free(self, x: Interval, y: Interval) -> None:
+        """No label had better cover this rectangle, m."""
+        ends = np.array([x[0] - self.x[0], x[1] - self.x[0], y[0] - self.y[0], y[1] - self.y[0]])
+        self.busy.append(tuple((ends * self.scale).tolist()))
+
+    def arrow(self, points: np.ndarray, tone: str, width: float = 1.6, head: float = 13.0) -> None:
+        """An arrow along points, shape (n, 2), m."""
+        self.add(Arrow(points, tone, width, head))
+        (x0, y0), (x1, y1) = points.min(axis=0), points.max(axis=0)
+        pad = 3 / self.scale
+        self.keep_free((x0 - pad, x1 + pad), (y0 - pad, y1 + pad))
+
+    def place_labels(self) -> None:
+        """Place all labels; where one stands away from its point, a line leads there. One without room is left out."""
+        asked = []
+        for one in self.labels:
+            wide, high = size_of(one.text)
+            fits = bool((self.scale * np.ptp(one.on, axis=1) > (wide + 4, high)).all())
+            x, y = np.mean(one.on, axis=1) if fits else one.place
+            asked.append(Label((x - self.x[0]) * self.scale, (y - self.y[0]) * self.scale, wide, high, fits))
+        places = place_labels(asked, *self.size, self.busy)
+        for one, label, place in zip(self.labels, asked, places, strict=True):
+            if place is None:
+                continue  # the table of the page names it
+            left, low = place
+            self.add(Text(one.text, self.x[0] + left / self.scale, self.y[0] + low / self.scale, one.tone))
+            near = np.clip(label.x, left, left + label.wide), np.clip(label.y, low, low + label.high)
+            if hypot(near[0] - label.x, near[1] - label.y) > 10:
+                ends = np.array([(label.x, label.y), near]) / self.scale
+                self.add(Stroke("leader", ends + np.array([self.x[0], self.y[0]]), one.tone))
+
+
+@lru_cache(maxsize=1000)
+def size_of(text: str) -> tuple[float, float]:
+    """Width and height of a label, pixels."""
+    font = _font()
+    font.set_text(text, 0.0)
+    wide = font.get_width_height()[0]
+    font.set_text("lp", 0.0)
+    return wide / 64, font.get_width_height()[1] / 64
+
+
+@lru_cache(maxsize=1)
+def _font():
+    """The font of figures; matplotlib alone knows where it is."""
+    from matplotlib.font_manager import findfont
+    from matplotlib.ft2font import FT2Font
+
+    font = FT2Font(findfont("DejaVu Sans"))
+    font.set_size(TEXT, DOTS)
+    return font
