@@ -51,6 +51,7 @@ NONE = "\N{EN DASH}"
 CELLS_BEGIN, CELLS_END = "<!-- cells written by make faults -->\n", "<!-- end of cells -->\n"
 CASE, SITE, RUN, LAWS, POINTS = "case file", "site file", "folder of a run", "folder of laws", "measured points"
 DUMP, FOLDER, FILE = "dump", "folder that is written", "file that is written"
+OPENED = "case file or folder that a page shows"
 QUICK = ("--quick", "--quiet")
 PLACES = {
     ("analyze", "targets"): (RUN, ("analyze", "@")),
@@ -80,6 +81,7 @@ PLACES = {
     ("fluid", "out"): (FOLDER, ("fluid", "CASE", *QUICK, "--out", "@")),
     ("import", "drawing"): (POINTS, ("import", "@")),
     ("import", "into"): (CASE, ("import", "DRAWING", "--into", "@")),
+    ("open", "target"): (OPENED, ("open", "@", "--no-browser")),
     ("preview", "case"): (CASE, ("preview", "@", "--out", "OUT")),
     ("preview", "out"): (FOLDER, ("preview", "CASE", "--out", "@")),
     ("run", "folder"): (RUN, ("run", "@")),
@@ -107,6 +109,17 @@ FAULTS = {
     ),
     RUN: ("absent", "pipe", "endless", "empty", "garbage", "empty folder", "folder of pipes", "folder of links"),
     LAWS: ("absent", "pipe", "endless", "empty", "empty folder"),
+    OPENED: (
+        "absent",
+        "pipe",
+        "endless",
+        "garbage",
+        "huge",
+        "Latin-1",
+        "empty folder",
+        "folder of pipes",
+        "folder of links",
+    ),
     FOLDER: ("empty", "garbage", "pipe", "endless", "dangling", "below a file"),
     FILE: ("folder", "garbage", "pipe", "endless", "dangling", "below a file"),
 }

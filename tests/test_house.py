@@ -26,7 +26,7 @@ ROOT = Path(__file__).parents[1]
 
 FLOORS = (
     "errors", "quoting", "files", "folders", "units", "provenance", "identity", "compiling", "core", "physics", "scene",
-    "dump", "case", "drawings", "script", "engines", "analysis", "runs", "sweeps", "studies", "cli",
+    "dump", "case", "drawings", "script", "engines", "analysis", "runs", "sweeps", "studies", "served", "cli",
 )  # fmt: skip
 """What lies in ``lammps_jump``, from the top down: each imports only what stands before it."""
 AT_THE_ROOT = {"__init__.py", "__main__.py", *(f"{name}.py" for name in FLOORS[:7])}
@@ -88,7 +88,7 @@ NO_FILE = {
     ("lammps_jump/runs/run.py", "savefig"): "into memory",
     ("lammps_jump/dump/exports.py", "open_dataset"): "of bytes in memory",
     ("lammps_jump/cli/live.py", "imread"): "of bytes in memory",
-    ("lammps_jump/cli/analyse.py", "open"): "webbrowser.open",
+    ("lammps_jump/cli/options.py", "open"): "webbrowser.open",
     ("lammps_jump/runs/results.py", "symlink_to"): "forces.csv of a dump beside a staging folder of ours",
 }
 """(file, function) that goes past the door, and why no file of a folder is read or written there."""

@@ -77,6 +77,8 @@ class CaseSource:
         Plain data; `override` changes it.
     lines : dict
         Path of keys and indices -> line number (from 1).
+    spans : dict
+        Path of a single value -> where it begins and ends in the text, letters from 0.
     overrides : dict
         Path -> the ``--set`` text that set it.
     values : int
@@ -98,6 +100,7 @@ class CaseSource:
     file: str
     data: dict[str, Any]
     lines: dict[PathKey, int] = field(default_factory=dict)
+    spans: dict[PathKey, tuple[int, int]] = field(default_factory=dict)
     overrides: dict[PathKey, str] = field(default_factory=dict)
     values: int = 0
     left_out: str = ""
@@ -293,6 +296,7 @@ def _plain(node: yaml.Node, path: PathKey, source: CaseSource, constructor: _Loa
         return result
     if isinstance(node, yaml.SequenceNode):
         return [_plain(child, (*path, index), source, constructor) for index, child in enumerate(node.value)]
+    source.spans[path] = node.start_mark.index, node.end_mark.index
     try:
         return constructor.construct_object(node)
     except (yaml.YAMLError, ValueError, LookupError, AttributeError) as error:  # the last two for tags such as !!bool

@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-import os
-import webbrowser
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -14,7 +12,7 @@ import lammps_jump as lj
 from lammps_jump import dump, runs, studies, sweeps
 from lammps_jump.errors import CaseError
 
-from .options import Quiet, Sets, Verbose, diameters, place, places, plane_of, quantity, told
+from .options import Quiet, Sets, Verbose, diameters, open_page, place, places, plane_of, quantity, told
 from .progress import print_summary
 
 app = typer.Typer(rich_markup_mode=None)
@@ -174,8 +172,7 @@ def compare(
 def _open(path: Path) -> None:
     """Print the path of a page, and open it where there is a display."""
     print(path)
-    if os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"):
-        webbrowser.open(path.absolute().as_uri())
+    open_page(path.absolute().as_uri())
 
 
 @app.command()

@@ -6,6 +6,7 @@ from __future__ import annotations
 import logging
 import os
 import sys
+import webbrowser
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -168,6 +169,12 @@ PATHS = {"engine": "engine.name", "kernel": "engine.kernel", "ranks": "engine.ra
 def assignments(sets: list[str] | None, **given: str | None) -> list[str]:
     """Texts ``path=value`` of ``--set`` and of the options of `PATHS`."""
     return [*(sets or []), *(f"{PATHS[name]}={value}" for name, value in given.items() if value is not None)]
+
+
+def open_page(address: str) -> None:
+    """Open an address in the browser where there is a display."""
+    if os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"):
+        webbrowser.open(address)
 
 
 def sayer(quiet: bool) -> Callable[[str], None]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Commands about cases and this machine: check, preview, import, new, schema, doctor, kernels."""
+"""Commands about cases and this machine: open, check, preview, import, new, schema, doctor, kernels."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from typing import Annotated, Any
 import typer
 
 import lammps_jump.case as cases
-from lammps_jump import cli, compiling, drawings, engines, files, runs, studies
-from lammps_jump.errors import CaseError
+from lammps_jump import cli, compiling, drawings, engines, files, runs, served, studies
+from lammps_jump.errors import CaseError, SetupError
 from lammps_jump.quoting import echoed
 from lammps_jump.units import to_si
 
-from .options import Accuracy, CaseFile, Commands, EngineName, Kernel, Sets, assignments, place
+from .options import Accuracy, CaseFile, Commands, EngineName, Kernel, Sets, assignments, open_page, place
 
 SCHEMA_LINE = """\
 # yaml-language-server: $schema=lammps-jump.schema.json
@@ -54,6 +54,30 @@ def _layer_and_wall(given: str) -> tuple[str, str]:
     if sign and not (name and wall):
         raise CaseError(f"--layer {echoed(given)}: expected LAYER=WALL, such as --layer 'bed level=bed'")
     return (name, wall) if sign else (given, drawings.wall_name(given))
+
+
+@app.command("open")
+def open_(
+    target: Annotated[
+        Path,
+        typer.Argument(help="Case file, or folder of a run or of a study.", metavar="CASE|DIR", show_default=False),
+    ],
+    port: Annotated[int, typer.Option(min=0, max=65535, help="Port of the page (default: one that is free).")] = 0,
+    browser: Annotated[
+        bool, typer.Option("--browser/--no-browser", help="Open the page in the browser, or only print its address.")
+    ] = True,
+) -> None:
+    """Open a local page that draws a case while you write it, runs it, and shows a run or a study as it comes."""
+    pages = served.pages_of(target)
+    try:
+        server = served.Server(pages, port)
+    except OSError as error:
+        raise SetupError(f"--port {port}: cannot be used ({error.strerror}); leave it out, and one is found") from None
+    with server:
+        print(f"{server.address}\nopen this address in a browser; Ctrl+C here ends it", flush=True)
+        if browser:
+            open_page(server.address)
+        server.serve_forever()
 
 
 @app.command()

@@ -33,7 +33,7 @@ def case_html(name: str, scene: Scene) -> str:
     values = scene.coefficients
     units = {key: number.unit for key, number in numbers_of(values).items()}
     rows = "".join(f"<tr><td>{key}</td><td>{getattr(values, key):z.4g} {units[key]}</td></tr>" for key in COEFFICIENTS)
-    drawing = draw.sketch.svg(draw.sketch.preview(scene))
+    drawing = draw.sketch.svg_text(draw.sketch.scene_drawing(scene))
     return f"<p><b>{html.escape(name)}</b>: {html.escape(scene.description)}</p><table>{rows}</table>{drawing}"
 
 
@@ -65,7 +65,7 @@ def drawing_of(case: ReadCase, widest: float = draw.sketch.WIDEST) -> draw.sketc
     ]
     expected = found.numbers.get("belanger_y2") if asked.analysis.jump else None
     sequent = expected if isinstance(expected, float) else None
-    return draw.sketch.preview(found.scene, regions, sequent=sequent, widest=widest)
+    return draw.sketch.scene_drawing(found.scene, regions, sequent=sequent, widest=widest)
 
 
 def write_preview(case: ReadCase, folder: str | Path = ".") -> tuple[Path, Path]:

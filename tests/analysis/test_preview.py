@@ -14,8 +14,8 @@ import lammps_jump as lj
 from lammps_jump.analysis.draw.sketch.drawing import Area
 from lammps_jump.analysis.draw.sketch.labels import ROOM, Label, place_labels
 from lammps_jump.analysis.draw.sketch.picture import figure
-from lammps_jump.analysis.draw.sketch.preview import Region, preview
-from lammps_jump.analysis.draw.sketch.svg import svg
+from lammps_jump.analysis.draw.sketch.preview import Region, scene_drawing
+from lammps_jump.analysis.draw.sketch.svg import svg_text
 from lammps_jump.analysis.draw.style import drawing, save
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.build import handmade_scene
@@ -91,7 +91,7 @@ def drawn(**more):
         np.column_stack([x.ravel(), y.ravel()]), np.tile([1.0, 0.0], (x.size, 1)), walls, domain=((-1, 13), (-2, 6)),
         steps=400, inlets=rows, outlets=(Outlet("x", 12.0, "above", 10),), **more,
     )  # fmt: skip
-    return preview(scene, [Region("column", (3.5, 4.1), (2.9, 4.1))], sequent=1.5)
+    return scene_drawing(scene, [Region("column", (3.5, 4.1), (2.9, 4.1))], sequent=1.5)
 
 
 def test_everything_that_the_case_names_is_named_and_no_two_labels_touch():
@@ -113,7 +113,7 @@ def test_a_dotted_edge_is_spoken_of_where_it_is_in_the_picture():
     walls = [Plane("floor", "y", 0, "above")]
     for domain, dotted in ((((-0.3, 1.3), (-0.1, 2)), True), (((-900, 900), (-900, 900)), False)):
         scene = handmade_scene([[0.0, 1.0], [1.0, 1.0]], [[0.0, 0.0]] * 2, walls, domain=domain)
-        assert ("(dotted)" in figure(preview(scene, [])).axes[0].get_title(loc="right")) is dotted
+        assert ("(dotted)" in figure(scene_drawing(scene, [])).axes[0].get_title(loc="right")) is dotted
 
 
 def test_ghosts_and_arrows_are_where_walls_go():
@@ -188,7 +188,7 @@ SVG = "{http://www.w3.org/2000/svg}"
 def test_the_svg_shows_what_the_figure_shows():
     """Each shape of the description, each label where it is, discs at their places; nothing in it acts."""
     found = drawn(name="a")
-    tree = ET.fromstring(svg(found))
+    tree = ET.fromstring(svg_text(found))
     looks = [one.get("class") for one in tree.iter()]
     told = [shape for shape in found.shapes if shape.look not in ("discs", "arrow", "label")]
     for look in {shape.look for shape in told}:
@@ -204,8 +204,10 @@ def test_the_svg_shows_what_the_figure_shows():
     seen = [part.removesuffix("h0").split(" ") for part in discs.get("d").split("M")[1:]]
     assert np.allclose(np.array(seen, float)[:, 0], (places[:, 0] - found.x[0]) * found.scale, atol=0.06)
     assert float(tree.get("width")) <= 1320 + 60
-    narrow = preview(handmade_scene([[0.0, 1.0]], [[0.0, 0.0]], [Plane("floor", "y", 0, "above")]), [], widest=320)
-    assert narrow.size[0] == pytest.approx(320) and float(ET.fromstring(svg(narrow)).get("width")) < 390
+    narrow = scene_drawing(
+        handmade_scene([[0.0, 1.0]], [[0.0, 0.0]], [Plane("floor", "y", 0, "above")]), [], widest=320
+    )
+    assert narrow.size[0] == pytest.approx(320) and float(ET.fromstring(svg_text(narrow)).get("width")) < 390
 
 
 def test_text_of_a_case_is_no_markup_in_the_svg():
@@ -213,6 +215,6 @@ def test_text_of_a_case_is_no_markup_in_the_svg():
     found = drawn(name=attack)
     found.label(attack, 3.0, 3.0)
     found.place_labels()
-    tree = ET.fromstring(svg(found))
+    tree = ET.fromstring(svg_text(found))
     assert {one.tag for one in tree.iter()} == {f"{SVG}{name}" for name in ("svg", "g", "path", "text")}
     assert attack in tree.get("aria-label") and not [one for one in tree.iter() if one.get("onload")]

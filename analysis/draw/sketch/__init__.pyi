@@ -3,5 +3,5 @@ from .drawing import WIDEST as WIDEST
 from .drawing import Drawing as Drawing
 from .picture import figure as figure
 from .preview import Region as Region
-from .preview import preview as preview
-from .svg import svg as svg
+from .preview import scene_drawing as scene_drawing
+from .svg import svg_text as svg_text

@@ -39,7 +39,7 @@ class Region:
     y: Interval
 
 
-def preview(
+def scene_drawing(
     scene: Scene, regions: Sequence[Region] = (), *, sequent: float | None = None, widest: float = WIDEST
 ) -> Drawing:
     """Drawing of a scene before it is run.

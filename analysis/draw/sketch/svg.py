@@ -38,7 +38,7 @@ LOOKS = {
 }
 
 
-def svg(drawing: Drawing) -> str:
+def svg_text(drawing: Drawing) -> str:
     """Text of the drawing, whose labels are placed; a description for readers that do not see stands in it."""
     wide, high = drawing.size
     size = wide + LEFT + RIGHT, high + ABOVE + BELOW

@@ -1,0 +1,140 @@
+"use strict";
+// The page of a case: the text goes to the server, which tells what it means, and to the file.
+
+const SAVE_AFTER = 500;
+const LOOK_AGAIN = 1000;
+// Pixels of a drawing at least; a narrower screen moves over it.
+const LEAST = 600;
+
+const editor = new Editor(), places = new Places(editor);
+const file = { key: null, name: "", saved: null, busy: false, timer: null, conflict: null };
+const open = { notes: false };
+let looking = false, looked = null;
+
+// ---- what the text means ----
+
+async function look() {
+  if (looking) return;
+  looking = true;
+  while (looked !== editor.text) {
+    const text = looked = editor.text;
+    const { ok, data } = await ask("look", { text, wide: Math.max(LEAST, Math.floor(byId("drawing").clientWidth)) });
+    if (!ok) say(data.refused);
+    else if (data.error) wrong(data.error);
+    else right(data, text);
+    tellAll("drawn", { text });
+  }
+  looking = false;
+}
+
+function wrong({ line, text }) {
+  const box = byId("error");
+  box.replaceChildren();
+  if (line) {
+    const link = made("button", { type: "button", class: "link" }, `Line ${line}`);
+    link.addEventListener("click", () => editor.goTo(line));
+    box.append(link, ": ");
+  }
+  box.append(text);
+  editor.mark(line || 1);
+  document.body.classList.add("stale");
+}
+
+function right(found, text) {
+  byId("error").replaceChildren();
+  editor.mark(null);
+  document.body.classList.remove("stale");
+  places.show(found, text);
+  byId("name").textContent = [found.name, found.description].filter(Boolean).join(": ");
+  document.title = `${found.name}: lammps-jump`;
+  const list = (texts) => made("ul", {}, ...texts.map((one) => made("li", {}, one)));
+  const doubts = made("div", { class: "warn" }, made("b", {}, "Doubtful"), list(found.doubtful));
+  const notes = made("details", { open: open.notes }, made("summary", {}, "Notes"), list(found.notes));
+  notes.addEventListener("toggle", () => { open.notes = notes.open; });
+  byId("doubtful").replaceChildren(...(found.doubtful.length ? [doubts] : []), ...(found.notes.length ? [notes] : []));
+  byId("derived").replaceChildren(...found.derived.map(([title, rows]) => {
+    const cells = rows.map(([label, value, unit]) => made("tr", {}, made("th", { scope: "row" }, label),
+      made("td", { class: "n" }, value.replace(/^-/, "\u2212")), made("td", {}, unit)));
+    return made("div", {}, made("h3", {}, title), made("div", { class: "scroll" }, made("table", {}, ...cells)));
+  }));
+}
+
+// ---- the file ----
+
+function say(text) {
+  byId("state").textContent = text;
+}
+
+async function save() {
+  clearTimeout(file.timer);
+  if (file.busy || file.conflict || editor.text === file.saved) return;
+  file.busy = true;
+  const text = editor.text, { ok, status, data } = await ask("save", { text, key: file.key });
+  file.busy = false;
+  if (ok) {
+    Object.assign(file, { key: data.key, saved: text });
+    say("Saved");
+  } else if (status === 409) {
+    differs(data);
+  } else {
+    say(`Not saved: ${data.refused}`);
+    file.timer = setTimeout(save, 4 * SAVE_AFTER);
+    return;
+  }
+  if (editor.text !== file.saved) later();
+}
+
+function later() {
+  clearTimeout(file.timer);
+  if (editor.text !== file.saved && !file.conflict) say("Not saved yet");
+  file.timer = setTimeout(save, SAVE_AFTER);
+}
+
+// Another program has changed the file, and this text too is another one.
+function differs(other) {
+  file.conflict = other;
+  byId("notice").hidden = false;
+  byId("notice").firstElementChild.textContent =
+    `${file.name} was changed by another program. This text is not saved; which one is to stay?`;
+  say("Not saved");
+}
+
+function settle(keep) {
+  const { text, key } = file.conflict;
+  Object.assign(file, { conflict: null, key, saved: text });
+  byId("notice").hidden = true;
+  if (keep) save();
+  else editor.replace(text);
+  byId("text").focus();
+}
+
+// See whether another program, or another page, has changed the file.
+async function watch() {
+  const { ok, data } = await ask(`file?key=${file.key || ""}`);
+  if (!ok) return say(data.refused.startsWith("the program") ?
+    "The program that serves this page has ended. What is not saved stays here as long as the page is open." : data.refused);
+  if (data.text === null || file.busy || file.conflict || data.key === file.key) return undefined;
+  const first = file.saved === null;
+  if (!first && editor.text !== file.saved) return differs(data);
+  Object.assign(file, { key: data.key, name: data.name, saved: data.text });
+  if (first) editor.begin(data.text);
+  else editor.replace(data.text);
+  say(first ? data.name : `${data.name} was changed by another program: this is its text`);
+  return look();
+}
+
+document.addEventListener("text", () => { look(); later(); });
+document.addEventListener("dropped", save);
+document.addEventListener("visibilitychange", () => document.hidden && save());
+document.addEventListener("keydown", (event) => {
+  if ((event.ctrlKey || event.metaKey) && event.key === "s") { event.preventDefault(); save(); }
+});
+byId("take").addEventListener("click", () => settle(false));
+byId("keep").addEventListener("click", () => settle(true));
+let wide = 0;
+new ResizeObserver(() => {
+  const now = Math.floor(byId("drawing").clientWidth);
+  if (Math.abs(now - wide) > 8 && file.saved !== null) { looked = null; look(); }
+  wide = now;
+}).observe(byId("drawing"));
+again(LOOK_AGAIN, watch);

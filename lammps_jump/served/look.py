@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What the page of a case shows of a text: errors at their lines, the drawing with its places, derived numbers."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from lammps_jump import engines, runs
+from lammps_jump.analysis.draw.sketch import svg
+from lammps_jump.case.case import ReadCase
+from lammps_jump.errors import JumpError
+from lammps_jump.files import plain
+from lammps_jump.units import shown
+
+from .places import Places
+
+NARROWEST, WIDEST = 240, 2000
+"""Pixels of a drawing."""
+
+
+def look(text: str, file: Path, wide: int) -> dict[str, Any]:
+    """What `check` and `preview` find in the text of a case file, for a drawing of this width, pixels.
+
+    Of a case that cannot be used it is ``error`` alone: line (or None) and message.
+    """
+    try:
+        case = ReadCase.parse(text, str(file), folder=file.parent)
+        resolved, chosen = engines.accuracy.with_accuracy(case)
+        found = resolved.check()
+        widest = min(max(wide, NARROWEST), WIDEST) - svg.LEFT - svg.RIGHT
+        drawing = runs.view.drawing_of(resolved, widest)
+    except JumpError as error:
+        return {"error": located(str(error), str(file))}
+    places = Places(case.source, text)
+    groups = [(title, [(label, shown(value), unit) for _, label, value, unit in rows]) for title, rows in found.tables]
+    return plain(
+        {
+            "name": case.name,
+            "description": case.fields.description,
+            "drawing": svg.svg_text(drawing),
+            "view": {"left": svg.LEFT, "top": svg.ABOVE, "x": drawing.x, "y": drawing.y, "scale": drawing.scale},
+            "numbers": [asdict(one) for one in places.numbers],
+            "places": [asdict(one) for one in places.found],
+            "derived": [group for group in groups if group[1]],
+            "doubtful": [*found.warnings, *chosen],
+            "notes": [*found.begins, *found.skipped],
+        }
+    )
+
+
+def located(message: str, file: str) -> dict[str, Any]:
+    """A message about a case, without the name of its file, and the line that it is about."""
+    hit = re.match(rf"{re.escape(file)}(?::(\d+))?: (.*)", message, re.DOTALL)
+    return {"line": int(hit[1]) if hit and hit[1] else None, "text": hit[2] if hit else message}

@@ -1,0 +1,188 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The server: what it refuses, and how an answer is sent. What is served it asks of its pages."""
+
+from __future__ import annotations
+
+import hmac
+import json
+import secrets
+from collections.abc import Mapping
+from contextlib import suppress
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from typing import Any, NamedTuple, Protocol
+from urllib.parse import parse_qs
+
+from lammps_jump.errors import JumpError
+from lammps_jump.files import plain
+
+HOME = "127.0.0.1"
+NAMES = {HOME, "localhost"}
+"""Names of this machine in an address, with any port: a tunnel has one of its own."""
+MOST_ASKED = 20_000_000
+"""Bytes of a request: a case of 100,000 discs one by one."""
+PATIENCE = 30.0
+"""Seconds that a connection may keep silent."""
+POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; media-src blob:; "
+    "connect-src 'self'; frame-src 'self'; frame-ancestors 'self'; base-uri 'none'; form-action 'none'"
+)
+"""What a page of ours may do: run our own scripts, and ask this server."""
+FOREIGN = (
+    "sandbox allow-scripts allow-downloads; default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
+    "img-src data: blob:; media-src data: blob:; frame-ancestors 'self'; base-uri 'none'; form-action 'none'"
+)
+"""The same for a report, which may come from anywhere: it acts within itself, as a file that is opened does."""
+SAFE = {
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cache-Control": "no-store",
+}
+
+
+class Reply(NamedTuple):
+    """An answer: its bytes, what they are, and what a page of them may do."""
+
+    body: bytes
+    kind: str = "application/json"
+    status: int = 200
+    policy: str = POLICY
+
+
+class Pages(Protocol):
+    """What is served, by the part of the address behind the token."""
+
+    def get(self, path: str, query: Mapping[str, str]) -> Reply | None:
+        """An answer; None where there is no such page. Nothing is changed."""
+
+    def post(self, path: str, asked: Mapping[str, Any]) -> Reply | None:
+        """An answer to what is to be done; None where nothing is done there."""
+
+
+class Refused(Exception):
+    """A request that gets no answer but a status and a reason."""
+
+    def __init__(self, status: int, reason: str):
+        super().__init__(reason)
+        self.status = status
+
+
+def answer(data: object, status: int = 200) -> Reply:
+    """Plain data as an answer."""
+    return Reply(json.dumps(plain(data), allow_nan=False).encode(), status=status)
+
+
+class Server(ThreadingHTTPServer):
+    """Serves pages on the loopback address.
+
+    Parameters
+    ----------
+    pages : Pages
+    port : int
+        0: any that is free.
+
+    Raises
+    ------
+    OSError
+        The port is taken.
+    """
+
+    daemon_threads = True
+
+    def __init__(self, pages: Pages, port: int = 0):
+        self.pages, self.token = pages, secrets.token_urlsafe(32)
+        super().__init__((HOME, port), Handler)
+
+    @property
+    def address(self) -> str:
+        """What a browser is to open."""
+        return f"http://{HOME}:{self.server_address[1]}/{self.token}/"
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Stay silent about a browser that has gone; `Handler` tells all else."""
+
+
+class Handler(BaseHTTPRequestHandler):
+    """One connection."""
+
+    server: Server
+    protocol_version = "HTTP/1.1"
+    server_version, sys_version = "lammps-jump", ""
+    timeout = PATIENCE
+
+    def do_GET(self) -> None:
+        """Answer what is asked for."""
+        self._answer(self._get)
+
+    def do_POST(self) -> None:
+        """Do what is asked for."""
+        self._answer(self._post)
+
+    def log_message(self, format: str, *args: Any) -> None:
+        """Nothing: the terminal is for what a person has to know."""
+
+    def _answer(self, make: Any) -> None:
+        try:
+            reply = make(*self._asked())
+            if reply is None:
+                raise Refused(404, "there is no such page")
+        except Refused as refused:
+            self.close_connection = True  # what it sent besides is not read
+            reply = answer({"refused": str(refused)}, refused.status)
+        except JumpError as error:
+            reply = answer({"refused": str(error)}, 422)
+        with suppress(OSError):  # the browser has gone
+            self.send_response(reply.status)
+            headers = {"Content-Type": reply.kind, "Content-Length": str(len(reply.body)), **SAFE}
+            for name, value in {**headers, "Content-Security-Policy": reply.policy}.items():
+                self.send_header(name, value)
+            if self.close_connection:
+                self.send_header("Connection", "close")
+            self.end_headers()
+            self.wfile.write(reply.body)
+
+    def _asked(self) -> tuple[str, Mapping[str, str]]:
+        """Path behind the token, and query.
+
+        Raises
+        ------
+        Refused
+            Another host, another page that asks, no token.
+        """
+        hosts = self.headers.get_all("Host") or []
+        if len(hosts) != 1 or hosts[0].rpartition(":")[0] not in NAMES:
+            raise Refused(421, "this server is for this machine alone")
+        sent = self.headers.get_all("Origin") or []
+        if len(sent) > 1 or (sent and sent[0] != f"http://{hosts[0]}"):
+            raise Refused(403, "another page asks")
+        if self.headers.get("Sec-Fetch-Site", "same-origin") not in ("same-origin", "none"):
+            raise Refused(403, "another page asks")
+        path, _, query = self.path.partition("?")
+        root, token, rest = (*path.split("/", 2), "", "")[:3]
+        if root or not hmac.compare_digest(token.encode(), self.server.token.encode()):
+            raise Refused(403, "open the address that lammps-jump printed; its random part is missing or wrong")
+        try:
+            given = parse_qs(query[:200], max_num_fields=8)
+        except ValueError:
+            raise Refused(400, "too many fields") from None
+        return rest, {name: values[-1] for name, values in given.items()}
+
+    def _get(self, path: str, query: Mapping[str, str]) -> Reply | None:
+        return self.server.pages.get(path, query)
+
+    def _post(self, path: str, query: Mapping[str, str]) -> Reply | None:
+        if not self.headers.get("Origin"):
+            raise Refused(403, "the browser does not tell which page asks")
+        if self.headers.get_content_type() != "application/json" or self.headers.get("Transfer-Encoding"):
+            raise Refused(415, "only JSON of a known length is taken")
+        length = self.headers.get("Content-Length", "")
+        if not (length.isascii() and length.isdigit() and int(length[:12]) <= MOST_ASKED):
+            raise Refused(413, f"at most {MOST_ASKED // 1_000_000} MB are taken")
+        try:
+            asked = json.loads(self.rfile.read(int(length)))
+        except (ValueError, RecursionError):
+            raise Refused(400, "this is no JSON") from None
+        if not isinstance(asked, dict):
+            raise Refused(400, "a JSON object is expected")
+        return self.server.pages.post(path, asked)

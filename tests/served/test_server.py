@@ -1,0 +1,230 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The server of `open`: what it refuses, and that nothing but the case file that was opened is ever written."""
+
+import http.client
+import json
+import socket
+import threading
+from contextlib import contextmanager
+
+import pytest
+
+import lammps_jump.served as served
+from lammps_jump.errors import CaseError
+
+CASE = """\
+# A column before it falls.
+name: small
+discs: {diameter: 20 cm}   # of all
+contact: {restitution: 0.5, impact_speed: 5}
+domain: {x: [-1, 6], y: [-1, 4]}
+walls:
+  - {name: floor, kind: plane, axis: y, at: 0, side: above}
+  - {name: sill, kind: block, x: [4, 4.5], y: [0, 0.5]}  # found by trial
+initial: [{kind: column, x: [0, 1], y: [0, 1]}]
+run: {duration: 0.2, output_interval: 0.1}
+"""
+
+
+@contextmanager
+def serving(path):
+    """A server of a file, in a thread; it has ended after the block."""
+    with served.Server(served.pages_of(path)) as server:
+        thread = threading.Thread(target=server.serve_forever, args=(0.01,))
+        thread.start()
+        try:
+            yield server
+        finally:
+            server.shutdown()
+            thread.join()
+
+
+@pytest.fixture
+def case(tmp_path):
+    path = tmp_path / "mine" / "case.yaml"
+    path.parent.mkdir()
+    path.write_text(CASE)
+    (tmp_path / "secret.txt").write_text("secret")
+    return path
+
+
+@pytest.fixture
+def server(case):
+    with serving(case) as running:
+        yield running
+
+
+def send(server, method, path, body=None, **headers):
+    """Status, headers and body of what the server answers; a header that is None is not sent."""
+    port = server.server_address[1]
+    given = {"Host": f"127.0.0.1:{port}"}
+    if body is not None:
+        given |= {"Origin": f"http://127.0.0.1:{port}", "Content-Type": "application/json"}
+        body = body if isinstance(body, bytes) else json.dumps(body).encode()
+        given["Content-Length"] = str(len(body))
+    given |= {name.replace("_", "-"): value for name, value in headers.items()}
+    line = http.client.HTTPConnection("127.0.0.1", port, timeout=60)
+    line.putrequest(method, path, skip_host=True, skip_accept_encoding=True)
+    for name, value in given.items():
+        if value is not None:
+            line.putheader(name, value.format(port=port))
+    line.endheaders(body)
+    reply = line.getresponse()
+    found = reply.status, dict(reply.getheaders()), reply.read()
+    line.close()
+    return found
+
+
+def asked(server, path, body=None):
+    """Data of an answer that is not refused."""
+    status, _, data = send(server, "GET" if body is None else "POST", f"/{server.token}/{path}", body)
+    assert status == 200, data
+    return json.loads(data)
+
+
+SAVE = {"text": "stolen", "key": "0"}
+ATTACKS = {
+    "no token": ("GET", "/", None, {}, 403),
+    "wrong token": ("GET", "/wrong/", None, {}, 403),
+    "token cut short": ("GET", "/{short}/", None, {}, 403),
+    "token of other letters": ("GET", "/{upper}/", None, {}, 403),
+    "token in the query": ("GET", "/?token={token}", None, {}, 403),
+    "another name of this machine": ("GET", "/{token}/", None, {"Host": "evil.example:{port}"}, 421),
+    "an address of the network": ("GET", "/{token}/", None, {"Host": "192.168.0.1:{port}"}, 421),
+    "a name that begins like ours": ("GET", "/{token}/", None, {"Host": "localhost.evil.example:{port}"}, 421),
+    "no host": ("GET", "/{token}/", None, {"Host": None}, 421),
+    "a page of another origin": ("GET", "/{token}/file", None, {"Origin": "https://evil.example"}, 403),
+    "a page without origin": ("GET", "/{token}/file", None, {"Origin": "null"}, 403),
+    "a page on another port": ("GET", "/{token}/file", None, {"Origin": "http://127.0.0.1:1"}, 403),
+    "a link on another site": ("GET", "/{token}/", None, {"Sec_Fetch_Site": "cross-site"}, 403),
+    "path outside": ("GET", "/{token}/../secret.txt", None, {}, 404),
+    "path outside, in code": ("GET", "/{token}/%2e%2e%2fsecret.txt", None, {}, 404),
+    "path of the system": ("GET", "/{token}//etc/passwd", None, {}, 404),
+    "file beside the case": ("GET", "/{token}/case.yaml", None, {}, 404),
+    "source of the program": ("GET", "/{token}/server.py", None, {}, 404),
+    "saving without origin": ("POST", "/{token}/save", SAVE, {"Origin": None}, 403),
+    "saving from another page": ("POST", "/{token}/save", SAVE, {"Origin": "https://evil.example"}, 403),
+    "saving by a form": ("POST", "/{token}/save", SAVE, {"Content_Type": "text/plain"}, 415),
+    "saving by a link": ("GET", "/{token}/save?text=stolen", None, {}, 404),
+    "saving without a key": ("POST", "/{token}/save", {"text": "stolen"}, {}, 400),
+    "saving another file": ("POST", "/{token}/save", {**SAVE, "name": "../secret.txt", "path": "/etc/passwd"}, {}, 409),
+    "no JSON": ("POST", "/{token}/look", b"{", {}, 400),
+    "brackets without end": ("POST", "/{token}/look", 100_000 * b"[", {}, 400),
+    "a list": ("POST", "/{token}/look", b"[]", {}, 400),
+    "a number for a text": ("POST", "/{token}/look", {"text": 1, "wide": 700}, {}, 400),
+    "half of a letter": ("POST", "/{token}/look", {"text": "\ud800", "wide": 700}, {}, 400),
+    "too much": ("POST", "/{token}/look", b"{}", {"Content_Length": "99999999999"}, 413),
+    "a length below zero": ("POST", "/{token}/look", b"{}", {"Content_Length": "-1"}, 413),
+    "a length that is not told": ("POST", "/{token}/look", b"{}", {"Transfer_Encoding": "chunked"}, 415),
+    "another method": ("DELETE", "/{token}/file", None, {}, 501),
+    "writing by PUT": ("PUT", "/{token}/case.yaml", SAVE, {}, 501),
+}
+
+
+@pytest.mark.parametrize("attack", ATTACKS)
+def test_attacks_are_refused(server, case, attack):
+    method, path, body, headers, wanted = ATTACKS[attack]
+    names = {"token": server.token, "short": server.token[:-1], "upper": server.token.swapcase()}
+    before = {one: one.read_bytes() for one in case.parents[1].rglob("*") if one.is_file()}
+    status, told, data = send(server, method, path.format(**names), body, **headers)
+    assert status == wanted, data
+    hidden = [b"secret", server.token.encode(), *([b"column before"] if wanted != 409 else [])]
+    assert not [one for one in hidden if one in data]
+    assert {one: one.read_bytes() for one in case.parents[1].rglob("*") if one.is_file()} == before
+    assert asked(server, "file")["text"] == CASE  # it serves on
+    assert status == 501 or told["Content-Security-Policy"].startswith("default-src 'none'")
+
+
+def test_it_listens_on_this_machine_alone(server):
+    assert server.server_address[0] == "127.0.0.1" and len(server.token) >= 40
+    assert server.address == f"http://127.0.0.1:{server.server_address[1]}/{server.token}/"
+    with served.Server(server.pages) as other:
+        assert other.token != server.token
+    with pytest.raises(OSError, match="in use"):
+        served.Server(server.pages, server.server_address[1])
+
+
+def test_a_tunnel_may_have_another_port(server):
+    for host in ("localhost:9000", "127.0.0.1:9000"):
+        given = {"Host": host, "Origin": f"http://{host}"}
+        assert send(server, "GET", f"/{server.token}/file", **given)[0] == 200
+    assert send(server, "GET", f"/{server.token}/file", Host="localhost:9000", Origin="http://localhost:9001")[0] == 403
+
+
+def test_a_page_may_run_nothing_but_our_own_scripts(server):
+    status, told, body = send(server, "GET", f"/{server.token}/")
+    assert status == 200 and told["Content-Type"].startswith("text/html")
+    rules = dict(rule.strip().split(" ", 1) for rule in told["Content-Security-Policy"].split(";"))
+    assert rules["default-src"] == "'none'" and rules["script-src"] == rules["connect-src"] == "'self'"
+    assert told["Referrer-Policy"] == "no-referrer" and told["X-Content-Type-Options"] == "nosniff"
+    for name in body.decode().split('"'):
+        if name.endswith((".js", ".css")):
+            assert send(server, "GET", f"/{server.token}/{name}")[0] == 200
+    assert b"http" not in body and b"style=" not in body and b"onclick" not in body
+
+
+def test_half_a_request_holds_nobody_up(server):
+    with socket.create_connection(server.server_address) as line:
+        line.sendall(b"POST / HTTP/1.1\r\nHost: ")
+        assert asked(server, "file")["text"] == CASE
+
+
+def test_errors_stand_at_their_lines(server):
+    def error(old, new):
+        found = asked(server, "look", {"text": CASE.replace(old, new), "wide": 700})
+        return found["error"]["line"], found["error"]["text"]
+
+    assert error("restitution: 0.5", "restitution: 7")[0] == 4
+    line, text = error("kind: block", "kind: blok")
+    assert line == 8 and "did you mean 'block'?" in text and "case.yaml" not in text
+    assert error("[4, 4.5]", "[4, 4.5")[0] in (8, 9)
+    assert error(CASE, "")[0] is None
+
+
+def test_what_a_text_means(server, case):
+    found = asked(server, "look", {"text": CASE, "wide": 700})
+    assert found["name"] == "small" and found["drawing"].startswith("<svg ")
+    assert "time" in [title for title, _ in found["derived"]]
+    assert abs(found["view"]["scale"] * (found["view"]["x"][1] - found["view"]["x"][0]) - (700 - 46 - 12)) < 1
+    assert case.read_text() == CASE and [one.name for one in case.parent.iterdir()] == ["case.yaml"]
+
+
+def test_saving_takes_the_place_of_the_text_that_was_shown_alone(server, case):
+    case.chmod(0o640)
+    first = asked(server, "file")
+    saved = asked(server, "save", {"text": CASE + "# one\n", "key": first["key"]})
+    assert case.read_text() == CASE + "# one\n" and case.stat().st_mode & 0o777 == 0o640
+    assert asked(server, f"file?key={saved['key']}")["text"] is None
+    case.write_text(CASE + "# by another program\n")
+    status, _, data = send(server, "POST", f"/{server.token}/save", {"text": CASE + "# two\n", "key": saved["key"]})
+    assert status == 409 and json.loads(data)["text"] == CASE + "# by another program\n"
+    assert case.read_text() == CASE + "# by another program\n"
+    again = asked(server, "save", {"text": CASE + "# two\n", "key": json.loads(data)["key"]})  # as one has decided
+    assert case.read_text() == CASE + "# two\n" and again["key"]
+    assert [one.name for one in case.parent.iterdir()] == ["case.yaml"]
+
+
+def test_ends_of_lines_stay_as_they_are(tmp_path):
+    path = tmp_path / "case.yaml"
+    path.write_bytes(CASE.replace("\n", "\r\n").encode())
+    with serving(path) as server:
+        found = asked(server, "file")
+        assert found["text"] == CASE
+        asked(server, "save", {"text": CASE + "# end\n", "key": found["key"]})
+    assert path.read_bytes() == (CASE + "# end\n").replace("\n", "\r\n").encode()
+
+
+def test_a_file_that_is_gone_or_locked_is_spoken_of(server, case):
+    key = asked(server, "file")["key"]
+    case.unlink()
+    status, _, data = send(server, "POST", f"/{server.token}/save", {"text": CASE, "key": key})
+    assert status == 422 and "no such case file" in json.loads(data)["refused"]
+    assert not case.exists()
+
+
+def test_no_page_of_what_is_no_case(tmp_path):
+    with pytest.raises(CaseError, match="no such case file"):
+        served.pages_of(tmp_path / "absent.yaml")
+    (tmp_path / "a.yaml").symlink_to("/dev/zero")
+    with pytest.raises(CaseError, match="cannot be read"):
+        served.pages_of(tmp_path / "a.yaml")
