@@ -8,13 +8,16 @@ from __future__ import annotations
 
 from functools import lru_cache
 from math import hypot
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from lammps_jump.scene.walls import Interval
 
 from .labels import Label, place_labels
+
+if TYPE_CHECKING:
+    from matplotlib.ft2font import FT2Font
 
 WIDEST, NARROWEST, HIGHEST, DOTS = 1320, 640, 640, 120
 """Pixels of what is shown: most and least width, most height; and those of an inch."""
@@ -120,7 +123,9 @@ class Drawing:
         """Put a shape in."""
         self.shapes.append(shape)
 
-    def label(self, text: str, x: float, y: float, tone: str = "plain", *, on: tuple[Interval, Interval] | None = None):
+    def label(
+        self, text: str, x: float, y: float, tone: str = "plain", *, on: tuple[Interval, Interval] | None = None
+    ) -> None:
         """A text for a point, m; in the middle of the rectangle `on` instead, if it fits there."""
         place = float(np.clip(x, *self.x)), float(np.clip(y, *self.y))
         self.labels.append(_Named(text, place, tone, on or ((0.0, 0.0), (0.0, 0.0))))
@@ -168,7 +173,7 @@ def size_of(text: str) -> tuple[float, float]:
 
 
 @lru_cache(maxsize=1)
-def _font():
+def _font() -> FT2Font:
     """The font of figures; matplotlib alone knows where it is."""
     from matplotlib.font_manager import findfont
     from matplotlib.ft2font import FT2Font

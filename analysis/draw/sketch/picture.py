@@ -3,7 +3,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import EllipseCollection
 from matplotlib.figure import Figure
@@ -14,20 +17,20 @@ from matplotlib.patheffects import withStroke
 from lammps_jump.analysis.draw.style import BLACK, BLUE, GREY, RED, WALL, style
 from lammps_jump.quoting import figure_text
 
-from .drawing import BAND, DOTS, HEIGHTS, TEXT, Area, Arrow, Discs, Drawing, Stroke
+from .drawing import BAND, DOTS, HEIGHTS, TEXT, Area, Arrow, Discs, Drawing, Shape, Stroke
 
 LEFT, RIGHT, BELOW, ABOVE = 70, 20, 60, 44
 """Pixels around the axes."""
 TONES = {"plain": BLACK, "blue": BLUE, "red": RED}
 DISC, RIM, EDGE = "#a9c4e4", "#4f7cb3", "#464646"
-AREAS = {
+AREAS: dict[str, dict[str, Any]] = {
     "domain": {"fc": "none", "ec": GREY, "ls": (0, (2, 3)), "lw": 1.0},
     "pour": {"fc": "none", "ec": BLUE, "ls": ":"},
     "ghost": {"fc": WALL, "ec": EDGE, "lw": 0.9, "ls": (0, (4, 2)), "alpha": 0.45},
     "solid": {"fc": WALL, "ec": EDGE, "lw": 1.1},
     "outside": {"fc": WALL, "ec": EDGE, "lw": 1.1},
 }
-STROKES = {
+STROKES: dict[str, dict[str, Any]] = {
     "sheet": {"color": EDGE, "lw": 2.4},
     "band": {"color": WALL, "lw": BAND * 72 / DOTS},
     "edge": {"color": EDGE, "lw": 1.6},
@@ -55,8 +58,9 @@ def figure(drawing: Drawing) -> Figure:
     return made
 
 
-def _draw(axes, shape) -> None:
+def _draw(axes: Axes, shape: Shape) -> None:
     over = HEIGHTS[shape.look]
+    look: dict[str, Any]
     if isinstance(shape, Area):
         look = {**AREAS[shape.look], "zorder": over}
         if len(shape.rings) == 1:

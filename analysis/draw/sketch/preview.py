@@ -99,7 +99,8 @@ def _shown(
     """What of the plane is shown, m: all that the case names within the domain, and little of solids below it."""
     half = 0.5 * scene.largest
     points = [scene.positions - half, scene.positions + half, [(row.x, row.y) for row in scene.inlets]]
-    points += [np.column_stack([place.x, place.y]) for place in (*regions, *scene.pours)]
+    given = [(place.x, place.y) for place in regions] + [(pour.x, pour.y) for pour in scene.pours]
+    points += map(np.column_stack, given)
     far: list[np.ndarray] = []
     for one, way in walls:
         poses = way[:: SAMPLES // 20] or [Pose()]
@@ -180,7 +181,8 @@ def _draw_movers(drawing: Drawing, scene: Scene, regions: Sequence[Region]) -> N
     long = 0.06 * (drawing.x[1] - drawing.x[0]) / speed.max()
     for begin, velocity in zip(scene.positions[movers], scene.velocities[movers], strict=True):
         drawing.arrow(np.array([begin, begin + long * velocity]), "blue")
-    drawing.label(f"{speed.max():z.3g} m/s", *scene.positions[movers[speed[movers].argmax()]], "blue")
+    x, y = scene.positions[movers[speed[movers].argmax()]].tolist()
+    drawing.label(f"{speed.max():z.3g} m/s", x, y, "blue")
 
 
 def _draw_wall(drawing: Drawing, wall: Wall) -> None:
