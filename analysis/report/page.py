@@ -34,7 +34,7 @@ MOST_PICTURE = 1_000_000_000
 LONG = 20
 """Numbers of a list that are packed; fewer stand in the data."""
 UNKNOWN = -(1 << 30)
-SCRIPTS = ("frames.js", "discs.js", "view.js", "player.js", "curves.js")
+SCRIPTS = ("frames.js", "discs.js", "view.js", "player.js", "sliders.js", "curves.js")
 Value = float | int | str | None
 
 
@@ -119,18 +119,42 @@ class Player(NamedTuple):
     still: Picture | None = None
 
 
+class Slider(NamedTuple):
+    """An axis of a study: what it is, and its values in words."""
+
+    label: str
+    values: Sequence[str]
+
+
 class Choice(NamedTuple):
-    """A player with a list of runs by name, of which it shows one; the number `shown` first."""
+    """A player with a list of runs by name, of which it shows one; the number `shown` first.
+
+    `axes` are sliders that choose the run at their `places`, the number of a value on each axis for each run. `sides`
+    are blocks of each run that are shown with it.
+    """
 
     blocks: Sequence[Player]
     names: Sequence[str]
     shown: int
+    axes: Sequence[Slider] = ()
+    places: Sequence[Sequence[int]] = ()
+    sides: Sequence[Sequence[Boxes | Curve]] = ()
+
+    @property
+    def parts(self) -> list[Player | Boxes | Curve]:
+        """All players, then what stands beside them."""
+        return [*self.blocks, *(block for side in self.sides for block in side)]
 
 
 class Beside(NamedTuple):
     """Blocks side by side, below each other on a narrow screen."""
 
     blocks: Sequence[Text | Table | Curve | Player]
+
+    @property
+    def parts(self) -> Sequence[Text | Table | Curve | Player]:
+        """What stands side by side."""
+        return self.blocks
 
 
 class Section(NamedTuple):
@@ -150,7 +174,7 @@ def render(title: str, sections: Sequence[Section | None], *, tab: str = "", nam
         for heading, blocks in filter(None, sections)
     ]
     given = [block for section in full for block in section.blocks]
-    blocks = [one for block in given for one in (block.blocks if isinstance(block, Beside | Choice) else [block])]
+    blocks = [one for block in given for one in (block.parts if isinstance(block, Beside | Choice) else [block])]
     players = [block._replace(frames=_packed(block.frames)) for block in blocks if isinstance(block, Player)]
     curves = [block for block in blocks if isinstance(block, Curve)]
     numbers: list[np.ndarray] = [np.zeros(1)]

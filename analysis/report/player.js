@@ -165,7 +165,7 @@ function listenToEvents(p) {
 }
 
 function key(p, event) {
-  if (event.ctrlKey || event.altKey || event.metaKey || event.target.closest("select, textarea, summary")) return;
+  if (event.ctrlKey || event.altKey || event.metaKey || event.target.closest("select, textarea, summary, .axis")) return;
   if (event.key === " " && event.target.closest("button")) return;
   const focused = players.filter(({ element }) => element.contains(document.activeElement));
   const each = (act) => () => (focused.length ? focused : players).forEach(act);

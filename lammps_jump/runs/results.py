@@ -393,9 +393,9 @@ def packer_for(case: ReadCase, flow: Flow) -> FramePacker:
     return FramePacker(flow) if has_page(case) else member_packer(flow, scene.steps // scene.output_steps + 1)
 
 
-def packed(flow: Flow, folder: Path) -> FramePacker:
-    """The frames of a folder for the player of its report; none where the dump cannot be read."""
-    packer = FramePacker(flow)
+def packed(flow: Flow, folder: Path, every: int = 1) -> FramePacker:
+    """Every n-th frame of a folder for the player of its report; none where the dump cannot be read."""
+    packer = FramePacker(flow, every)
     try:
         dump = read_dump(folder)
         for _ in feed(with_velocities(dump, packer.flow, []), packer.flow, [packer]):

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import starmap
-from math import inf, isfinite
+from math import isfinite
 from pathlib import Path
 from textwrap import wrap
 from typing import Any
@@ -18,26 +18,23 @@ import xarray as xr
 from lammps_jump.analysis.draw.style import BLUE, DASHES, GOLD, GREY, RED, colour_bar, drawing, save
 from lammps_jump.analysis.report.page import (
     Boxes,
-    Choice,
     Code,
     Items,
-    Player,
     Section,
     Table,
     Text,
     picture,
     render,
 )
-from lammps_jump.analysis.report.received import read_player
 from lammps_jump.analysis.tables.rows import tiles, together
 from lammps_jump.analysis.verdicts import verdict
-from lammps_jump.files import PLAYER, write_text
+from lammps_jump.files import write_text
 from lammps_jump.folders import require_no_link
 from lammps_jump.provenance import versions
-from lammps_jump.runs.summary import results_in
 from lammps_jump.units import shown, two_digits
 
 from .held import Held
+from .players import by_member, by_point
 from .study import Axis, Collected, Study
 from .table import DISAGREE, flat, records, statistics
 from .words import heading, unit, words
@@ -45,8 +42,6 @@ from .words import heading, unit, words
 MOST_LINES = 6
 """Lines of a panel, one for each point of the other axes."""
 COLOURS = (BLUE, GOLD, GREY, RED)
-LARGEST = 10_000_000
-"""Bytes of the packed frames on a page: eight members of most scenes."""
 
 
 def summary_frame(found: Held) -> pd.DataFrame:
@@ -171,45 +166,6 @@ def save_map(table: xr.Dataset, study: Study, axes: list[Axis], path: Path) -> P
         return save(figure, path)
 
 
-def players(found: Held) -> list[Choice | Text]:
-    """One player for the members of a case, as many as the page has room for; nothing where none has frames.
-
-    Members stand in the order of their distance from the means: the sum of squares of ``(number - mean) / sd``.
-    """
-    numbers = found.values[[item.path for item in found.study.collect]]
-    apart = ((numbers - numbers.mean()) / numbers.std()) ** 2
-    order = np.argsort(apart.dropna(axis=1, how="all").fillna(inf).sum(axis=1), kind="stable")
-    kept: dict[int, Player] = {}
-    damaged: list[int] = []
-    room = LARGEST
-    for number in order:
-        seed = int(found.values["seed"][number])
-        try:
-            run = found.runs[number]
-            results_in(run.folder, run.summary).require_same(PLAYER)
-            player = read_player(run.folder / PLAYER)
-        except OSError:  # without discs in its frames
-            continue
-        except ValueError:  # a DumpError is one
-            damaged.append(seed)
-            continue
-        room -= len(player.frames)
-        if room >= 0 or not kept:
-            kept[seed] = player
-        if room <= 0:
-            break
-    seeds = ", ".join(map(str, sorted(damaged)))
-    without = f"Members without a player ({PLAYER} is damaged): {seeds}." if damaged else ""
-    if not kept:
-        return [Text(without, "small")] if damaged else []
-    first, listed = next(iter(kept)), sorted(kept)
-    text = f"Member {first} is shown first: its numbers are nearest to the means."
-    if left := len(order) - len(kept) - len(damaged):
-        text += f" There is no room for {left} of {len(order)} members, those farthest from the means."
-    chosen = Choice([kept[seed] for seed in listed], [f"Member {seed}" for seed in listed], listed.index(first))
-    return [chosen, Text(f"{text} {without}".strip(), "small")]
-
-
 def doubts(found: Held) -> list[str]:
     """Sentences on what the table cannot say by itself."""
     study, frame = found.study, flat(found.table, found.study)
@@ -274,7 +230,7 @@ def sections(found: Held) -> list[Section]:
         frame = frame[~frame["number"].isin(top)]
     return [
         Section("", [Boxes(boxes), Text(f"{interval(found)}. {found.status()}.{varied}", "sure")]),
-        Section("", players(found)),
+        Section("", by_point(found) if study.axes else by_member(found)),
         Section("", [Items(doubts(found), "What to know")]),
         Section("Numbers", [Table(frame.values.tolist(), list(frame.columns)), *starmap(picture, draw(found).items())]),
         Section("Errors within single runs", [Table(*_own_errors(found)), Text(OWN_ERRORS)]),

@@ -31,6 +31,8 @@ from lammps_jump.units import numbers_of, parse_accuracy
 ZIP = "zip"
 MOST_RUNS = 100_000
 MOST_MEMBERS = 1_000
+MOST_WATCHED = 100
+"""Points of a study up to which its page shows their runs: a player is 1 MB and takes a tenth of a second to make."""
 OTHERS = (
     "discs", "steps", "simulated_time", "cpu_seconds", "wall_seconds", "disc_steps", "disc_steps_per_second",
     "coefficients", "ledger", "theory",
@@ -190,12 +192,12 @@ class Study:
 
     @property
     def analysis(self) -> dict[str, object]:
-        """What is made of each run: what the collected numbers need, without axes a player, no pictures and no page."""
+        """What is made of each run: what the collected numbers need, a player, no pictures and no page."""
         parts = {item.path.partition(".")[0] for item in self.collect}
         flags: dict[str, object] = {f"analysis.{name}": name in parts for name in ("jump", "front", "energy")}
         if any(item.path.startswith("front.martin_moyce.") for item in self.collect):
             flags["analysis.front"] = "water"
-        figures = "none" if self.axes else "player"
+        figures = "player" if len(self.points) <= MOST_WATCHED else "none"
         return {**flags, "analysis.fields": False, "analysis.animation": False, "analysis.figures": figures}
 
     def to_yaml(self) -> str:

@@ -15,8 +15,9 @@ from PIL import Image
 
 from lammps_jump import load_case
 from lammps_jump.analysis.report import frames
+from lammps_jump.analysis.report import page as page_of
 from lammps_jump.analysis.report.frames import FramePacker
-from lammps_jump.analysis.report.page import Choice, Section, render
+from lammps_jump.analysis.report.page import Boxes, Choice, Section, Slider, render
 from lammps_jump.analysis.report.player import make_player
 from lammps_jump.analysis.report.run import write_report
 from lammps_jump.dump.exports import read_netcdf
@@ -200,6 +201,43 @@ def test_a_run_is_chosen_from_a_list(browser, tmp_path):
     page.run("[1, 0].forEach((run) => takeRun(players[0], run))")
     assert page.run(shown) == [1, 6, 1.5, 2.5] and page.run("typeof hit") == "undefined"
     assert page.troubles() == []
+    page.close()
+
+
+def test_sliders_choose_the_run_of_a_point(browser, tmp_path):
+    """By the keyboard: player, numbers and list go with them; where there is no run the page says so."""
+    players = []
+    for count in (6, 9, 4):
+        packer = FramePacker(flow_context(domain=((0, 10), (-2, 5)), x_range=(0, 10), walls=FLOOR, sized=True))
+        for frame in made_frames(count):
+            packer.add(frame, frame.time)
+        players.append(make_player(packer, tmp_path))
+    sides = [[Boxes([page_of.Box(f"height {HOSTILE}", float(number))])] for number in range(3)]
+    axes = [Slider("friction", ["0", "0.2"]), Slider(HOSTILE, ["1 m", HOSTILE])]
+    choice = Choice(players, ["a", HOSTILE, "c"], 0, axes, [(0, 0), (0, 1), (1, 1)], sides)
+    path = tmp_path / "choice.html"
+    path.write_text(render("made-up", [Section("", [choice])]))
+    page = Page(browser, path)
+    shown = (
+        "[players[0].run.times.length, part(players[0], 'run').selectedIndex, "
+        "[...document.querySelectorAll('.of-run')].findIndex((one) => !one.hidden), "
+        "[...document.querySelectorAll('.axes output')].map((one) => one.textContent), part(players[0], 'gone').hidden]"
+    )
+
+    def press(name, code, axis):
+        page.run(f"document.querySelectorAll('.axis')[{axis}].focus()")
+        for kind in ("rawKeyDown", "keyUp"):
+            page.call("Input.dispatchKeyEvent", type=kind, key=name, windowsVirtualKeyCode=code)
+        return page.run(shown)
+
+    assert page.run(shown) == [6, 0, 0, ["0", "1 m"], True]
+    assert press("ArrowRight", 39, 1) == [9, 1, 1, ["0", HOSTILE], True]
+    assert press("ArrowRight", 39, 0) == [4, 2, 2, ["0.2", HOSTILE], True]
+    assert press("ArrowLeft", 37, 1) == [4, 2, 2, ["0.2", "1 m"], False]  # no run there: the one before stays
+    assert "0.2, 1 m" in page.run("part(players[0], 'gone').textContent")
+    page.run("part(players[0], 'run').selectedIndex = 0; part(players[0], 'run').dispatchEvent(new Event('change'))")
+    assert page.run(shown) == [6, 0, 0, ["0", "1 m"], True]  # the sliders go with the list
+    assert page.run("players[0].time") == 0 and page.run("typeof hit") == "undefined" and page.troubles() == []
     page.close()
 
 

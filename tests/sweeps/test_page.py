@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The page of a study: the player of its members."""
 
+import importlib
 import json
 import re
 import shutil
@@ -17,6 +18,7 @@ from lammps_jump.analysis.report.page import Choice, Player, Section, render
 from lammps_jump.analysis.report.received import read_player
 from lammps_jump.case import load_case
 from lammps_jump.sweeps import Sweep, open_sweep, page, prepare, read_study, slurm, study_folder
+from lammps_jump.sweeps.players import by_member, by_point
 from lammps_jump.sweeps.words import heading, words
 
 MEMBERS = {
@@ -53,35 +55,35 @@ def test_the_page_has_one_player_and_a_list_of_all_members(done):
 def test_the_member_nearest_to_the_means_is_shown_first(done):
     paths = [item.path for item in done.study.collect]
     z = [(done.values[path] - done.values[path].mean()) / done.values[path].std() for path in paths]
-    choice, text = page.players(done)
+    choice, text = by_member(done)
     assert shown_seed(choice) == 1 + int(np.argmin(sum(one**2 for one in z)))
     assert f"Member {shown_seed(choice)} is shown first" in text.text and "no room" not in text.text
 
 
 def test_the_page_has_a_size_and_keeps_the_members_nearest_to_the_means(done, monkeypatch):
-    choice = page.players(done)[0]
+    choice = by_member(done)[0]
     first = shown_seed(choice)
     sizes = [len(one.frames) for one in choice.blocks]
     for room, count in ((1, 1), (2.5, 2)):
-        monkeypatch.setattr(page, "LARGEST", room * max(sizes))
-        choice, text = page.players(done)
+        monkeypatch.setattr(importlib.import_module("lammps_jump.sweeps.players.members"), "LARGEST", room * max(sizes))
+        choice, text = by_member(done)
         assert len(choice.names) == len(choice.blocks) == count and shown_seed(choice) == first
         assert f"no room for {4 - count} of 4 members" in text.text
-    monkeypatch.setattr(page, "LARGEST", 0)
-    assert page.players(done)[0].names == [f"Member {first}"]  # one always
+    monkeypatch.setattr(importlib.import_module("lammps_jump.sweeps.players.members"), "LARGEST", 0)
+    assert by_member(done)[0].names == [f"Member {first}"]  # one always
 
 
 def test_one_member_and_members_without_frames(done, tmp_path):
     folder = shutil.copytree(done.folder, tmp_path / "copy")
     two = Sweep(read_study({**MEMBERS, "members": 2}), folder, done.starts[:2])
-    assert page.players(Sweep(two.study, folder, done.starts[:1]))[0].names == ["Member 1"]
+    assert by_member(Sweep(two.study, folder, done.starts[:1]))[0].names == ["Member 1"]
     (two.runs[0].folder / "player.json").write_text("{")
-    choice, text = page.players(two)
+    choice, text = by_member(two)
     assert choice.names == ["Member 2"] and "is damaged): 1." in text.text
     (two.runs[1].folder / "player.json").unlink()
-    assert [block.text for block in page.players(two)] == ["Members without a player (player.json is damaged): 1."]
+    assert [block.text for block in by_member(two)] == ["Members without a player (player.json is damaged): 1."]
     (two.runs[0].folder / "player.json").unlink()
-    assert page.players(two) == []
+    assert by_member(two) == []
 
 
 @pytest.mark.fault("values in JSON files")
@@ -127,15 +129,17 @@ def test_a_player_that_was_handed_on_is_checked(done, tmp_path, tried):
     tried(len(wrong))
 
 
-def test_members_of_points_keep_no_frames(tmp_path):
+def test_members_of_many_points_keep_no_frames(tmp_path, monkeypatch):
     """The same run as the member of a case: its frames are then read from its dump."""
-    for changes, there in (({"axes": {"discs.density": [500]}}, False), ({"set": {"discs.density": 500}}, True)):
+    monkeypatch.setattr(importlib.import_module("lammps_jump.sweeps.study"), "MOST_WATCHED", 1)
+    two = {"axes": {"discs.density": [500, 1000]}}
+    for changes, there in ((two, False), ({"set": {"discs.density": 500}}, True)):
         found = Sweep(read_study({**STUDY, "axes": {}, "members": 1, **changes}), tmp_path / "out")
         with study_folder(found.folder):
             prepare(found)
         slurm.run_task(found.folder, "0")
-        (run,) = open_sweep(found.folder).runs
-        assert (run.folder / "player.json").exists() == there == bool(page.players(found))
+        run = open_sweep(found.folder).runs[0]
+        assert (run.folder / "player.json").exists() == there == bool(by_member(found))
     assert len(list((tmp_path / "out/runs").iterdir())) == 1
 
 
@@ -181,3 +185,55 @@ def test_figures_of_a_study_in_another_format(done, tmp_path, ending, monkeypatc
     assert (status, out) == (0, f"{folder}/figures/sweep_profiles.{ending}\n")
     assert (folder / f"figures/sweep_profiles.{ending}").read_bytes()[:5] in (b"%PDF-", b"<?xml")
     assert call(monkeypatch, capsys, "figures", folder, "--format", ending)[0] == 0  # replaces its own
+
+
+@pytest.fixture(scope="module")
+def grid(tmp_path_factory):
+    """Two axes with two values each, two starts of each point."""
+    study = {**STUDY, "set": {"run.duration": 1}}
+    return lj.sweep(study, tmp_path_factory.mktemp("grid") / "box", jobs=1)
+
+
+def test_a_study_has_a_slider_for_each_axis(grid):
+    choice, text = by_point(grid)
+    assert [(axis.label, axis.values) for axis in choice.axes] == [
+        ("time step over 2/ω", ["0.05", "0.1"]), ("density", ["500 kg/m³", "1000 kg/m³"]),
+    ]  # fmt: skip
+    assert choice.places == [(0, 0), (0, 1), (1, 0), (1, 1)] and len(choice.blocks) == len(choice.sides) == 4
+    assert choice.names[1] == "time step over 2/ω 0.05, density 1000 kg/m³"
+    assert "the start whose numbers are nearest to its means" in text.text
+    frame = grid.table.to_dataframe().unstack("statistic")
+    for side, (_, row) in zip(choice.sides, frame.iterrows(), strict=True):
+        values = [box.value for box in side[0].numbers]
+        assert values == pytest.approx([item.scale * row[item.path, "mean"] for item in grid.study.collect])
+        assert all(box.against == "n = 2" for box in side[0].numbers)
+    html = (grid.folder / "sweep.html").read_text()
+    assert html.count('class="axis"') == 2 and html.count('class="of-run"') == 4
+    assert html.count('<div class="of-run" data-run="2">') == 1  # the others are hidden
+    assert json.loads(re.search(r'data-places="([^"]*)"', html)[1]) == [[0, 0], [0, 1], [1, 0], [1, 1]]
+
+
+def test_each_point_shows_the_start_nearest_to_its_means(grid):
+    chosen = importlib.import_module("lammps_jump.sweeps.players.points")._nearest(grid)
+    assert list(chosen) == [0, 1, 2, 3] and [grid.values["point"][row] for row in chosen.values()] == [0, 1, 2, 3]
+
+
+def test_players_of_many_points_are_thinned_to_the_room_of_a_page(grid, monkeypatch):
+    sizes = [len(block.frames) for block in by_point(grid)[0].blocks]
+    monkeypatch.setattr(importlib.import_module("lammps_jump.sweeps.players.points"), "LARGEST", sum(sizes) // 2 + 1)
+    thinner = by_point(grid)[0].blocks
+    assert [len(block.header["times"]) for block in thinner] == [11] * 4  # of 21, every second
+    assert sum(len(block.frames) for block in thinner) < sum(sizes)
+
+
+def test_points_without_a_run_are_counted(grid, tmp_path):
+    folder = tmp_path / "box"
+    shutil.copytree(grid.folder, folder)
+    for run in open_sweep(folder).runs[:2]:
+        shutil.rmtree(run.folder)
+    choice, text = by_point(open_sweep(folder))
+    assert choice.places == [(0, 1), (1, 0), (1, 1)]
+    assert "1 of 4 points have no finished run with frames" in text.text
+    for run in open_sweep(folder).runs:
+        shutil.rmtree(run.folder)
+    assert by_point(open_sweep(folder)) == []

@@ -55,7 +55,9 @@ def test_what_was_read_is_written_and_read_again(study, tmp_path):
 def test_only_what_is_collected_is_analysed(study):
     assert study().analysis["analysis.jump"] and not study().analysis["analysis.energy"]
     assert study(collect=["energy.drift"], until={}).analysis["analysis.jump"] is False
-    assert study().analysis["analysis.figures"] == "none"
+    assert study().analysis["analysis.figures"] == "player"
+    many = {"discs.density": list(range(500, 601))}
+    assert study(axes=many).analysis["analysis.figures"] == "none"
     for path, asked in (("front.speed", True), ("front.martin_moyce.slope", "water")):
         assert study(collect=[path], until={}).analysis["analysis.front"] == asked
 
