@@ -114,6 +114,8 @@ template <class Number> struct AtWall {
   Number nx, ny;         // from the wall to the disc
   Number vx, vy;         // against the wall, m/s
   Number spin;           // rad/s
+  Number size;           // of dashpot and ramp where discs have radii of their own, m (`pair_size`): at a wall the radius
+  Number turns;          // spin of the wall where it rolls along, rad/s
 };
 
 template <class Number> struct WallForce : Force<Number> {
@@ -130,14 +132,15 @@ inline WallForce<Number> wall_contact(const Law &law, const Numbers<Number> &of,
   WallForce<Number> out;
   Numbers<Number> own = of;
   if constexpr (SIZES) {
-    own.damping = of.damping * at.radius;
-    own.ramp = of.ramp * at.radius;
+    own.damping = of.damping * at.size;
+    own.ramp = of.ramp * at.size;
   }
   const Number rim = SPIN ? at.radius * at.spin : spread(0.0, at.radius);
+  const Number turn = SPIN ? at.radius * (at.spin - at.turns) : rim;
   Stretch<Number> held{};
   if constexpr (Law::Friction::REMEMBERS) held = memory.begin(at.vy * at.nx - at.vx * at.ny - rim);
   static_cast<Force<Number> &>(out) =
-      contact_force(law, own, rolling, at.radius - at.gap, at.nx, at.ny, at.vx, at.vy, rim, rim, held);
+      contact_force(law, own, rolling, at.radius - at.gap, at.nx, at.ny, at.vx, at.vy, rim, turn, held);
   if constexpr (Law::Friction::REMEMBERS) memory.end(held);
   out.torque = at.radius * (out.resist - out.rub);
   return out;

@@ -22,15 +22,20 @@ double slope_of(const jump_state &s, const Seen &seen);
 
 inline bool has(double number) { return number == number; }
 
-/** Calls run(law, sizes, spin) with the law of a state. */
-template <class Run> inline void with_law(const jump_state &s, double slope, const Run &run)
+/** The law that a state asks for. */
+inline Choice choice_of(const jump_state &s, double slope)
 {
   const auto tangential = s.partner          ? Choice::SLIDER
                           : !has(s.friction) ? Choice::NONE
                           : has(s.sign_ramp)      ? Choice::SIGN
                                              : Choice::RAMP;
-  const Choice choice{tangential, s.touch, slope, {s.spring_ratio, s.spring_damping, s.memory_step}, s.pull};
-  with_law(choice, s.radius, s.omega, run);
+  return {tangential, s.touch, slope, {s.spring_ratio, s.spring_damping, s.memory_step}, s.pull};
+}
+
+/** Calls run(law, sizes, spin) with the law of a state. */
+template <class Run> inline void with_law(const jump_state &s, double slope, const Run &run)
+{
+  with_law(choice_of(s, slope), s.radius, s.omega, run);
 }
 
 /** Numbers of the contact of two discs. */
@@ -172,7 +177,21 @@ struct WallView : WallInPlace {
     placed = s.placed + wall;
     cx = s.centre[wall][0];
     cy = s.centre[wall][1];
+    if (s.bulk) bulk = s.bulk[wall];
   }
+
+  /** The contact of disc i at (x, y). */
+  template <bool SIZES, bool SPIN>
+  AtWall<double> meet(const jump_state &s, const Seen &seen, int64_t i, const FaceContact &found, double x, double y) const
+  {
+    const double own = radius_of(s, i);
+    AtWall<double> out = at(found, x, y, own, seen.vx[i], seen.vy[i], SPIN ? seen.spin[i] : 0.0);
+    if (SIZES && bulk > 0.0) out.size = pair_size(bulk_of(s, i), bulk);
+    return out;
+  }
+
+  /** Whether the wall and a disc that stays feel each other: a body and a rough bed do. */
+  bool passes(const jump_state &s, int64_t i) const { return is_fixed(s, i) && !(bulk > 0.0); }
 
   /** Contacts of disc i, which is on this row of the list; (px, py): its place in the wall's own frame. */
   int touching(const jump_state &s, int64_t row, double px, double py, double radius, FaceContact *found) const

@@ -14,13 +14,34 @@ namespace jump {
 
 constexpr int TRACK_WORDS = 25;
 
-/** Kind of a moving wall that discs push. 1 follows a track; 3 goes at the speed that its `Pushed` has: its mass is
-    infinite. */
-constexpr int64_t LID = 2;
+/** Kinds of moving walls. 1 follows a track; a lid and a body are pushed by what touches them; 3 goes at the speed that its
+    `Pushed` has: its mass is infinite. A body is felt with its mass, and by walls too (bodies.cpp). */
+constexpr int64_t LID = 2, BODY = 4;
 
 /** Displacement (m) and turn (rad) of a wall from where the case has it, or their rates. */
 struct Pose {
   double x, y, angle;
+};
+
+/** A force on a wall or what is lost there: along x and y, and its moment. */
+struct Sum {
+  double x = 0.0, y = 0.0, moment = 0.0;
+
+  double power(const Pose &rate) const { return x * rate.x + y * rate.y + moment * rate.angle; }
+
+  /** Add a force that acts at (x, y) from the point of the moment. */
+  void add(double fx, double fy, double at_x, double at_y)
+  {
+    x += fx;
+    y += fy;
+    moment += at_x * fy - at_y * fx;
+  }
+};
+
+/** What a wall that moves takes in a step, its moments about the point of turning: force of the discs, of the discs and of
+    bodies, and the parts of the latter that dashpots and friction take as their own. */
+struct Taken {
+  Sum of_discs, all, lost, slid;
 };
 
 /** Where a wall is at a step. */
@@ -31,14 +52,31 @@ struct Placed {
   Pose centred;    // over two steps, for power and work
 };
 
-/** A wall that discs push: a mass (kg/m) under a force (N/m), free along x and y or not, released at a time (s). */
-struct Lid {
-  double mass, force[2], free[2], begin;
+/** A wall that is pushed: mass (kg/m) and moment of inertia about the point of turning (kg m), constant force (N/m), the arm
+    from that point to where the force acts (m), freedom along x and y and to turn, and the time of its release (s). */
+struct Load {
+  double mass, inertia, force[2], arm[2], free[3], begin;
+
+  double resistance(int axis) const { return axis < 2 ? mass : inertia; }
+
+  /** The constant force and its moment, of a wall that is turned. */
+  double own(int axis, double angle) const
+  {
+    if (axis < 2) return force[axis];
+    if (arm[0] == 0.0 && arm[1] == 0.0) return 0.0;
+    const double c = std::cos(angle), s = std::sin(angle);
+    return (c * arm[0] - s * arm[1]) * force[1] - (s * arm[0] + c * arm[1]) * force[0];
+  }
 };
 
-/** Of such a wall: displacement (m), velocity of the half step (m/s), force of the discs of this step (N/m). */
+/** Whether such a wall is held, released at this step, or has moved. */
+enum Phase { IS_HELD, IS_RELEASED, HAS_MOVED };
+
+/** Of such a wall: displacement (m) and turn (rad), velocity of the half step and of the one before (m/s, rad/s), and force of
+    what touches it at this step (N/m) with its moment about the point of turning (N). */
 struct Pushed {
-  double place[2], speed[2], force[2];
+  double place[3], speed[3], before[3], force[3];
+  double phase;
 };
 
 /** Time of a step: t = 0 at step `start`. */
@@ -79,36 +117,46 @@ inline void follow(Placed &wall, const double (*track)[TRACK_WORDS], int64_t row
   wall.s = std::sin(wall.now.angle);
 }
 
-/** Place a wall that discs push. */
-inline void follow(Placed &wall, const Pushed &pushed)
+/** Kick and drift of a wall that is pushed to a step, as of a disc; the first kick is half a step long. */
+inline void drift(Pushed &pushed, const Load &load, const Clock &clock, double step)
 {
-  wall.now.x = pushed.place[0];
-  wall.now.y = pushed.place[1];
-  wall.rate.x = pushed.speed[0];
-  wall.rate.y = pushed.speed[1];
-}
-
-/** Kick and drift of a wall that discs push to a step, as of a disc; the first kick is half a step long. */
-inline void drift(Pushed &pushed, const Lid &lid, const Clock &clock, double step)
-{
-  if (!(clock.time(step) > lid.begin)) return;
-  const bool first = clock.time(step - 1) <= lid.begin;
-  for (int axis = 0; axis < 2; axis++) {
-    if (!(lid.free[axis] > 0.0)) continue;
-    const double force = pushed.force[axis] + lid.force[axis];
-    pushed.speed[axis] += (first ? 0.5 * clock.dt : clock.dt) * force / lid.mass;
+  if (!(clock.time(step) > load.begin)) return;
+  const bool first = clock.time(step - 1) <= load.begin;
+  const double angle = pushed.place[2];
+  for (int axis = 0; axis < 3; axis++) {
+    if (!(load.free[axis] > 0.0)) continue;
+    const double force = pushed.force[axis] + load.own(axis, angle);
+    pushed.before[axis] = pushed.speed[axis];
+    pushed.speed[axis] += (first ? 0.5 * clock.dt : clock.dt) * force / load.resistance(axis);
     pushed.place[axis] += clock.dt * pushed.speed[axis];
   }
 }
 
-/** Velocity of a wall that discs push at a step, with the force of that step. */
-inline void centre(Placed &wall, const Pushed &pushed, const Lid &lid, double dt)
+/** Place a wall that is pushed at a step. EXTRAPOLATED: contacts see 1.5 v_(n-1/2) - 0.5 v_(n-3/2) (thesis 3.7-3.9). */
+inline void follow(Placed &wall, Pushed &pushed, const Load &load, const Clock &clock, double step, bool extrapolated)
 {
-  const bool free = wall.rate.x != 0.0 || wall.rate.y != 0.0;
-  double *const velocity[2] = {&wall.centred.x, &wall.centred.y};
-  for (int axis = 0; axis < 2; axis++) {
-    const double force = pushed.force[axis] + lid.force[axis], half = 0.5 * dt * force / lid.mass;
-    *velocity[axis] = free && lid.free[axis] > 0.0 ? pushed.speed[axis] + half : 0.0;
+  const double time = clock.time(step);
+  pushed.phase = time > load.begin ? HAS_MOVED : time < load.begin ? IS_HELD : IS_RELEASED;
+  wall.now = {pushed.place[0], pushed.place[1], pushed.place[2]};
+  wall.c = std::cos(wall.now.angle);
+  wall.s = std::sin(wall.now.angle);
+  double rate[3];
+  for (int axis = 0; axis < 3; axis++) {
+    rate[axis] = pushed.phase == IS_HELD ? 0.0 : pushed.speed[axis];
+    if (extrapolated && pushed.phase == HAS_MOVED) rate[axis] = 1.5 * pushed.speed[axis] - 0.5 * pushed.before[axis];
+  }
+  wall.rate = {rate[0], rate[1], rate[2]};
+}
+
+/** Velocity of a wall that is pushed at a step, with the force of that step. */
+inline void centre(Placed &wall, const Pushed &pushed, const Load &load, double dt)
+{
+  double *const velocity[3] = {&wall.centred.x, &wall.centred.y, &wall.centred.angle};
+  for (int axis = 0; axis < 3; axis++) {
+    const bool free = load.free[axis] > 0.0 && pushed.phase != IS_HELD;
+    const double force = pushed.force[axis] + load.own(axis, pushed.place[2]);
+    const double half = pushed.phase == HAS_MOVED ? 0.5 * dt * force / load.resistance(axis) : 0.0;
+    *velocity[axis] = free ? pushed.speed[axis] + half : 0.0;
   }
 }
 
@@ -126,6 +174,14 @@ inline void inward(const Placed &wall, double cx, double cy, double &x, double &
   const double dx = x - cx - wall.now.x, dy = y - cy - wall.now.y;
   x = cx + wall.c * dx + wall.s * dy;
   y = cy - wall.s * dx + wall.c * dy;
+}
+
+/** A direction as that frame has it. */
+inline void inward(const Placed &wall, double &x, double &y)
+{
+  const double dx = x;
+  x = wall.c * dx + wall.s * y;
+  y = -wall.s * dx + wall.c * y;
 }
 
 /** A direction of that frame as it is. */

@@ -99,14 +99,7 @@ template <bool SIZES, bool SPIN, bool LEDGER, class Law> static void pair_forces
   }
 }
 
-/** A force on a wall or what is lost there: along x and y, and its moment. */
-struct Sum {
-  double x = 0.0, y = 0.0, moment = 0.0;
-
-  double power(const Pose &rate) const { return x * rate.x + y * rate.y + moment * rate.angle; }
-};
-
-/** Forces of one wall on the discs near it, and of these on it; fixed discs feel no wall, and no wall feels them. */
+/** Forces of one wall on the discs near it, and of these on it. Fixed discs feel no wall but bodies. */
 template <bool SIZES, bool SPIN, class Law> static void wall_forces(const jump_state &s, const Law &law, int64_t wall)
 {
   const Seen seen = seen_by(s);
@@ -123,13 +116,13 @@ template <bool SIZES, bool SPIN, class Law> static void wall_forces(const jump_s
   FaceContact found[MOST];
   for (int64_t row = s.near_rows[wall]; row < s.near_rows[wall + 1]; row++) {
     const int64_t i = s.near_discs[row];
-    if (is_fixed(s, i)) continue;
+    if (view.passes(s, i)) continue;
     const double own = radius_of(s, i), x = s.x[i], y = s.y[i];
     double px = x, py = y;
     view.see(px, py);
     const int count = view.touching(s, row, px, py, own, found);
     for (int c = 0; c < count; c++) {
-      const AtWall<double> at = view.at(found[c], x, y, own, seen.vx[i], seen.vy[i], SPIN ? seen.spin[i] : 0.0);
+      const AtWall<double> at = view.meet<SIZES, SPIN>(s, seen, i, found[c], x, y);
       const WallForce<double> out =
           wall_contact<SIZES, SPIN>(law, of, rolling, at, WallMemory(s, i, found[c].face, px, py, own));
       if constexpr (SPIN) s.torque[i] += out.torque;
@@ -137,7 +130,8 @@ template <bool SIZES, bool SPIN, class Law> static void wall_forces(const jump_s
         s.slide_x[i] -= out.rub * at.ny;
         s.slide_y[i] += out.rub * at.nx;
       }
-      const double to_x = x - at.gap * at.nx, to_y = y - at.gap * at.ny;
+      const double to = view.arm(at.gap, own), to_x = x - to * at.nx, to_y = y - to * at.ny;
+      const double rolls = view.bulk > 0.0 ? own * out.resist : 0.0;    // of a body, which feels it too
       if (ledger) {
         s.dash_x[i] += out.dashpot * at.nx;
         s.dash_y[i] += out.dashpot * at.ny;
@@ -148,31 +142,42 @@ template <bool SIZES, bool SPIN, class Law> static void wall_forces(const jump_s
           lost.moment += out.dashpot * (arm_x * at.ny - arm_y * at.nx);
           slid.x -= out.rub * at.ny;
           slid.y += out.rub * at.nx;
-          slid.moment += out.rub * (arm_x * at.nx + arm_y * at.ny);
+          slid.moment += out.rub * (arm_x * at.nx + arm_y * at.ny) + rolls;
         }
       }
       s.fx[i] += out.fx;
       s.fy[i] += out.fy;
       on_wall.x -= out.fx;
       on_wall.y -= out.fy;
-      on_wall.moment += (to_y - y_ref) * out.fx - (to_x - x_ref) * out.fy;
+      on_wall.moment += (to_y - y_ref) * out.fx - (to_x - x_ref) * out.fy - rolls;
     }
   }
   double *const sum = s.wall_sum[wall];
   sum[0] += on_wall.x;
   sum[1] += on_wall.y;
   sum[2] += on_wall.moment;
-  if (!moves) return;
-  Pushed &pushed = s.pushed[wall];
-  pushed.force[0] = on_wall.x;
-  pushed.force[1] = on_wall.y;
-  if (s.moving[wall] >= LID) centre(s.placed[wall], pushed, s.lid[wall], s.clock[2]);
-  const Pose &rate = view.placed->centred;
-  const double dt = s.clock[2], power = -on_wall.power(rate);
-  sum[3] += power;
-  s.work[3] += dt * lost.power(rate);
-  s.work[4] += dt * slid.power(rate);
-  if (s.moving[wall] != LID) s.work[5] += dt * power;    // the energy of a lid is part of the whole
+  if (moves) s.taken[wall] = {on_wall, on_wall, lost, slid};
+}
+
+/** What forces of a step do on walls that move: their power on discs, and what is due to them in the ledger. */
+static void end_walls(const jump_state &s)
+{
+  const double dt = s.clock[2];
+  for (int64_t wall = 0; wall < s.walls; wall++) {
+    const int64_t kind = s.moving[wall];
+    if (kind == 0) continue;
+    const Taken &taken = s.taken[wall];
+    Pushed &pushed = s.pushed[wall];
+    pushed.force[0] = taken.all.x;
+    pushed.force[1] = taken.all.y;
+    pushed.force[2] = taken.all.moment;
+    if (kind >= LID) centre(s.placed[wall], pushed, s.load[wall], dt);
+    const Pose &rate = s.placed[wall].centred;
+    s.wall_sum[wall][3] -= taken.of_discs.power(rate);
+    s.work[3] += dt * taken.lost.power(rate);
+    s.work[4] += dt * taken.slid.power(rate);
+    if (kind != LID && kind != BODY) s.work[5] -= dt * taken.all.power(rate);    // the energy of the others is part of the whole
+  }
 }
 
 /** Take the forces off fixed discs: they stay, and nothing is dissipated on their side. */
@@ -206,10 +211,15 @@ static void forces(const jump_state &s)
     else pair_forces<sizes.value, spin.value, false>(s, law);
     for (int64_t wall = 0; wall < s.walls; wall++) wall_forces<sizes.value, spin.value>(s, law, wall);
   });
+  if (s.corners) body_forces(s, slope);
+  if (s.moving) end_walls(s);
   if (s.moving)
     for (int c = 0; c < 3; c++) s.work[c] += s.work[3 + c];
   if (s.fixed) hold(s);
-  if (s.partner && s.memory_step > 0.0) end_step(s);
+  if (s.partner && s.memory_step > 0.0) {
+    end_step(s);
+    if (s.corners) end_step(*s.corners);
+  }
 }
 
 /** Sum of term(i) over the discs. */
@@ -326,7 +336,7 @@ static bool place_walls(const jump_state &s, double step)
     const int64_t first = s.track_first[wall];
     if (s.moving[wall] == 1)
       follow(s.placed[wall], s.track + first, s.track_first[wall + 1] - first, clock.time(step), clock.dt);
-    else follow(s.placed[wall], s.pushed[wall]);
+    else follow(s.placed[wall], s.pushed[wall], s.load[wall], clock, step, s.clock[4] > 0.0 && s.moving[wall] == BODY);
     old = old || !(travel(s.placed[wall].now, s.listed[wall], s.far[wall]) <= s.clock[3]);
   }
   return old;
@@ -354,7 +364,7 @@ static int64_t advance(jump_state &s, int64_t steps, bool owed, bool &old)
     if (s.moving) {
       const double step = s.clock[0] + (double) done;
       for (int64_t wall = 0; wall < s.walls; wall++)
-        if (s.moving[wall] >= LID) drift(s.pushed[wall], s.lid[wall], {s.clock[1], s.clock[2]}, step);
+        if (s.moving[wall] >= LID) drift(s.pushed[wall], s.load[wall], {s.clock[1], s.clock[2]}, step);
       if (place_walls(s, step)) old = true;
     }
     if (old || done == steps) return done;

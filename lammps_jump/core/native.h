@@ -12,7 +12,28 @@
 
 #include <cstdint>
 
+struct jump_state;
+
 namespace jump {
+
+/** A corner of a wall as a disc, in the wall's own frame (m); of an arc, the directions at its two ends, else 0. */
+struct Corner {
+  double x, y, radius, tx0, ty0, tx1, ty1;
+  int64_t wall;    // -1: it is gone
+
+  /** Whether the wall is there in this direction from the centre. */
+  bool holds(double dx, double dy) const
+  {
+    if (tx0 == 0.0 && ty0 == 0.0) return true;
+    return tx0 * dx + ty0 * dy >= 0.0 && tx1 * dx + ty1 * dy < 0.0;
+  }
+};
+
+/** Contact of a corner with a face: stiffness; dashpot and slope of the viscous ramp over the root of the effective mass; what
+    the dashpot is less, because it sees the half step; friction coefficient. */
+struct BodyLaw {
+  double k, damping, ramp, lag, friction;
+};
 
 /** Velocities of the discs, m/s, and spins, rad/s (NULL: none). */
 struct Seen {
@@ -58,8 +79,9 @@ struct jump_state {
   jump::Placed *placed;
   const jump::Pose *listed;
   const double *far;
-  const jump::Lid *lid;
+  const jump::Load *load;
   jump::Pushed *pushed;
+  jump::Taken *taken;
   const double *clock;
   // law
   double diameter, stiffness, damping, tangential;
@@ -78,6 +100,12 @@ struct jump_state {
   jump::Rolling rolling;
   const jump::Rolling *rolling_at;
   double *work;    // ledger: work of dashpots, friction, walls, and the last step's part that is due to walls
+  // bodies; corners NULL: there are none
+  const double *bulk;             // of each wall: radius of a disc of its mass, m; 0 of a wall that is no body
+  const jump_state *corners;      // corners as discs: the walls near them, and what they remember
+  const jump::Corner *corner;
+  const jump::BodyLaw *between;   // by the walls of a corner and of a face
+  double *deepest;                // largest overlap of the step, m, the walls of its corner and of its face
 };
 
 struct jump_grid {
@@ -136,6 +164,10 @@ JUMP_API void jump_between(const jump_state *state, const jump_stations *station
 namespace jump {
 /** Touching pairs by the thesis' contact search; false where a disc is outside the grid or the list is short. */
 bool search_cells(jump_state &state);
+/** Forces between bodies, and of bodies and walls. */
+void body_forces(const jump_state &state, double slope);
+/** Elastic energy of their contacts, J per m of width. */
+double body_elastic(const jump_state &state);
 }    // namespace jump
 
 #endif

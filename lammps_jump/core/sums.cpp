@@ -28,7 +28,7 @@ template <class Run> static void each_wall_contact(const jump_state &s, const Ru
     const WallView view(s, wall);
     for (int64_t row = s.near_rows[wall]; row < s.near_rows[wall + 1]; row++) {
       const int64_t i = s.near_discs[row];
-      if (is_fixed(s, i)) continue;
+      if (view.passes(s, i)) continue;
       double px = s.x[i], py = s.y[i];
       view.see(px, py);
       const int count = view.touching(s, row, px, py, radius_of(s, i), found);
@@ -112,7 +112,7 @@ static void list_contacts(const jump_state &s, const Law &law, const Seen &at_st
   });
   each_wall_contact(s, [&](const WallView &view, int64_t wall, int64_t i, const FaceContact &found, double px, double py) {
     const double own = radius_of(s, i), x = s.x[i], y = s.y[i];
-    const AtWall<double> at = view.at(found, x, y, own, seen.vx[i], seen.vy[i], SPIN ? seen.spin[i] : 0.0);
+    const AtWall<double> at = view.meet<SIZES, SPIN>(s, seen, i, found, x, y);
     const Rolling rolling = Law::Friction::REMEMBERS ? s.rolling_at[wall] : Rolling{};
     const WallForce<double> out = wall_contact<SIZES, SPIN>(law, numbers_of_wall(s, wall), rolling, at,
                                                             WallMemory(s, i, found.face, px, py, own));
@@ -257,7 +257,8 @@ JUMP_SIZE(jump_seen)
 
 /** Elastic energy, J per m of width; the largest overlap, m, its disc and wall (-1: of two discs).
 
-    Rows of the list before `begin` are left out, and contacts of discs with ids up to `known` alone, if it is not -1. */
+    Rows of the list before `begin` are left out, and contacts of discs with ids up to `known` alone, if it is not -1. Contacts
+    of bodies with walls and each other count where all contacts do. */
 double jump_elastic(const jump_state *state, int64_t begin, int64_t known, double *worst, int64_t *where)
 {
   *worst = 0.0;
@@ -266,6 +267,7 @@ double jump_elastic(const jump_state *state, int64_t begin, int64_t known, doubl
   with_touch(state->touch, state->pull, [&](const auto &normal, const auto &) {
     energy = elastic(*state, normal, begin, known, worst, where);
   });
+  if (state->corners && known < 0) energy += body_elastic(*state);
   return energy;
 }
 

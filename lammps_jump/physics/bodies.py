@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What the bodies of a layer are, by their masses and diameters: spheres, cylinders, or discs of the thesis.
+"""Bodies: what those of a layer are, by their masses and diameters, and rigid ones of an outline.
+
+Those of a layer are spheres, cylinders, or discs of the thesis.
 
 The mass of a sphere is rho pi d^3/6 (kg), that of a cylinder rho pi d^2/4 and that of a disc of the thesis rho d^2
 (kg per metre of width). ``atom_style sphere`` of LAMMPS gives the first, ``set density/disc`` the second.
@@ -7,7 +9,8 @@ The mass of a sphere is rho pi d^3/6 (kg), that of a cylinder rho pi d^2/4 and t
 
 from __future__ import annotations
 
-from math import pi
+from math import pi, sqrt
+from typing import NamedTuple
 
 import numpy as np
 
@@ -57,3 +60,65 @@ def told(masses: np.ndarray, diameters: np.ndarray, density: float | None = None
     scaled = {kind: masses / diameters**power for kind, (power, _) in SHAPES.items()}
     alike = {kind for kind, values in scaled.items() if np.ptp(values) <= SAME * np.mean(values)}
     return tuple(kind for kind, value in found.items() if kind in alike and low <= value <= high)
+
+
+# --- rigid bodies of an outline ---------------------------------------------------------------------------------------
+
+
+class Section(NamedTuple):
+    """Area (m^2), centre (m) and second moment about the centre (m^4) of an outline."""
+
+    area: float
+    centre: tuple[float, float]
+    moment: float
+
+
+def section_of_polygon(corners: np.ndarray) -> Section:
+    """Area, centre and polar second moment of a polygon, either way round, by Green's theorem.
+
+    Parameters
+    ----------
+    corners : ndarray, shape (n, 2), m
+    """
+    origin = corners.mean(axis=0)  # small numbers keep their digits
+    x, y = (corners - origin).T
+    u, v = np.roll(x, -1), np.roll(y, -1)
+    cross = x * v - u * y
+    area = 0.5 * cross.sum()
+    cx, cy = ((x + u) * cross).sum() / (6.0 * area), ((y + v) * cross).sum() / (6.0 * area)
+    about_origin = ((x * x + x * u + u * u + y * y + y * v + v * v) * cross).sum() / 12.0
+    moment = about_origin - area * (cx * cx + cy * cy)
+    sense = 1.0 if area > 0 else -1.0
+    return Section(float(sense * area), (float(origin[0] + cx), float(origin[1] + cy)), float(sense * moment))
+
+
+def section_of_circle(centre: tuple[float, float], radius: float) -> Section:
+    """The same of a circle: pi r^2 and pi r^4/2."""
+    return Section(pi * radius**2, centre, 0.5 * pi * radius**4)
+
+
+def about_point(mass: float, inertia: float, distance: float) -> float:
+    """Moment of inertia about a point at a distance (m) from the centre of mass, kg m: I + M r^2 (Steiner)."""
+    return inertia + mass * distance**2
+
+
+def effective_mass(*inverse: float) -> float:
+    """Mass that a contact feels, kg/m: 1 / (1/m_1 + 1/m_2 + b^2/I + ...), of these inverse parts (1/kg)."""
+    return 1.0 / sum(inverse)
+
+
+def pendulum_period(mass: float, inertia: float, distance: float, gravity: float, amplitude: float) -> float:
+    """Period of a compound pendulum, s: 2 pi sqrt(I_h/(M g l)) (1 + a^2/16).
+
+    Parameters
+    ----------
+    mass, inertia : float
+        kg/m; kg m about the hinge.
+    distance : float
+        From the hinge to the centre of mass, m.
+    gravity : float
+        m/s^2.
+    amplitude : float
+        rad; the next term of the series is 11 a^4/3072.
+    """
+    return 2.0 * pi * sqrt(inertia / (mass * gravity * distance)) * (1.0 + amplitude**2 / 16.0)

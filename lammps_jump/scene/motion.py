@@ -14,6 +14,7 @@ import numpy as np
 from lammps_jump.errors import CaseError
 from lammps_jump.physics.devices import Holding
 
+from .bodies.free import Free
 from .chains import Chain, Faces, moved
 from .tracks import ANGLE, COLUMNS, KINDS, WAVE, Held, Loaded, fastest, pose_py, poses, track_of
 from .walls import Interval, Wall
@@ -38,8 +39,8 @@ class Motion:
     ----------
     gone : float
         First step whose forces no longer feel the wall; infinite: it stays.
-    kind : Translate, Rotate, Oscillate, Table, Loaded or Held, optional
-        How it moves (`lammps_jump.scene.tracks`); None: it stands.
+    kind : Translate, Rotate, Oscillate, Table, Loaded, Held or Free, optional
+        How it moves (`lammps_jump.scene.tracks`, `bodies`); None: it stands.
     about : (float, float)
         Point of the wall, where the case has it, m: it turns about it, and its moment is taken about it.
     ease : float
@@ -53,7 +54,7 @@ class Motion:
     """
 
     gone: float = inf
-    kind: KINDS | None = None
+    kind: KINDS | Free | None = None
     about: tuple[float, float] = (0.0, 0.0)
     ease: float = 0.0
     start: int = 0
@@ -62,13 +63,23 @@ class Motion:
 
     @property
     def is_state(self) -> bool:
-        """Whether the pose is state of the run, and no function of the step: of a load, and of a hold."""
-        return isinstance(self.kind, (Loaded, Held))
+        """Whether the pose is state of the run, and no function of the step: of a load, a hold and a body."""
+        return isinstance(self.kind, (Loaded, Held, Free))
 
     @property
     def load(self) -> Loaded | None:
         """Mass and force of a wall that the discs push; its pose is state of the run."""
         return self.kind if isinstance(self.kind, Loaded) else None
+
+    @property
+    def free(self) -> Free | None:
+        """Mass, weight and the rest of a body."""
+        return self.kind if isinstance(self.kind, Free) else None
+
+    @property
+    def is_pushed(self) -> bool:
+        """Whether what touches it moves it: a load or a body."""
+        return isinstance(self.kind, (Loaded, Free))
 
     @cached_property
     def track(self) -> np.ndarray:
@@ -197,9 +208,9 @@ def gate(wall: Wall, step: int) -> MovingWall:
 
 
 def way(one: MovingWall, begin: float, end: float) -> tuple[Interval, Interval]:
-    """Smallest rectangle (x, y) around a wall and its way between two times (s), m; of a loaded one where it begins."""
+    """Smallest rectangle (x, y) around a wall and its way between two times (s), m; of a pushed one where it begins."""
     wall, motion = one
-    if motion.kind is None or motion.load:
+    if motion.kind is None or motion.is_pushed:
         return wall.extent
     if isinstance(motion.kind, Held):
         low, high = wall.extent[1]
@@ -239,9 +250,9 @@ PUSHED_THERE = "discs have pushed it there: make the channel longer, or let it m
 
 
 def largest_speed(one: MovingWall, begin: float, end: float) -> float:
-    """Largest speed of a point of a wall between two times (s), m/s; 0 of a loaded one, which the discs move."""
+    """Largest speed of a point of a wall between two times (s), m/s; 0 of one that the discs move."""
     wall, motion = one
-    if motion.kind is None or motion.load:
+    if motion.kind is None or motion.is_pushed:
         return 0.0
     if isinstance(motion.kind, Held):
         return motion.kind.speed

@@ -118,7 +118,7 @@ class Moves(NamedTuple):
     track, first : ndarray
         Rows of wall w: ``track[first[w]:first[w + 1]]`` (`lammps_jump.scene.tracks`); none of a wall that stands.
     moving : ndarray of int64, shape (walls,)
-        0 stands, 1 follows its track, 2 is pushed by the discs, 3 goes at the speed that `pushed` has.
+        0 stands, 1 follows its track, 2 is pushed by the discs, 3 goes at the speed that `pushed` has, 4 is a body.
     centre : ndarray, shape (walls, 2)
         Point of turning where the case has it, m.
     now : ndarray, shape (walls, 11)
@@ -127,12 +127,19 @@ class Moves(NamedTuple):
         Pose for which the discs near it were listed.
     far : ndarray, shape (walls,)
         Largest distance of a face from the centre, m.
-    lid : ndarray, shape (walls, 6)
-        Of pushed walls: mass (kg/m), force (N/m) along x and y, 1 or 0 for the axes free to move, time of the release.
-    pushed : ndarray, shape (walls, 6)
-        Of pushed walls: displacement (m), velocity of the half step (m/s), force of the discs at the step (N/m).
-    clock : ndarray, shape (4,)
-        Step at the call, step of t = 0, time step (s), and half the skin (m).
+    load : ndarray, shape (walls, 10)
+        Of pushed walls: mass (kg/m) and moment of inertia about the centre (kg m); constant force along x and y (N/m),
+        and the arm to it from the centre (m); 1 or 0 for freedom along x, along y and to turn; time of the release (s).
+    pushed : ndarray, shape (walls, 13)
+        Of pushed walls, of x, y and turn: displacement (m, rad), velocity of the half step and of the one before (m/s,
+        rad/s), force of what touches it at the step (N/m) with its moment about the centre (N); whether it is held (0),
+        released at this step (1) or has moved (2).
+    taken : ndarray, shape (walls, 12)
+        What a wall takes in a step, along x, along y and as a moment: force of the discs, all force, and what of that
+        dashpots and friction take.
+    clock : ndarray, shape (5,)
+        Step at the call, step of t = 0, time step (s), half the skin (m), and 1 where contacts with bodies see the
+        extrapolated velocity.
     """
 
     track: np.ndarray
@@ -142,8 +149,9 @@ class Moves(NamedTuple):
     now: np.ndarray
     listed: np.ndarray
     far: np.ndarray
-    lid: np.ndarray
+    load: np.ndarray
     pushed: np.ndarray
+    taken: np.ndarray
     clock: np.ndarray
 
 
@@ -183,6 +191,35 @@ class Memory(NamedTuple):
     rolling_at: np.ndarray
 
 
+class BodyState(NamedTuple):
+    """Bodies, and the corners with which they meet walls and each other.
+
+    Attributes
+    ----------
+    bulk : ndarray, shape (walls,)
+        Radius of a disc of the mass of a body, m; 0 of a wall that is none.
+    corner : ndarray, shape (corners,)
+        Records `CORNER`, each in the frame in which its wall stands.
+    between : ndarray, shape (walls, walls, 5)
+        Contact of a corner of the first wall with a face of the second: stiffness; dashpot and slope of the viscous
+        ramp over the root of the effective mass; what the dashpot is less, as it sees the half step; friction.
+    deepest : ndarray, shape (3,)
+        Largest overlap since it was looked at (m), and the walls of its corner and of its face.
+    corners : State
+        Corners as discs: the faces near them, and what they remember.
+    """
+
+    bulk: np.ndarray
+    corner: np.ndarray
+    between: np.ndarray
+    deepest: np.ndarray
+    corners: State
+
+
+CORNER = np.dtype([*((name, float) for name in ("x", "y", "radius", "tx0", "ty0", "tx1", "ty1")), ("wall", np.int64)])
+"""A corner (`lammps_jump.scene.bodies.corners`) and its wall among those that are there; -1: it is gone."""
+
+
 class Constants(NamedTuple):
     """Constants of a scene; None drops a term."""
 
@@ -208,6 +245,7 @@ class State(NamedTuple):
         `Books.work`.
     grid : Grid or None
         Pairs are then searched anew every step.
+    bodies : BodyState or None
     """
 
     discs: Any
@@ -217,6 +255,7 @@ class State(NamedTuple):
     memory: Memory | None
     work: np.ndarray
     grid: Grid | None = None
+    bodies: BodyState | None = None
 
 
 class Stations(NamedTuple):

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from ctypes import POINTER, byref, c_double, c_int64, c_void_p
+from ctypes import POINTER, addressof, byref, c_double, c_int64, c_void_p
 from math import nan
 from typing import Any, ClassVar
 
@@ -13,14 +13,14 @@ from lammps_jump.core.library import INTEGER, INTEGERS, REAL, REALS, Struct, fun
 from lammps_jump.scene.chains import Faces
 from lammps_jump.scene.near import Grid as NearGrid
 
-from .arrays import Box, Cells, Constants, Memory, Moves, Near, Seen, State, Stations
+from .arrays import BodyState, Box, Cells, Constants, Memory, Moves, Near, Seen, State, Stations
 
 ARRAY = c_void_p
 FACE = np.dtype([("codes", np.int64, 8), ("shape", float, 15)])
 """A row of `Faces` as the core has it."""
 
 DISCS = "ids x y vx vy fx fy x0 y0 ux uy omega torque uomega dash_x dash_y slide_x slide_y radius fixed"
-MOVES = "track first moving centre now listed far lid pushed clock"
+MOVES = "track first moving centre now listed far load pushed taken clock"
 MEMORY = "chain around full"
 
 
@@ -43,14 +43,14 @@ class jump_state(Struct):
         *fields(c_void_p, "grid_first grid_used"),
         *fields(c_int64, "walls"),
         *fields(c_void_p, "faces deep numbers about near_rows near_discs near_plain near_last near_faces wall_sum"),
-        *fields(c_void_p, "track track_first moving centre placed listed far lid pushed clock"),
+        *fields(c_void_p, "track track_first moving centre placed listed far load pushed taken clock"),
         *fields(c_double, "diameter stiffness damping tangential"),
         *fields(c_double, "time_step mass inertia weight_x weight_y reach2"),
         *fields(c_double, "friction sign_ramp touch pull"),
         *fields(c_int64, "slots"),
         *fields(c_void_p, "partner sigma spring roll used chain around full"),
         *fields(c_double, "memory_step spring_ratio spring_damping rolling_k rolling_damping rolling_friction"),
-        *fields(c_void_p, "rolling_at work"),
+        *fields(c_void_p, "rolling_at work bulk corners corner between deepest"),
     ]
 
 
@@ -127,6 +127,7 @@ class Core:
         self._faces: tuple[Faces | None, np.ndarray | None] = (None, None)
         self._pointers: dict[str, tuple[np.ndarray | None, int | None]] = {}
         self._grids: tuple[NearGrid | None, dict[int, jump_grid]] = (None, {})
+        self._corners: Core | None = None
 
     def _put(self, name: str, array: np.ndarray | None) -> None:
         """Bind an array; it is held as long as the core may read it."""
@@ -155,7 +156,17 @@ class Core:
             self._bind_constants(state.constants)
         if self._held.get("memory", False) is not state.memory:
             self._bind_memory(state.memory)
+        if state.bodies is not None:
+            self._bind_bodies(state.bodies)
         return byref(bound)
+
+    def _bind_bodies(self, bodies: BodyState) -> None:
+        for name in ("bulk", "corner", "between", "deepest"):
+            self._put(name, getattr(bodies, name))
+        if self._corners is None:
+            self._corners = Core()
+        self._corners._bind(bodies.corners)
+        self._state.corners = addressof(self._corners._state)
 
     def _bind_walls(self, walls: Any) -> None:
         put, near = self._put, walls.near

@@ -21,13 +21,12 @@ import numpy as np
 
 from lammps_jump.errors import CaseError, RunError
 from lammps_jump.physics.slip import FRICTION_LAWS
-from lammps_jump.physics.slots import Slots
 from lammps_jump.scene.motion import PUSHED_THERE
 from lammps_jump.scene.scene import Scene
 
-from .arrays import Grid, Loops, Memory, Pairs, State
+from .arrays import Grid, Loops, Pairs, State
 from .bound import Core
-from .constants import constants_of, springs_of
+from .constants import Memories, constants_of
 from .discs import Discs, starting
 from .events import Event, OpenBoundaries, Schedule, Tailgates, Windows
 from .ledger import (
@@ -94,7 +93,6 @@ class NativeSimulation:
     """
 
     _grid: Grid | None = None
-    _held: Memory | None = None
 
     def __init__(self, scene: Scene, *, ledger: bool = True, loops: Loops | None = None):
         for name, known in KNOWN.items():
@@ -109,7 +107,7 @@ class NativeSimulation:
         self.skin = scene.skin if scene.skin > 0 else DEFAULT_SKIN * scene.diameter
         self._share = (scene.largest / scene.diameter) ** 2  # of a disc that enters, in the nominal mass
         self._weight = scene.mass * self._share * scene.gravity[0], scene.mass * self._share * scene.gravity[1]
-        self._constants = constants_of(scene, self.skin)
+        self._constants, self._memories = constants_of(scene, self.skin), Memories(scene)
         self._ledger_on = ledger
         self.boundaries = OpenBoundaries(scene)
         self.windows = Windows(scene)
@@ -215,8 +213,11 @@ class NativeSimulation:
 
     def _state(self, time_step: float = 0.0) -> State:
         """What the loops take; springs go on by a time step (s), or stay as they are with 0."""
-        memory = self._memory(time_step)
-        return State(self.discs, self.listed_pairs(), self.walls, self._constants, memory, self.books.work, self._grid)
+        memory = self._memories.of(self.discs, self.walls, self._full, time_step)
+        bodies = self.walls.body_state(self._constants, memory)
+        return State(
+            self.discs, self.listed_pairs(), self.walls, self._constants, memory, self.books.work, self._grid, bodies
+        )
 
     def _advance(self, steps: int, owed: bool) -> tuple[int, bool]:
         self.walls.place(self.step)
@@ -226,20 +227,13 @@ class NativeSimulation:
                 f"disc {self._full[0]} touches more than the {self.scene.slots} others it can remember: contacts "
                 f"are too deep; {self.scene.stiffer}."
             )
+        self._require(self.walls.trouble_of_bodies())
         return found
 
-    def _memory(self, time_step: float) -> Memory | None:
-        """What contacts remember."""
-        if self.scene.springs is None:
-            return None
-        d, walls, held = self.discs, self.walls, self._held
-        if held is None or held.chain is not walls.chain or held.slots.partner is not d.partner:
-            slots = Slots(d.partner, d.sigma, d.spring, d.roll, d.touched)
-            of = springs_of(self.scene, walls.names)
-            self._held = held = Memory(slots, d.ids, walls.chain, walls.around, self._full, time_step, *of)
-        if held.time_step != time_step:
-            self._held = held = held._replace(time_step=time_step)
-        return held
+    def _require(self, wrong: str) -> None:
+        """RunError where something is wrong now."""
+        if wrong:
+            raise RunError(f"at t = {self.scene.time(self.step):z.4g} s (step {self.step}) {wrong}.")
 
     def listed_pairs(self) -> Pairs:
         """The list that stands."""
@@ -313,7 +307,8 @@ class NativeSimulation:
             self._wrap()
         self._require_inside(self.discs.sort_and_list(self.skin, self.scene.largest, self.scene.domain))
         self._list_walls()
-        self._require_off_seam()
+        wrong = self.walls.trouble_at_seam(self.scene)
+        self._require(wrong and f"{wrong}; {PUSHED_THERE}")
         self.rebuilds += 1
         self.rebuild_seconds += perf_counter() - started
         if self.rebuilds % 16 == 0:
@@ -345,11 +340,6 @@ class NativeSimulation:
         """Look for NaN, lost discs and overlaps beyond the limit now; RunError where there are any."""
         self._require_inside()
         self._check_overlap()
-
-    def _require_off_seam(self) -> None:
-        """RunError where discs have pushed a wall to the seam of a periodic channel."""
-        if wrong := self.walls.trouble_at_seam(self.scene):
-            raise RunError(f"at t = {self.scene.time(self.step):z.4g} s (step {self.step}) {wrong}; {PUSHED_THERE}.")
 
     def _check_overlap(self) -> None:
         limit = self.scene.overlap_limit

@@ -63,6 +63,8 @@ def save_state(simulation: NativeSimulation, path: Path) -> None:
         wall_sum=simulation.walls.sums,
         **near,
         **_moves(simulation),
+        **_corners(simulation),
+        **{f"corners_near_{name}": array for name, array in simulation.walls.listed_corners.items()},
         work=books.work,
         start_work=books.start_work,
         stations=simulation.stations.sums,
@@ -74,6 +76,14 @@ def _moves(simulation: NativeSimulation) -> dict[str, np.ndarray]:
     """What moving walls have that is no function of the step."""
     moves = simulation.walls.moves
     return {} if moves is None else {"moves_pushed": moves.pushed, "moves_listed": moves.listed}
+
+
+def _corners(simulation: NativeSimulation) -> dict[str, np.ndarray]:
+    """What corners of bodies and walls remember."""
+    bodies = simulation.walls.bodies
+    if bodies is None:
+        return {}
+    return {f"corners_{name}": getattr(bodies.discs, name) for name in ("partner", "sigma", "spring", "roll")}
 
 
 def load_state(scene: Scene, path: Path, *, ledger: bool = True, loops: Loops | None = None) -> NativeSimulation:
@@ -103,9 +113,10 @@ def _loaded(scene: Scene, path: Path, ledger: bool, loops: Loops | None) -> Nati
     books, windows = simulation.books, simulation.windows
     books.work[:], books.start_work[:] = stored["work"], stored["start_work"]
     simulation.walls.sums[:] = stored["wall_sum"]
-    for name, array in _moves(simulation).items():
+    for name, array in (_moves(simulation) | _corners(simulation)).items():
         array[:] = stored[name]
     simulation.walls.put(**{name: stored[f"near_{name}"] for name in simulation.walls.listed})
+    simulation.walls.put_corners({name: stored[f"corners_near_{name}"] for name in simulation.walls.listed_corners})
     simulation.stations.sums[:] = stored["stations"]
     books.exchanged, books.start = plain["exchanged"], Energy(*plain["start_energy"])
     books.start_fallen = plain["start_fallen"]

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from itertools import pairwise
 from math import inf
 
@@ -16,19 +16,25 @@ from lammps_jump.scene.motion import Motion, MovingWall, Pose, at_seam
 from lammps_jump.scene.near import Grid, grid_of
 from lammps_jump.scene.scene import Scene
 
-from .arrays import Loops, Moves, Near
+from .arrays import BodyState, Constants, Loops, Memory, Moves, Near
+from .bodies.corners import Bodies
+from .bodies.laws import share_of
 from .constants import wall_numbers
 
-FOLLOWS, LID, HELD = 1, 2, 3
-"""How a wall moves: along its track, pushed by the discs, or at a speed that is set from time to time (`Moves.moving`).
-The last is a lid of infinite mass."""
+FOLLOWS, LID, HELD, BODY = 1, 2, 3, 4
+"""How a wall moves: along its track, pushed by the discs, at a speed that is set from time to time, or as a body
+(`Moves.moving`). The third is a lid of infinite mass."""
+IS_HELD, IS_RELEASED, HAS_MOVED = range(3)
+"""Of a pushed wall, the last column of `Moves.pushed`."""
 
 
 def _way_of(motion: Motion) -> int:
     """Number of how a wall moves; 0: it stands."""
     if motion.kind is None:
         return 0
-    return HELD if motion.holding else LID if motion.load else FOLLOWS
+    if motion.holding:
+        return HELD
+    return LID if motion.load else BODY if motion.free else FOLLOWS
 
 
 def _moves(walls: list[MovingWall], faces: Faces, scene: Scene, skin: float) -> Moves:
@@ -36,18 +42,24 @@ def _moves(walls: list[MovingWall], faces: Faces, scene: Scene, skin: float) -> 
     count = len(walls)
     track = [one.motion.track for one in walls]
     moving = [_way_of(one.motion) for one in walls]
-    lid = np.zeros((count, 6))
-    for row, (_, motion) in zip(lid, walls, strict=True):
+    rows, pushed = np.zeros((count, 10)), np.zeros((count, 13))
+    for row, state, (_, motion) in zip(rows, pushed, walls, strict=True):
         if load := motion.load:
-            row[:] = load.mass, *load.force, load.axis != "y", load.axis != "x", load.begin
+            axes = load.axis != "y", load.axis != "x", False
+            row[:] = load.mass, load.mass, *load.force, 0.0, 0.0, *axes, load.begin
+        elif free := motion.free:
+            row[:] = free.mass, free.inertia_there, *free.weight, *free.arm, *free.freedom, free.begin
+            state[3:6] = state[6:9] = np.multiply((*free.velocity, free.spin), free.freedom)
         elif motion.holding:
-            row[:] = inf, 0.0, 0.0, 0.0, 1.0, scene.time(motion.holding.first)
+            row[:] = inf, inf, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, scene.time(motion.holding.first)
     centre = np.array([one.motion.about for one in walls], float).reshape(-1, 2)
-    clock = np.array([0.0, scene.settle_steps, scene.time_step, 0.5 * skin])
+    extrapolated = scene.integrator == "leapfrog_extrapolated"
+    clock = np.array([0.0, scene.settle_steps, scene.time_step, 0.5 * skin, extrapolated])
     return Moves(
         np.concatenate(track), np.cumsum([0, *map(len, track)]), np.array(moving), centre,
         np.zeros((count, 11)) + np.eye(11)[3], np.zeros((count, 3)),
-        np.array([_far(faces, wall, *centre[wall]) for wall in range(count)]), lid, np.zeros((count, 6)), clock,
+        np.array([_far(faces, wall, *centre[wall]) for wall in range(count)]), rows, pushed,
+        np.zeros((count, 12)), clock,
     )  # fmt: skip
 
 
@@ -107,6 +119,7 @@ class Walls:
         None where all walls stand.
     chain, around : ndarray, shape (faces,)
         As in `Memory`.
+    bodies : Bodies or None
     sums : ndarray, shape (walls, 4)
         Force on each wall (N per m of width), moment (N) and power on the discs (W/m), summed over steps.
     """
@@ -125,11 +138,13 @@ class Walls:
         about = [one.motion.about if one.motion.kind else one.wall.moment_point for one in there]
         rows, last = np.zeros(len(walls) + 1, np.int64), np.zeros(1, np.int64)
         self.near = Near(
-            np.array([wall_numbers(scene, name) for name in self.names]).reshape(-1, 4),
+            np.array([wall_numbers(scene, one.wall.name, share_of(scene, one)) for one in there]).reshape(-1, 4),
             np.array(about, float).reshape(-1, 2), rows, np.empty(0, np.int32), np.empty(0, np.int8), last,
             np.empty(0, np.int64), np.empty((MOST, 4)), np.empty(MOST, np.int64),
         )  # fmt: skip
         self.chain, self.around = _chains(scene, self.names, self.faces)
+        free = any(one.motion.free for one in there)
+        self.bodies = Bodies(scene, there, self.faces, loops, skin) if free else None
         self.place(step)
 
     def go_on(self, before: Walls) -> None:
@@ -138,6 +153,8 @@ class Walls:
             return
         for row, name in zip(self.moves.pushed, self.names, strict=True):
             row[:] = before.moves.pushed[before.names.index(name)]
+        if self.bodies is not None and before.bodies is not None:
+            self.bodies.go_on(before.bodies)
         self.place(int(before.moves.clock[0]))
 
     def place(self, step: int) -> None:
@@ -151,12 +168,26 @@ class Walls:
         if self.moves is None:
             return {}
         walls = zip(self.names, self.moves.moving, self.moves.pushed, strict=True)
-        return {name: Pose(float(row[0]), float(row[1])) for name, moving, row in walls if moving >= LID}
+        return {name: Pose(*row[:3].tolist()) for name, moving, row in walls if moving >= LID}
+
+    def centre_of(self, wall: int) -> tuple[float, float]:
+        """Centre of mass of a body, m."""
+        x, y, c, s = self.moves.now[wall, [0, 1, 3, 4]].tolist()
+        arm, about = self.moves.load[wall, 4:6].tolist(), self.moves.centre[wall].tolist()
+        return about[0] + x + c * arm[0] - s * arm[1], about[1] + y + s * arm[0] + c * arm[1]
+
+    def body_state(self, constants: Constants, memory: Memory | None) -> BodyState | None:
+        """Bodies as the loops take them; None where there are none."""
+        return None if self.bodies is None else self.bodies.state(constants, memory, self)
+
+    def trouble_of_bodies(self) -> str:
+        """What is wrong with bodies; empty for nothing."""
+        return "" if self.bodies is None else self.bodies.trouble(self)
 
     def set_speeds(self, speeds: Mapping[str, float]) -> None:
         """Let tailgates go up at these speeds, m/s, by name."""
         for name, speed in speeds.items() if self.moves is not None else ():
-            self.moves.pushed[self.names.index(name), 3] = speed
+            self.moves.pushed[self.names.index(name), 4] = speed
 
     def trouble_at_seam(self, scene: Scene) -> str:
         """What is wrong with a wall that discs have pushed to the seam of a periodic channel; empty for nothing.
@@ -173,22 +204,26 @@ class Walls:
         return ""
 
     def lid_energy(self) -> tuple[float, float]:
-        """Kinetic energy of the walls that discs push, and that of their place in the force on them, J/m."""
+        """Kinetic energy of the walls that discs push, and that of their place in the force on them, J/m.
+
+        That of a body begins with its velocity where it is held first.
+        """
         kinetic = place = 0.0
         if self.moves is None:
             return kinetic, place
-        step, start, dt, _ = self.moves.clock
-        for row, (mass, fx, fy, free_x, free_y, begin), moving in zip(
-            self.moves.pushed, self.moves.lid, self.moves.moving, strict=True
-        ):
-            if moving != LID or (step - start) * dt <= begin:
+        dt, now = self.moves.clock[2], self.moves.now
+        for wall, (row, load) in enumerate(zip(self.moves.pushed, self.moves.load, strict=True)):
+            if self.moves.moving[wall] not in (LID, BODY):
                 continue
-            for free, load, displacement, speed, push in zip(
-                (free_x, free_y), (fx, fy), row[:2], row[2:4], row[4:], strict=True
-            ):
-                kinetic += free * 0.5 * mass * (speed + 0.5 * dt * (push + load) / mass) ** 2
-                place -= free * load * displacement
-        return float(kinetic), float(place)
+            (mass, inertia), force, arm, free = load[:2], load[2:4], load[4:6], load[6:9]
+            c, s = now[wall, 3:5]
+            turned = np.array([c * arm[0] - s * arm[1], s * arm[0] + c * arm[1]])
+            moment = turned[0] * force[1] - turned[1] * force[0]
+            resist = np.array([mass, mass, inertia])
+            half = 0.5 * dt * (row[9:12] + np.array([*force, moment])) / resist if row[12] == HAS_MOVED else 0.0
+            kinetic += 0.5 * float((free * resist) @ (row[3:6] + half) ** 2)
+            place -= float(force @ (free[:2] * row[:2] + turned - arm))
+        return kinetic, place
 
     def _inward(self, wall: int, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Discs as the frame has them in which a wall stands; its pose is then that of the list."""
@@ -200,20 +235,25 @@ class Walls:
         return cx + now[3] * dx + now[4] * dy, cy - now[4] * dx + now[3] * dy
 
     def list_discs(self, n: int, x: np.ndarray, y: np.ndarray) -> None:
-        """List the discs near each wall; `x` and `y` (m) are of the first n discs."""
-        row = count = 0
-        for wall in range(len(self.names)):
-            seen_x, seen_y = self._inward(wall, x, y)
-            while True:
-                seen = n, seen_x, seen_y
-                found = self._loops.list_near(seen, wall, self.faces, self._grid, self.near, (row, count))
-                if found[1] >= 0:
-                    break
-                self.make_room(
-                    2 * len(self.near.discs) + 256, 2 * len(self.near.faces) + 4 * len(self._grid.faces) + 256
-                )
-            row, count = found
-            self.near.rows[wall + 1] = row
+        """List the discs near each wall, and the corners of bodies; `x` and `y` (m) are of the first n discs."""
+        self.near = _list_near(
+            self._loops, self.faces, self._grid, self.near, lambda wall: (n, *self._inward(wall, x, y))
+        )
+        self.list_corners()
+
+    def list_corners(self) -> None:
+        """List the corners near each wall, where there are bodies."""
+        bodies, moves = self.bodies, self.moves
+        if bodies is None or moves is None:
+            return
+        own, (x, y) = bodies.corner["wall"], (bodies.corner["x"], bodies.corner["y"])
+        (cx, cy), now = moves.centre[own].T, moves.now[own].T
+        dx, dy = x - cx, y - cy
+        places = cx + now[0] + now[3] * dx - now[4] * dy, cy + now[1] + now[4] * dx + now[3] * dy
+        bodies.near = _list_near(
+            bodies.loops, self.faces, bodies.grid, bodies.near,
+            lambda wall: (bodies.discs.n, *self._inward(wall, *bodies.seen_from(wall, *places))),
+        )  # fmt: skip
 
     def list_all(self, n: int) -> None:
         """List every disc at every wall with all its faces."""
@@ -225,31 +265,71 @@ class Walls:
         self.put(
             n * np.arange(len(self.names) + 1), discs, 0 * discs, last, np.concatenate([*parts, np.empty(0, np.int64)])
         )
-
-    def make_room(self, rows: int, faces: int) -> None:
-        """Longer lists for at least so many rows and faces."""
-        near = self.near
-        self.near = near._replace(
-            discs=np.pad(near.discs, (0, max(0, rows - len(near.discs)))),
-            plain=np.pad(near.plain, (0, max(0, rows - len(near.plain)))),
-            last=np.pad(near.last, (0, max(0, rows + 1 - len(near.last)))),
-            faces=np.pad(near.faces, (0, max(0, faces - len(near.faces)))),
-        )
+        self.list_corners()
 
     @property
     def listed(self) -> dict[str, np.ndarray]:
         """The lists as they stand, without their room."""
-        near, rows = self.near, self.near.rows[-1]
-        last = near.last[: rows + 1]
-        listed = {"rows": near.rows, "discs": near.discs[:rows], "plain": near.plain[:rows]}
-        return {**listed, "last": last, "faces": near.faces[: last[-1]]}
+        return _lists_of(self.near)
 
     def put(self, rows: ArrayLike, discs: ArrayLike, plain: ArrayLike, last: ArrayLike, faces: ArrayLike) -> None:
         """Take lists such as `listed` gives."""
-        self.near = self.near._replace(
-            rows=np.array(rows, np.int64),
-            discs=np.array(discs, np.int32),
-            plain=np.array(plain, np.int8),
-            last=np.array(last, np.int64),
-            faces=np.array(faces, np.int64),
-        )
+        self.near = _with_lists(self.near, rows, discs, plain, last, faces)
+
+    @property
+    def listed_corners(self) -> dict[str, np.ndarray]:
+        """The lists of corners as they stand; empty without bodies."""
+        return {} if self.bodies is None else _lists_of(self.bodies.near)
+
+    def put_corners(self, lists: Mapping[str, ArrayLike]) -> None:
+        """Take lists such as `listed_corners` gives."""
+        if self.bodies is not None:
+            self.bodies.near = _with_lists(self.bodies.near, **lists)
+
+
+def _list_near(
+    loops: Loops, faces: Faces, grid: Grid, near: Near, seen: Callable[[int], tuple[int, np.ndarray, np.ndarray]]
+) -> Near:
+    """Lists of what is near each wall; `seen` gives number and places (m) as the frame of a wall has them."""
+    row = count = 0
+    for wall in range(len(near.rows) - 1):
+        places = seen(wall)
+        while True:
+            found = loops.list_near(places, wall, faces, grid, near, (row, count))
+            if found[1] >= 0:
+                break
+            near = _with_room(near, 2 * len(near.discs) + 256, 2 * len(near.faces) + 4 * len(grid.faces) + 256)
+        row, count = found
+        near.rows[wall + 1] = row
+    return near
+
+
+def _with_room(near: Near, rows: int, faces: int) -> Near:
+    """Longer lists for at least so many rows and faces."""
+    return near._replace(
+        discs=np.pad(near.discs, (0, max(0, rows - len(near.discs)))),
+        plain=np.pad(near.plain, (0, max(0, rows - len(near.plain)))),
+        last=np.pad(near.last, (0, max(0, rows + 1 - len(near.last)))),
+        faces=np.pad(near.faces, (0, max(0, faces - len(near.faces)))),
+    )
+
+
+def _lists_of(near: Near) -> dict[str, np.ndarray]:
+    """Lists as they stand, without their room."""
+    rows = near.rows[-1]
+    last = near.last[: rows + 1]
+    listed = {"rows": near.rows, "discs": near.discs[:rows], "plain": near.plain[:rows]}
+    return {**listed, "last": last, "faces": near.faces[: last[-1]]}
+
+
+def _with_lists(
+    near: Near, rows: ArrayLike, discs: ArrayLike, plain: ArrayLike, last: ArrayLike, faces: ArrayLike
+) -> Near:
+    """Lists such as `_lists_of` gives."""
+    return near._replace(
+        rows=np.array(rows, np.int64),
+        discs=np.array(discs, np.int32),
+        plain=np.array(plain, np.int8),
+        last=np.array(last, np.int64),
+        faces=np.array(faces, np.int64),
+    )

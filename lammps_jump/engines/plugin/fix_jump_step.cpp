@@ -260,7 +260,7 @@ void FixJumpStep::initial_integrate(int)
 {
   for (auto &wall : walls)
     if (auto &motion = wall.motion; motion.is_lid)
-      jump::drift(motion.pushed, motion.lid, {motion.start, update->dt}, (double) update->ntimestep);
+      jump::drift(motion.pushed, motion.load, {motion.start, update->dt}, (double) update->ntimestep);
   pair->pace.begin_step(atom->nlocal);
   if (others_push && starts) pair->take_forces();
   starts = false;

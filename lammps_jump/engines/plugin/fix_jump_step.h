@@ -86,7 +86,7 @@ class FixJumpStep : public Fix {
     double cx = 0.0, cy = 0.0;    // point of turning where the case has it, m
     double start = 0.0;           // step of t = 0
     std::vector<std::array<double, jump::TRACK_WORDS>> track;
-    jump::Lid lid{};
+    jump::Load load{};
     jump::Pushed pushed{};        // by the discs of all ranks
     jump::Placed placed{{}, 1.0, 0.0, {}, {}};
     jump::Pose listed{};

@@ -23,9 +23,9 @@ int FixJumpStep::add_hold(Wall &wall, int a, int narg, char **arg) const
   motion.cx = next();
   motion.cy = next();
   motion.start = (double) utils::bnumeric(FLERR, arg[a++], false, lmp);
-  motion.lid.mass = std::numeric_limits<double>::infinity();
-  motion.lid.free[1] = 1.0;
-  motion.lid.begin = -motion.lid.mass;
+  motion.load.mass = motion.load.inertia = std::numeric_limits<double>::infinity();
+  motion.load.free[1] = 1.0;
+  motion.load.begin = -motion.load.mass;
   auto &hold = wall.hold;
   hold.first = utils::bnumeric(FLERR, arg[a++], false, lmp);
   hold.every = utils::bnumeric(FLERR, arg[a++], false, lmp);

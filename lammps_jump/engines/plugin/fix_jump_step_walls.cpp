@@ -104,14 +104,14 @@ int FixJumpStep::add_lid(Wall &wall, int a, int narg, char **arg) const
   if (a + 9 > narg) error->all(FLERR, "fix jump/step: lid of wall '{}' needs nine numbers", wall.name);
   auto next = [&]() { return utils::numeric(FLERR, arg[a++], false, lmp); };
   auto &motion = wall.motion;
-  auto &lid = motion.lid;
+  auto &lid = motion.load;
   motion.moves = motion.is_lid = true;
   motion.cx = next();
   motion.cy = next();
   motion.start = (double) utils::bnumeric(FLERR, arg[a++], false, lmp);
-  lid.mass = next();
+  lid.mass = lid.inertia = next();
   for (double &force : lid.force) force = next();
-  for (double &free : lid.free) free = utils::logical(FLERR, arg[a++], false, lmp);
+  for (double *const free : {&lid.free[0], &lid.free[1]}) *free = utils::logical(FLERR, arg[a++], false, lmp);
   lid.begin = next();
   if (!(lid.mass > 0.0)) error->all(FLERR, "fix jump/step: the mass of wall '{}' must be above 0", wall.name);
   note_ends(wall);
@@ -151,7 +151,7 @@ void FixJumpStep::place_walls()
     if (!motion.moves) continue;
     const jump::Clock clock{motion.start, update->dt};
     const auto *const track = reinterpret_cast<const double(*)[jump::TRACK_WORDS]>(motion.track.data());
-    if (motion.is_lid) jump::follow(motion.placed, motion.pushed);
+    if (motion.is_lid) jump::follow(motion.placed, motion.pushed, motion.load, clock, (double) update->ntimestep, false);
     else jump::follow(motion.placed, track, (int64_t) motion.track.size(), clock.time((double) update->ntimestep), update->dt);
     if (motion.is_lid && domain->xperiodic) require_off_seam(wall);
   }
@@ -321,7 +321,7 @@ void FixJumpStep::push_lids()
     MPI_Allreduce(here, force, 2, MPI_DOUBLE, MPI_SUM, world);
     if (wall.probe < 0) continue;
     jump::Placed at = motion.placed;
-    jump::centre(at, motion.pushed, motion.lid, update->dt);
+    jump::centre(at, motion.pushed, motion.load, update->dt);
     window[columns * wall.probe + 3] -= here[0] * at.centred.x;
     window[columns * wall.probe + 3] -= here[1] * at.centred.y;
   }

@@ -18,6 +18,8 @@ from lammps_jump.physics.slots import FULL, held, slot_of
 from lammps_jump.scene.faces import foot_at, touching
 from lammps_jump.scene.tracks import pose_py
 
+from . import pushed
+
 HUGE = 1e150
 """Radius that stands for the mass of a fixed disc, m: its square is still a number."""
 
@@ -38,7 +40,7 @@ class Contact(NamedTuple):
     rub, dashpot : float
         Its tangential part, along (-ny, nx), and the lost part along the normal, N per m of width.
     torques : (float, float)
-        On the two discs; of a wall, on the disc and 0. N m per m of width.
+        On the two discs; of a wall, on the disc and 0; of a body, what rolling adds to its moment. N m per m of width.
     """
 
     normal: tuple[float, float]
@@ -166,6 +168,19 @@ def pair_contacts(state: State, seen: Seen, slope: float | None, begin: int = 0)
 # --- walls ------------------------------------------------------------------------------------------------------------
 
 
+def is_body(state: State, wall: int) -> bool:
+    """Whether a wall is a body."""
+    return state.bodies is not None and state.bodies.bulk[wall] > 0.0
+
+
+def wall_size(state: State, i: int, wall: int) -> float:
+    """Root of the effective mass of a disc and a wall over the root of the mass of a radius of 1 m."""
+    if not is_body(state, wall):
+        return radius_of(state, i)
+    a, b = HUGE if is_fixed(state, i) else radius_of(state, i), float(state.bodies.bulk[wall])
+    return a * b / sqrt(a * a + b * b)
+
+
 def is_moving(moves: Moves | None, wall: int) -> bool:
     """Whether a wall has a motion."""
     return moves is not None and moves.moving[wall] > 0
@@ -200,7 +215,7 @@ def wall_velocity(moves: Moves | None, wall: int, column: int, x: float, y: floa
 def place_walls(moves: Moves, step: int) -> bool:
     """Put the moving walls where they are at a step; True where one has gone over half the skin since it was listed."""
     old = False
-    start, dt, half_skin = moves.clock[1:]
+    start, dt, half_skin, _ = moves.clock[1:]
     for wall, now in enumerate(moves.now):
         if moves.moving[wall] == 0:
             continue
@@ -212,44 +227,22 @@ def place_walls(moves: Moves, step: int) -> bool:
             now[5:8] = [(b - a) / dt for a, b in zip(before, here, strict=True)]
             now[8:11] = [0.5 * (b - a) / dt for a, b in zip(before, behind, strict=True)]
         else:
-            now[:2], now[5:7] = moves.pushed[wall, :2], moves.pushed[wall, 2:4]
+            pushed.follow(moves, wall, (step - start) * dt)
         dx, dy, turn = now[:3] - moves.listed[wall]
         turned = moves.far[wall] * abs(turn) if turn != 0.0 else 0.0
         old = old or not sqrt(dx * dx + dy * dy) + turned <= half_skin
     return old
 
 
-def drift_lids(moves: Moves, step: int) -> None:
-    """Kick and drift of the walls that discs push, as of discs, to a step; a first kick is half a step long."""
-    _, start, dt, _ = moves.clock
-    for wall, (mass, fx, fy, free_x, free_y, begin) in enumerate(moves.lid):
-        if moves.moving[wall] < 2 or not (step - start) * dt > begin:
-            continue
-        kick = 0.5 * dt if (step - 1 - start) * dt <= begin else dt
-        for axis, (load, free) in enumerate(((fx, free_x), (fy, free_y))):
-            if free > 0.0:
-                moves.pushed[wall, 2 + axis] += kick * (moves.pushed[wall, 4 + axis] + load) / mass
-                moves.pushed[wall, axis] += dt * moves.pushed[wall, 2 + axis]
-
-
-def see_lid(moves: Moves, wall: int) -> None:
-    """Velocity of a wall that discs push at a step, with the force of that step."""
-    mass, fx, fy, *free, _ = moves.lid[wall]
-    moved = moves.now[wall, 5] != 0.0 or moves.now[wall, 6] != 0.0
-    for axis, load in enumerate((fx, fy)):
-        half = 0.5 * moves.clock[2] * (moves.pushed[wall, 4 + axis] + load) / mass
-        moves.now[wall, 8 + axis] = moves.pushed[wall, 2 + axis] + half if moved and free[axis] > 0.0 else 0.0
-
-
 def touched_faces(state: State, wall: int) -> Iterator[tuple[int, int, float, tuple[float, float]]]:
     """Disc, face, signed distance (m) and outward normal of each contact of a wall with the discs listed near it.
 
-    Fixed discs feel no wall, and no wall feels them.
+    Fixed discs feel no wall, and no wall feels them; bodies and they do.
     """
     d, near, faces, moves = state.discs, state.walls.near, state.walls.faces, state.walls.moves
     for row in range(near.rows[wall], near.rows[wall + 1]):
         i = int(near.discs[row])
-        if is_fixed(state, i):
+        if is_fixed(state, i) and not is_body(state, wall):
             continue
         px, py = inward(moves, wall, float(d.x[i]), float(d.y[i]))
         ends = int(near.last[row]), int(near.last[row + 1])
@@ -265,14 +258,19 @@ def touched_faces(state: State, wall: int) -> Iterator[tuple[int, int, float, tu
 def wall_contact(
     state: State, wall: int, touched: tuple[int, int, float, tuple[float, float]], seen: Seen, slope: float | None
 ) -> Contact:
-    """The contact of a disc with a wall, of `touched_faces`; the lever of friction is R."""
+    """The contact of a disc with a wall, of `touched_faces`; the lever of friction is R.
+
+    A body feels it at the rim of the disc, and turns with it where the disc rolls.
+    """
     d, of, memory, walls = state.discs, state.constants, state.memory, state.walls
     i, face, gap, (nx, ny) = touched
     own = radius_of(state, i)
     k, damping, ramp, friction = walls.near.numbers[wall].tolist()
-    size = 1.0 if d.radius is None else own
+    size = 1.0 if d.radius is None else wall_size(state, i, wall)
     numbers = k, damping * size, ramp * size
-    at = d.x[i] - gap * nx, d.y[i] - gap * ny
+    body = is_body(state, wall)
+    to = own if body else gap
+    at = d.x[i] - to * nx, d.y[i] - to * ny
     wx, wy = wall_velocity(walls.moves, wall, 5, *at)
     vx, vy, spins = seen
     slip, spin = (vx[i] - wx, vy[i] - wy), 0.0 if spins is None else spins[i]
@@ -285,7 +283,9 @@ def wall_contact(
         foot = foot_at(walls.faces.codes, walls.faces.shape, face, *inner)
         where = int(walls.chain[face]), foot, float(walls.around[face])
         springs = memory.ratio * numbers[0], memory.damping * numbers[1], friction
-        slips, rolling = (slip[1] * nx - slip[0] * ny - rim, rim), memory.rolling_at[wall]
+        turn = own * (spin - walls.moves.now[wall, 7]) if body and spins is not None else rim
+        slips, rolling = (slip[1] * nx - slip[0] * ny - rim, turn), memory.rolling_at[wall]
         rub, resists = spring_forces(memory, i, where, own, slips, fx * nx + fy * ny + of.cohesion, springs, rolling)
         fx, fy = _with_friction((fx, fy), (nx, ny), rub)
-    return Contact((nx, ny), at, own - gap, (fx, fy), rub, dashpot, (own * (resists - rub), 0.0))
+    rolls = own * resists if body else 0.0
+    return Contact((nx, ny), at, own - gap, (fx, fy), rub, dashpot, (own * (resists - rub), -rolls))

@@ -8,7 +8,8 @@ import numpy as np
 from lammps_jump.engines.native.arrays import Motion, Moves, Seen, State
 from lammps_jump.physics.slots import end_step
 
-from . import contact, lists, sums
+from . import bodies, contact, lists, pushed, sums
+from .pushed import wrench
 
 
 class Twin:
@@ -47,7 +48,7 @@ class Twin:
             done, owed = done + 1, True
             if moves is not None:
                 step = int(moves.clock[0]) + done
-                contact.drift_lids(moves, step)
+                pushed.drift(moves, step)
                 old = contact.place_walls(moves, step) or old
             if old or done == steps:
                 return done, old
@@ -63,7 +64,10 @@ def forces(state: State) -> None:
         state.work[3:] = 0.0
     for wall in range(len(state.walls.faces.deep)):
         _wall_forces(state, wall, seen, slope)
+    if state.bodies is not None:
+        bodies.forces(state, slope)
     if state.walls.moves is not None:
+        _end_walls(state)
         state.work[:3] += state.work[3:]
     if d.fixed is not None:  # they stay, and nothing is dissipated on their side
         held = d.fixed[: d.n] != 0
@@ -72,6 +76,8 @@ def forces(state: State) -> None:
                 array[: d.n][held] = 0.0
     if memory is not None and memory.time_step > 0.0:
         end_step(memory.slots, d.n)
+        if state.bodies is not None:
+            end_step(state.bodies.corners.memory.slots, state.bodies.corners.discs.n)
 
 
 def _add(d, i: int, found: contact.Contact, sense: float, torque: float) -> None:
@@ -96,11 +102,7 @@ def _pair_forces(state: State, seen: Seen, slope: float | None) -> None:
 
 
 def _wall_forces(state: State, wall: int, seen: Seen, slope: float | None) -> None:
-    """Forces of one wall; `Walls.sums` takes the force on it, its moment and its power on the discs.
-
-    Power is that of the velocity centred on the step, so that its sum over steps is the energy that discs gain.
-    ``work[3:]`` takes the step's part of what dashpots and friction do on the wall, and of that power.
-    """
+    """Forces of one wall; `Walls.sums` takes the force on it and its moment, `Moves.taken` those and what is lost."""
     walls, moves = state.walls, state.walls.moves
     moving = contact.is_moving(moves, wall)
     about, centre = walls.near.about[wall].copy(), np.zeros(2)
@@ -112,28 +114,36 @@ def _wall_forces(state: State, wall: int, seen: Seen, slope: float | None) -> No
         found = contact.wall_contact(state, wall, touched, seen, slope)
         _add(state.discs, touched[0], found, 1.0, found.torques[0])
         (nx, ny), rub, dashpot = found.normal, found.rub, found.dashpot
-        push -= _wrench(found.force, found.point, about)
-        lost += _wrench((dashpot * nx, dashpot * ny), found.point, centre)
-        slid += _wrench((-rub * ny, rub * nx), found.point, centre)
+        push -= wrench(found.force, found.point, about)
+        push[2] += found.torques[1]
+        lost += wrench((dashpot * nx, dashpot * ny), found.point, centre)
+        slid += wrench((-rub * ny, rub * nx), found.point, centre)
+        slid[2] -= found.torques[1]
     walls.sums[wall, :3] += push
-    if not moving:
-        return
-    moves.pushed[wall, 4:6] = push[:2]
-    if moves.moving[wall] >= 2:
-        contact.see_lid(moves, wall)
-    rate, dt = moves.now[wall, 8:11], moves.clock[2]
-    power = -push @ rate
-    walls.sums[wall, 3] += power
-    if state.discs.dash_x is not None:
-        state.work[3] += dt * lost @ rate
-        state.work[4] += dt * slid @ rate
-    if moves.moving[wall] != 2:  # the energy of a lid is part of the whole
-        state.work[5] += dt * power
+    if moving:
+        moves.taken[wall] = [*push, *push, *lost, *slid]
 
 
-def _wrench(force, point, about) -> np.ndarray:
-    """A force and its moment about a point."""
-    return np.array([*force, (point[0] - about[0]) * force[1] - (point[1] - about[1]) * force[0]])
+def _end_walls(state: State) -> None:
+    """What the forces of a step do on walls that move.
+
+    Power is that of the velocity centred on the step, so that its sum over steps is the energy that discs gain.
+    ``work[3:]`` takes the step's part of what dashpots and friction do on the walls, and of that power.
+    """
+    walls, moves = state.walls, state.walls.moves
+    dt = moves.clock[2]
+    for wall in np.flatnonzero(moves.moving):
+        of_discs, push, lost, slid = moves.taken[wall].reshape(4, 3)
+        moves.pushed[wall, 9:12] = push
+        if moves.moving[wall] >= 2:
+            pushed.centre(moves, wall)
+        rate = moves.now[wall, 8:11]
+        walls.sums[wall, 3] -= of_discs @ rate
+        if state.discs.dash_x is not None:
+            state.work[3] += dt * lost @ rate
+            state.work[4] += dt * slid @ rate
+        if moves.moving[wall] not in (2, 4):  # the energy of a lid and of a body is part of the whole
+            state.work[5] -= dt * push @ rate
 
 
 def _square_of(state: State) -> float | np.ndarray:

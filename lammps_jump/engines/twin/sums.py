@@ -9,7 +9,7 @@ from lammps_jump.engines.native.arrays import Seen, State, Stations
 from lammps_jump.engines.native.ledger import CARRIED, CONTACTS, DASHPOTS, FRICTION, HELD, MASS_LEFT, MASS_RIGHT, WALLS
 from lammps_jump.physics.law import stored_energy
 
-from . import contact
+from . import bodies, contact
 
 
 def elastic(state: State, begin: int, known: int) -> tuple[float, float, int, int]:
@@ -30,6 +30,8 @@ def elastic(state: State, begin: int, known: int) -> tuple[float, float, int, in
             overlap = contact.radius_of(state, i) - gap
             energy += numbers[0] * stored_energy(overlap, touch) - pull * overlap
             worst = max(worst, (overlap, i, wall), key=lambda one: one[0])
+    if state.bodies is not None and known < 0:
+        energy += bodies.elastic(state)
     return float(energy), *worst
 
 

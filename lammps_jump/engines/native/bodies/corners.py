@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Corners of walls as discs that meet the faces of bodies, and corners of bodies that meet those of walls."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from lammps_jump.engines.native.arrays import CORNER, BodyState, Constants, Loops, Memory, Near, Pairs, State
+from lammps_jump.physics.slots import Slots
+from lammps_jump.scene.bodies.corners import corners_of, round_of
+from lammps_jump.scene.chains import Faces
+from lammps_jump.scene.faces import MOST
+from lammps_jump.scene.motion import MovingWall
+from lammps_jump.scene.near import grid_of
+from lammps_jump.scene.scene import Scene
+
+from .laws import bulk_of, laws_between
+
+SLOTS = 8
+"""Contacts that a corner remembers."""
+LARGEST_OVERLAP = 1.5
+"""Overlap of a corner over its radius that ends a run: from 2 on nothing pushes it back."""
+
+
+class Discs:
+    """Corners in the place of discs, as the loops take these; what corners lack is None."""
+
+    def __init__(self, radius: np.ndarray):
+        self.n, self.radius = len(radius), radius
+        self.ids = np.arange(1, self.n + 1)
+        self.x, self.y = np.zeros(self.n), np.zeros(self.n)
+        self.partner = np.zeros((self.n, SLOTS), np.int64)
+        self.sigma, self.spring, self.roll = (np.zeros((self.n, SLOTS)) for _ in range(3))
+        self.touched = np.zeros((self.n, SLOTS), np.int8)
+
+    vx = vy = fx = fy = x0 = y0 = ux = uy = omega = torque = uomega = dash_x = dash_y = slide_x = slide_y = fixed = None
+
+
+class Beside(NamedTuple):
+    """Walls as the loops take them, with the corners near them in place of discs."""
+
+    faces: Faces
+    near: Near
+    moves: Any
+    chain: np.ndarray
+    around: np.ndarray
+    sums: np.ndarray
+
+
+class Bodies:
+    """Bodies of a scene among the walls that are there.
+
+    Parameters
+    ----------
+    scene : Scene
+    there : list of MovingWall
+        The walls that are there.
+    faces : Faces
+        Of these.
+    loops : Loops
+    skin : float
+        m.
+
+    Attributes
+    ----------
+    numbers : list of int
+        Of the bodies, among the walls that are there.
+    discs : Discs
+        Corners of all walls of the scene, in its order.
+    near : Near
+        Corners near each wall, and the faces near each corner.
+    """
+
+    def __init__(self, scene: Scene, there: list[MovingWall], faces: Faces, loops: Loops, skin: float):
+        self.scene, self._faces, self.loops = scene, faces, type(loops)()
+        self.numbers = [number for number, one in enumerate(there) if one.motion.free]
+        self.corner = _corners(scene, there)
+        self.discs = Discs(self.corner["radius"].copy())
+        self._meets = _meets(there, faces)
+        largest = float(self.discs.radius.max(initial=0.0))
+        # a corner and a face have moved by half a skin each at most since they were listed
+        self.grid = grid_of(faces, max(scene.largest, 2.0 * largest), largest + skin, self.loops.mark_cells)
+        rows, last = np.zeros(len(there) + 1, np.int64), np.zeros(1, np.int64)
+        empty = np.empty(0, np.int64)
+        self.near = Near(
+            np.zeros((len(there), 4)), np.zeros((len(there), 2)), rows, np.empty(0, np.int32), np.empty(0, np.int8),
+            last, empty, np.empty((MOST, 4)), np.empty(MOST, np.int64),
+        )  # fmt: skip
+        self.bulk = np.array([bulk_of(scene, one) for one in there])
+        self.between, self.deepest = laws_between(scene, there), np.zeros(3)
+        self._pairs = Pairs(0, None, np.zeros(1, np.int64), np.empty(0, np.int32))
+        self._full, self._sums, self._work = np.zeros(1, np.int64), np.zeros((len(there), 4)), np.zeros(6)
+        self._held: tuple[Any, ...] = ()
+
+    def go_on(self, before: Bodies) -> None:
+        """Take over what corners remember; they are those of the same scene."""
+        for name in ("partner", "sigma", "spring", "roll"):
+            getattr(self.discs, name)[:] = getattr(before.discs, name)
+
+    def seen_from(self, wall: int, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Places of corners (m), without those that a wall does not meet."""
+        meets = np.append(self._meets[:, wall], False)[self.corner["wall"]]  # the last one: of walls that are gone
+        return np.where(meets, x, np.nan), y
+
+    def state(self, constants: Constants, memory: Memory | None, walls: Any) -> BodyState:
+        """What the loops take; springs go on as those of `memory` do."""
+        held = self._held
+        if not held or held[0] is not constants or held[1] is not memory or held[2] is not self.near:
+            own, d = None, self.discs
+            if memory is not None:
+                slots = Slots(d.partner, d.sigma, d.spring, d.roll, d.touched)
+                rolling = np.zeros((len(self.bulk), 3))
+                own = memory._replace(slots=slots, ids=d.ids, full=self._full, rolling_at=rolling)
+            beside = Beside(self._faces, self.near, walls.moves, walls.chain, walls.around, self._sums)
+            corners = State(d, self._pairs, beside, constants, own, self._work)
+            bodies = BodyState(self.bulk, self.corner, self.between, self.deepest, corners)
+            self._held = held = constants, memory, self.near, bodies
+        return held[3]
+
+    def trouble(self, walls: Any) -> str:
+        """What is wrong with bodies; empty for nothing."""
+        overlap, corner, face = self.deepest.tolist()
+        self.deepest[:] = 0.0
+        own = self.corner["radius"][self.corner["wall"] == int(corner)]
+        limit = min(LARGEST_OVERLAP * float(own.min(initial=np.inf)), self.scene.overlap_limit or np.inf)
+        if overlap > limit:
+            return (
+                f"'{walls.names[int(corner)]}' and '{walls.names[int(face)]}' overlap by {overlap:z.4g} m, beyond the "
+                f"limit of {limit:z.4g} m: the contact is too soft for a body of this mass and speed; give the body or "
+                "the wall a stiffness of its own, or a larger corner_radius"
+            )
+        if self._full[0]:
+            return f"a corner touches more than the {SLOTS} faces that it can remember; give it a larger corner_radius"
+        (xlo, xhi), (ylo, yhi) = self.scene.domain
+        for number in self.numbers:
+            x, y = walls.centre_of(number)
+            if not (xlo <= x <= xhi and ylo <= y <= yhi):
+                return (
+                    f"body '{walls.names[number]}' has left the domain at ({x:z.4g}, {y:z.4g}) m: widen domain, or put "
+                    "a wall there"
+                )
+        return ""
+
+
+def _corners(scene: Scene, there: list[MovingWall]) -> np.ndarray:
+    """Corners of all walls of a scene, records `CORNER`; those of walls that are not there have wall -1."""
+    numbers, found = {one.wall.name: number for number, one in enumerate(there)}, []
+    for wall, motion in scene.walls:
+        radius = motion.free.corner_radius if motion.free else 0.25 * scene.smallest
+        number = numbers.get(wall.name, -1)
+        found += [(*corner, number) for corner in corners_of(wall.faces, 0, radius)]
+    return np.array(found, CORNER)
+
+
+def _meets(there: list[MovingWall], faces: Faces) -> np.ndarray:
+    """Whether corners of the first wall meet faces of the second, shape (walls, walls).
+
+    A circle is a disc that meets the faces of others: their corners do not meet it again, and of two circles one does.
+    """
+    count = len(there)
+    body = np.array([one.motion.free is not None for one in there])
+    is_round = np.array([round_of(faces, wall) is not None for wall in range(count)])
+    meets = (body[:, None] | body[None, :]) & ~np.eye(count, dtype=bool)
+    meets &= is_round[:, None] | ~is_round[None, :]
+    return meets & ~(is_round[:, None] & is_round[None, :] & np.tril(np.ones((count, count), bool)))

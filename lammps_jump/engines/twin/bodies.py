@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Bodies against walls and against each other: corners, as discs, against faces (`core/bodies.cpp`)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from lammps_jump.engines.native.arrays import State
+from lammps_jump.physics.law import contact_force, stored_energy
+from lammps_jump.scene.faces import foot_at, touching
+
+from . import contact
+from .pushed import HELD, wrench
+
+
+class Touch(NamedTuple):
+    """A corner that touches a face.
+
+    Attributes
+    ----------
+    corner, face : int
+    walls : (int, int)
+        Of the corner and of the face.
+    overlap : float
+        m.
+    normal : (float, float)
+        From the face to the corner.
+    inner : (float, float)
+        Centre of the corner in the frame of the face's wall, m.
+    point : (float, float)
+        Where both feel the contact, m: on the rim of the corner.
+    mass : float
+        Effective, kg/m.
+    """
+
+    corner: int
+    face: int
+    walls: tuple[int, int]
+    overlap: float
+    normal: tuple[float, float]
+    inner: tuple[float, float]
+    point: tuple[float, float]
+    mass: float
+
+
+def _shown(state: State, wall: int, x: float, y: float) -> tuple[float, float]:
+    """A point of the frame in which a wall stands, where it is."""
+    moves = state.walls.moves
+    if not contact.is_moving(moves, wall):
+        return x, y
+    cx, cy = moves.centre[wall]
+    dx, dy = contact.outward(moves, wall, x - cx, y - cy)
+    return cx + moves.now[wall, 0] + dx, cy + moves.now[wall, 1] + dy
+
+
+def _about(state: State, wall: int) -> np.ndarray:
+    """Point of turning of a wall, where it is, m."""
+    moves = state.walls.moves
+    return moves.centre[wall] + moves.now[wall, :2]
+
+
+def _yields(state: State, wall: int, point, normal) -> float:
+    """What a wall gives way to a force of 1 N at a point along a normal, 1/kg."""
+    moves = state.walls.moves
+    if moves.moving[wall] < 2 or moves.pushed[wall, 12] == HELD:
+        return 0.0
+    turn = wrench(normal, point, _about(state, wall))[2]
+    (mass, inertia), free = moves.load[wall, :2], moves.load[wall, 6:9]
+    return (free[0] * normal[0] ** 2 + free[1] * normal[1] ** 2) / mass + free[2] * turn**2 / inertia
+
+
+def _is_there(record, dx: float, dy: float) -> bool:
+    """Whether a corner is there in a direction from its centre: an arc is in some alone."""
+    if record["tx0"] == 0.0 and record["ty0"] == 0.0:
+        return True
+    return record["tx0"] * dx + record["ty0"] * dy >= 0.0 > record["tx1"] * dx + record["ty1"] * dy
+
+
+def touches(state: State) -> Iterator[Touch]:
+    """All contacts of corners with faces."""
+    own, moves, faces = state.bodies, state.walls.moves, state.walls.faces
+    near = own.corners.walls.near
+    for wall in range(len(faces.deep)):
+        for row in range(near.rows[wall], near.rows[wall + 1]):
+            i = int(near.discs[row])
+            record = own.corner[i]
+            theirs, radius = int(record["wall"]), float(record["radius"])
+            x, y = _shown(state, theirs, float(record["x"]), float(record["y"]))
+            inner = contact.inward(moves, wall, x, y)
+            count = touching(
+                faces.codes, faces.shape, faces.deep[wall], near.faces, int(near.last[row]), int(near.last[row + 1]),
+                *inner, radius, near.found, near.which,
+            )  # fmt: skip
+            for k in range(count):
+                gap, nx, ny, _ = near.found[k].tolist()
+                nx, ny = contact.outward(moves, wall, nx, ny)
+                if not _is_there(record, *_turned_back(state, theirs, -nx, -ny)):
+                    continue
+                point = x - radius * nx, y - radius * ny
+                inverse = sum(_yields(state, one, point, (nx, ny)) for one in (theirs, wall))
+                if inverse > 0.0:  # else both are held
+                    yield Touch(
+                        i, int(near.which[k]), (theirs, wall), radius - gap, (nx, ny), inner, point, 1.0 / inverse
+                    )
+
+
+def _turned_back(state: State, wall: int, dx: float, dy: float) -> tuple[float, float]:
+    """A direction as the frame has it in which a wall stands."""
+    moves = state.walls.moves
+    if not contact.is_moving(moves, wall):
+        return dx, dy
+    c, s = moves.now[wall, 3:5]
+    return c * dx + s * dy, c * dy - s * dx
+
+
+def forces(state: State, slope: float | None) -> None:
+    """Add the forces of all contacts to the walls that feel them."""
+    of, own = state.constants, state.bodies
+    memory = own.corners.memory
+    for found in touches(state):
+        k, damping, ramp, lag, friction = own.between[found.walls].tolist()
+        radius, size = float(own.corner["radius"][found.corner]), sqrt(found.mass)
+        numbers = k, max(damping * size - lag, 0.0), ramp * size
+        (ax, ay), (bx, by) = (contact.wall_velocity(state.walls.moves, wall, 5, *found.point) for wall in found.walls)
+        slip, (nx, ny) = (ax - bx, ay - by), found.normal
+        rubs = None if of.friction is None or memory is not None else friction
+        fx, fy, rub, dashpot = contact_force(
+            found.overlap, found.normal, slip, 0.0, (*numbers, 0.0), rubs, slope, of.touch
+        )
+        if memory is not None:
+            faces, walls = state.walls.faces, own.corners.walls
+            foot = foot_at(faces.codes, faces.shape, found.face, *found.inner)
+            where = int(walls.chain[found.face]), foot, float(walls.around[found.face])
+            springs = memory.ratio * numbers[0], memory.damping * numbers[1], friction
+            slips = slip[1] * nx - slip[0] * ny, 0.0
+            rub, _ = contact.spring_forces(
+                memory, found.corner, where, radius, slips, fx * nx + fy * ny, springs, (0.0, 0.0, 0.0)
+            )
+            fx, fy = fx - rub * ny, fy + rub * nx
+        for wall, sense in zip(found.walls, (1.0, -1.0), strict=True):
+            parts = (fx, fy), (-dashpot * nx, -dashpot * ny), (rub * ny, -rub * nx)
+            _add(state, wall, found.point, [np.multiply(sense, part) for part in parts])
+        if found.overlap > own.deepest[0]:
+            own.deepest[:] = found.overlap, *found.walls
+
+
+def _add(state: State, wall: int, point, parts) -> None:
+    """Add a force, and what of it dashpots and friction take, to a wall; a probe of a body is of discs alone."""
+    walls, moves = state.walls, state.walls.moves
+    moving = contact.is_moving(moves, wall)
+    if moving:
+        moves.taken[wall, 3:] += np.concatenate([wrench(part, point, _about(state, wall)) for part in parts])
+    if state.bodies.bulk[wall] == 0.0:
+        about = walls.near.about[wall] + (moves.now[wall, :2] if moving else 0.0)
+        walls.sums[wall, :3] += wrench(parts[0], point, about)
+
+
+def elastic(state: State) -> float:
+    """Elastic energy of the contacts of bodies, J per m of width."""
+    own, touch = state.bodies, state.constants.touch
+    return float(sum(own.between[found.walls][0] * stored_energy(found.overlap, touch) for found in touches(state)))

@@ -1,0 +1,243 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Bodies on the native engine, against closed forms; the twin does the same."""
+
+from math import cos, pi, radians, sin
+
+import numpy as np
+import pytest
+from free_bodies import body, scene_of, state_of
+
+from lammps_jump.engines.native import NativeSimulation
+from lammps_jump.engines.native.state import load_state, save_state
+from lammps_jump.engines.twin import Twin
+from lammps_jump.errors import RunError
+from lammps_jump.physics.bodies import effective_mass, pendulum_period, section_of_circle, section_of_polygon
+from lammps_jump.physics.slip import Springs
+from lammps_jump.scene.walls import Block, Box, Circle, Line, Plane, Polygon
+
+G = 9.81
+SPRINGS = Springs(2 / 7, 1.0)
+FLOOR = Plane("floor", "y", 0.0, "above")
+NOTHING = {"gravity": (0.0, 0.0)}
+
+
+def flat(section):
+    area, centre, moment = section
+    return [area, *centre, moment]
+
+
+@pytest.mark.parametrize("way", [1, -1])
+def test_sections_of_outlines(way):
+    square = np.array([(1.0, 2.0), (4.0, 2.0), (4.0, 4.0), (1.0, 4.0)])[::way]
+    assert flat(section_of_polygon(square)) == pytest.approx([6.0, 2.5, 3.0, 6.0 * (9 + 4) / 12])
+    triangle = np.array([(100.0, 0.0), (103.0, 0.0), (100.0, 3.0)])[::way]
+    # a right angle between a and b: M (a^2 + b^2)/18 about the centre
+    assert flat(section_of_polygon(triangle)) == pytest.approx([4.5, 101.0, 1.0, 4.5 * (3**2 + 3**2) / 18])
+    many = 2 * pi * np.arange(2000) / 2000
+    found = section_of_polygon(np.column_stack([2 + 3 * np.cos(many), 1 + 3 * np.sin(many)]))
+    assert flat(found) == pytest.approx(flat(section_of_circle((2.0, 1.0), 3.0)), rel=1e-5)
+
+
+@pytest.mark.parametrize("integrator", ["velocity_verlet", "leapfrog_extrapolated"])
+def test_a_throw_is_a_parabola_with_steady_spin(integrator):
+    thrown = body(Polygon("stone", ((3.0, 8.0), (4.0, 8.2), (3.6, 9.0))), velocity=(1.0, 2.0), spin=3.0)
+    simulation = NativeSimulation(scene_of(thrown, integrator=integrator))
+    simulation.run(3000)
+    found, t = state_of(simulation, "stone"), simulation.scene.time(3000)
+    assert found.pose == pytest.approx([t, 2 * t - 0.5 * G * t * t, 3 * t], abs=1e-12)
+    assert found.velocity == pytest.approx([1.0, 2 - G * t, 3.0], abs=1e-11)
+    assert simulation.ledger["residual"] == pytest.approx(0.0, abs=1e-12 * simulation.ledger["throughput"])
+
+
+def test_a_body_is_held_until_it_is_released_and_moves_along_its_axes_alone():
+    begin = 0.02
+    held = body(Block("held", (0.0, 1.0), (5.0, 6.0)), begin=begin, velocity=(1.0, 0.0))
+    slide = body(Block("slide", (3.0, 4.0), (5.0, 6.0)), axes=(True, False, False), velocity=(2.0, 0.0))
+    simulation = NativeSimulation(scene_of(held, slide))
+    steps = int(begin / simulation.scene.time_step)
+    simulation.run(steps)
+    assert not state_of(simulation, "held").pose.any() and not state_of(simulation, "held").velocity.any()
+    simulation.run(1000)
+    first = steps * simulation.scene.time_step  # the step before the release has the first half of the kick
+    t = simulation.scene.time(simulation.step)
+    assert state_of(simulation, "held").pose == pytest.approx([t - first, -0.5 * G * (t - first) ** 2, 0.0], abs=1e-12)
+    assert state_of(simulation, "slide").pose == pytest.approx([2 * t, 0.0, 0.0], abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("friction", "law"), [(0.2, {"friction_law": "viscous"}), (0.2, {"friction_law": "history", "springs": SPRINGS}),
+                          (0.5, {"friction_law": "history", "springs": SPRINGS})],
+)  # fmt: skip
+def test_a_block_on_a_slope_slides_or_rests(friction, law):
+    slope = radians(20.0)
+    gravity = G * sin(slope), -G * cos(slope)
+    block = body(Block("block", (0.0, 2.0), (0.0, 1.0)), gravity)
+    simulation = NativeSimulation(scene_of(FLOOR, block, friction=friction, gravity=(0.0, 0.0), **law))
+    half = round(0.7 / simulation.scene.time_step)
+    simulation.run(half)
+    before = state_of(simulation, "block")
+    simulation.run(half)
+    found = state_of(simulation, "block")
+    if friction < 0.3:
+        rate = (found.velocity[0] - before.velocity[0]) / (half * simulation.scene.time_step)
+        assert rate == pytest.approx(G * (sin(slope) - friction * cos(slope)), rel=5e-3)
+    else:
+        assert abs(found.pose - before.pose).max() < 1e-6 and found.pose[0] < 1e-3
+    weight = 2000.0 * G * cos(slope)
+    assert simulation.walls.moves.pushed[1, 10] == pytest.approx(weight, rel=1e-3)
+
+
+def test_a_pendulum_has_its_period():
+    amplitude = radians(5.0)
+    bar = body(Block("bar", (-0.1, 0.1), (-1.2, 0.0), angle=5.0, pivot=(0.0, -0.1)), hinge=(0.0, -0.1))
+    free, rows = bar.motion.free, []
+    simulation = NativeSimulation(scene_of(bar, time_step_fraction=0.2, **NOTHING))
+    while simulation.scene.time(simulation.step) < 3.6:
+        simulation.run(20)
+        rows.append((simulation.scene.time(simulation.step), state_of(simulation, "bar").pose[2] + amplitude))
+    time, angle = np.array(rows).T
+    at = np.flatnonzero((angle[:-1] > 0) != (angle[1:] > 0))
+    zeros = time[at] - angle[at] * (time[at + 1] - time[at]) / (angle[at + 1] - angle[at])
+    arm = np.hypot(*free.arm)
+    period = pendulum_period(free.mass, free.inertia_there, arm, G, amplitude)
+    assert zeros[2] - zeros[0] == pytest.approx(period, rel=1e-5)
+    assert abs(angle).max() == pytest.approx(amplitude, rel=1e-5)
+
+
+@pytest.mark.parametrize("spin", [False, True])
+def test_a_disc_meets_a_body_at_rest_off_its_centre(spin):
+    block = body(Block("block", (0.0, 1.0), (0.0, 2.0)), (0.0, 0.0))
+    law = {"friction": 0.3, "rotation": True, "friction_law": "history", "springs": SPRINGS} if spin else {}
+    velocity = (2.0, 0.5 if spin else 0.0)
+    scene = scene_of(
+        block,
+        positions=[(-0.12, 1.7)],
+        velocities=[velocity],
+        restitution=1.0,
+        time_step_fraction=0.01,
+        **NOTHING,
+        **law,
+    )
+    simulation = NativeSimulation(scene)
+    simulation.run(round(0.04 / scene.time_step))
+    free, mass, arm = block.motion.free, scene.mass, 0.7
+    found, (vx, vy), (x, y) = state_of(simulation, "block"), simulation.velocities[0], simulation.positions[0]
+    turning = 0.5 * mass * scene.radius**2 * float(simulation.spin[0])
+    start = mass * np.array([*velocity, -0.12 * velocity[1] - 1.7 * velocity[0]])
+    end = found.momentum + np.array([mass * vx, mass * vy, mass * (x * vy - y * vx) + turning])
+    assert end == pytest.approx(start, abs=1e-12 * abs(start).max())
+    if not spin:
+        impulse = 2.0 * effective_mass(1 / mass, 1 / free.mass, arm**2 / free.inertia) * velocity[0]
+        assert velocity[0] - vx == pytest.approx(impulse / mass, rel=1e-3)
+        energy = found.kinetic + 0.5 * mass * (vx**2 + vy**2)
+        assert energy == pytest.approx(0.5 * mass * velocity[0] ** 2, rel=1e-4)
+
+
+@pytest.mark.parametrize("restitution", [1.0, 0.5])
+def test_a_corner_meets_a_face_of_another_body(restitution):
+    """The corner's rim moves along the face while they touch: its arm changes by some thousandths."""
+    tilted = Block("tilted", (0.0, 1.0), (0.0, 1.0), angle=30.0)
+    lowest = min(y for _, y in tilted.corners())
+    one, two = (
+        body(tilted, (0.0, 0.0), velocity=(0.0, -1.0)),
+        body(Block("slab", (-3.0, 4.0), (-3.0, lowest - 0.03)), (0.0, 0.0)),
+    )
+    simulation = NativeSimulation(scene_of(one, two, restitution=restitution, correct_restitution=True, **NOTHING))
+    simulation.run(round(0.08 / simulation.scene.time_step))
+    corner = min(simulation.walls.bodies.corner[:4], key=lambda one: one["y"])
+    free, slab = one.motion.free, two.motion.free
+    parts = 1 / free.mass, 1 / slab.mass, *((corner["x"] - b.centre[0]) ** 2 / b.inertia for b in (free, slab))
+    impulse = (1 + restitution) * effective_mass(*parts)
+    found, other = state_of(simulation, "tilted"), state_of(simulation, "slab")
+    assert free.mass * (found.velocity[1] + 1.0) == pytest.approx(impulse, rel=5e-3)
+    before = np.array([0.0, -free.mass, -free.mass * free.centre[0]])
+    assert found.momentum + other.momentum == pytest.approx(before, abs=1e-11 * free.mass)
+    lost = 0.5 * effective_mass(*parts) * (1 - restitution**2)
+    assert found.kinetic + other.kinetic == pytest.approx(0.5 * free.mass - lost, rel=1e-3)
+
+
+def test_corner_on_corner_gains_no_energy():
+    one = body(Block("one", (0.0, 1.0), (0.0, 1.0), angle=45.0), (0.0, 0.0), velocity=(0.0, -2.0), spin=1.0)
+    two = body(Block("two", (0.03, 1.03), (-1.5, -0.5), angle=45.0), (0.0, 0.0))
+    simulation = NativeSimulation(scene_of(one, two, restitution=1.0, time_step_fraction=0.01, **NOTHING))
+    start, touched = simulation.energy().total, False
+    for _ in range(60):
+        simulation.run(100)
+        touched |= simulation.energy().elastic > 0
+        assert simulation.energy().total == pytest.approx(start, rel=2e-4)
+    assert touched
+
+
+FAST = {"time_step_fraction": 0.1}
+LAWS = {
+    "frictionless": {"friction": 0.0},
+    "viscous": {"friction": 0.3, "rotation": True},
+    "sign": {"friction": 0.3, "friction_law": "sign", "integrator": "leapfrog_extrapolated"},
+    "history": {"friction": 0.4, "friction_law": "history", "rotation": True, "springs": SPRINGS},
+    "smooth": {"friction": 0.3, "touch": "smooth", "touch_width": 1e-3},
+}
+
+
+def crowded(**law):
+    """Bodies of every shape among walls and discs."""
+    walls = (
+        FLOOR, Block("step", (3.0, 4.0), (-1.0, 0.5)), Circle("pier", (5.0, 1.0), 0.5),
+        Line("ramp", ((-3.0, 2.0), (-1.0, 0.2), (-0.6, 0.3))), Box("box", (-4.0, 7.0), (0.0, 5.0)),
+    )  # fmt: skip
+    bodies = (
+        body(Block("a", (0.0, 1.0), (0.01, 0.8)), velocity=(3.0, -2.0), spin=1.0),
+        body(Polygon("b", ((1.05, 0.5), (2.2, 0.7), (1.8, 1.4))), velocity=(-1.0, -1.0)),
+        body(Circle("c", (3.2, 0.92), 0.4), spin=-5.0, velocity=(0.0, -1.0)),
+        body(Block("d", (4.2, 4.4), (0.6, 2.6)), hinge=(4.3, 2.5), spin=3.0),
+        body(Circle("e", (2.6, 1.33), 0.3), velocity=(1.0, -2.0)),
+    )
+    rows = (np.arange(0.1, 1.0, 0.21), 0.92), (np.arange(1.3, 2.2, 0.21), 1.55), (np.arange(2.5, 3.5, 0.21), 1.75)
+    places = np.array([*((x, y) for xs, y in rows for x in xs), (4.08, 1.2), (4.08, 1.5)])
+    speeds = np.random.default_rng(3).normal([0.0, -5.0], 1.0, places.shape)
+    return scene_of(
+        *walls, *bodies, positions=places, velocities=speeds, restitution=0.4, overlap_limit=0.0, **(FAST | law)
+    )
+
+
+@pytest.mark.parametrize(
+    "law",
+    ["viscous", "history", *(pytest.param(law, marks=pytest.mark.long) for law in ("frictionless", "sign", "smooth"))],
+)
+def test_the_twin_does_the_same(law):
+    scene = crowded(**LAWS[law])
+    core, twin = NativeSimulation(scene), NativeSimulation(scene, loops=Twin())
+    for simulation in (core, twin):
+        simulation.run(350)
+    moves, own = core.walls.moves, twin.walls.moves
+    assert core.walls.sums[:, :2].any(axis=1)[[0, 1, 4, 5, 6, 9]].all()  # walls by bodies, bodies by discs
+    close = {"abs": 1e-9}
+    assert core.positions == pytest.approx(twin.positions, **close)
+    assert moves.pushed[:, :9] == pytest.approx(own.pushed[:, :9], **close)
+    assert moves.pushed[:, 9:] == pytest.approx(own.pushed[:, 9:], rel=1e-6, abs=1e-2)
+    assert core.walls.sums == pytest.approx(twin.walls.sums, rel=1e-6, abs=1e-2)
+    throughput = core.ledger["throughput"]
+    for name, value in core.ledger.items():
+        assert value == pytest.approx(twin.ledger[name], abs=1e-9 * throughput), name
+    assert abs(core.ledger["residual"]) < 2e-3 * throughput
+
+
+def test_a_run_goes_on_bit_for_bit(tmp_path):
+    scene = crowded(**LAWS["history"])
+    whole, part = NativeSimulation(scene), NativeSimulation(scene)
+    part.run(400)
+    save_state(part, tmp_path / "state.npz")
+    again = load_state(scene, tmp_path / "state.npz")
+    for simulation in (whole, again):
+        simulation.run(900 - simulation.step)
+    assert np.array_equal(whole.walls.moves.pushed, again.walls.moves.pushed)
+    assert np.array_equal(whole.positions, again.positions)
+    assert np.array_equal(whole.walls.bodies.discs.spring, again.walls.bodies.discs.spring)
+
+
+def test_a_body_that_leaves_the_domain_or_is_too_heavy_for_its_contact_ends_the_run():
+    gone = scene_of(body(Block("stone", (0.0, 1.0), (0.0, 1.0))), domain=((-99, 99), (-0.2, 99)))
+    with pytest.raises(RunError, match=r"body 'stone' has left the domain at .*widen domain"):
+        NativeSimulation(gone).run(10_000)
+    fast = scene_of(FLOOR, body(Block("stone", (0.0, 1.0), (0.0, 1.0)), velocity=(0.0, -60.0)))
+    with pytest.raises(RunError, match=r"'stone' and 'floor' overlap by .*stiffness of its own"):
+        NativeSimulation(fast).run(10_000)

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Bodies without a case file, for tests."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from lammps_jump.engines.native import NativeSimulation
+from lammps_jump.physics.bodies import section_of_circle, section_of_polygon
+from lammps_jump.scene.bodies.free import Free
+from lammps_jump.scene.build import handmade_scene
+from lammps_jump.scene.motion import Motion, MovingWall
+from lammps_jump.scene.scene import Scene
+from lammps_jump.scene.walls import Circle, Wall
+
+DENSITY = 1000.0
+FAR = [(90.0, 90.0)]
+"""A disc that meets nothing."""
+
+
+def body(wall: Wall, gravity=(0.0, -9.81), density: float = DENSITY, **free: Any) -> MovingWall:
+    """A wall as a body of its own area."""
+    if isinstance(wall, Circle):
+        section = section_of_circle(wall.centre, wall.radius)
+    else:
+        section = section_of_polygon(np.array(wall.outline((0.0, 0.0), (0.0, 0.0))[0]))
+    mass = density * section.area
+    weight = mass * gravity[0], mass * gravity[1]
+    fields = {"mass": mass, "inertia": density * section.moment, "centre": section.centre, "weight": weight}
+    kind = Free(**{**fields, "corner_radius": 0.05, **free})
+    return MovingWall(wall, Motion(kind=kind, about=kind.point))
+
+
+def scene_of(*walls, positions=FAR, velocities=None, gravity=(0.0, -9.81), **fields: Any) -> Scene:
+    """A scene of walls, bodies and discs; bodies keep the weight that they have."""
+    velocities = np.zeros_like(positions, float) if velocities is None else velocities
+    step = handmade_scene(positions, velocities, **fields).time_step
+    walls = tuple(
+        MovingWall(one.wall, Motion(kind=one.motion.kind, about=one.motion.about, time_step=step))
+        if isinstance(one, MovingWall)
+        else one
+        for one in walls
+    )
+    return handmade_scene(positions, velocities, walls, gravity=gravity, **fields)
+
+
+@dataclass
+class State:
+    """Where a body is (m, m, rad) and how fast at the step, with its numbers."""
+
+    pose: np.ndarray
+    velocity: np.ndarray
+    free: Free
+
+    @property
+    def momentum(self) -> np.ndarray:
+        """Along x and y, and angular about the origin; per metre of width."""
+        x, y = np.add(self.free.centre, self.pose[:2])
+        px, py = self.free.mass * self.velocity[:2]
+        return np.array([px, py, x * py - y * px + self.free.inertia * self.velocity[2]])
+
+    @property
+    def kinetic(self) -> float:
+        """J per metre of width."""
+        return 0.5 * float(np.array([self.free.mass, self.free.mass, self.free.inertia]) @ self.velocity**2)
+
+
+def state_of(simulation: NativeSimulation, name: str) -> State:
+    """A body now."""
+    walls = simulation.walls
+    number = walls.names.index(name)
+    free = {wall.name: motion.free for wall, motion in simulation.scene.walls}[name]
+    return State(walls.moves.pushed[number, :3].copy(), walls.moves.now[number, 8:11].copy(), free)
