@@ -4,7 +4,7 @@ VENV   ?= .venv
 BIN     = $(VENV)/bin
 CASE   ?= inputs/stable_jump.yaml
 
-.PHONY: run test suite check browser bench stress cross-validation validate sensitivity calibrate figures times docs docs-test reference gallery measured lint doctor wheel test-repeat faults sanitize slurm clean
+.PHONY: run test suite check browser bench stress cross-validation validate sensitivity figures times docs docs-test reference gallery measured lint doctor wheel test-repeat faults sanitize slurm clean
 
 # byte code is kept: without it every start of the program compiles all that it imports
 unexport PYTHONDONTWRITEBYTECODE
@@ -89,9 +89,6 @@ validate: $(VENV)/.ready
 
 sensitivity: $(VENV)/.ready
 	$(BIN)/lammps-jump sensitivity
-
-calibrate: $(VENV)/.ready
-	$(BIN)/lammps-jump calibrate
 
 # the picture that README.md opens with
 figures: $(VENV)/.ready

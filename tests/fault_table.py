@@ -53,6 +53,8 @@ CASE, SITE, RUN, LAWS, POINTS = "case file", "site file", "folder of a run", "fo
 DUMP, FOLDER, FILE = "dump", "folder that is written", "file that is written"
 OPENED = "case file or folder that a page shows"
 QUICK = ("--quick", "--quiet")
+MEASURED = ("--target", "energy.drift=0 ± 1", "--vary", "contact.restitution=0.1:0.9", "--quiet")
+CURVE = ("--columns", "time=t,energy.total=h")
 PLACES = {
     ("analyze", "targets"): (RUN, ("analyze", "@")),
     ("analyze", "out"): (FOLDER, ("analyze", "DUMP", "--out", "@")),
@@ -67,7 +69,10 @@ PLACES = {
     ("build-and-run", "case"): (CASE, ("build-and-run", "@", "--out", "OUT")),
     ("build-and-run", "site"): (SITE, ("build-and-run", "CASE", "@", "--slurm", "--members", "2", "--out", "OUT")),
     ("build-and-run", "out"): (FOLDER, ("build-and-run", "CASE", "--out", "@")),
-    ("calibrate", "out"): (FOLDER, ("calibrate", *QUICK, "--out", "@")),
+    ("calibrate", "study"): (CASE, ("calibrate", "@", *MEASURED, "--out", "OUT")),
+    ("calibrate", "site"): (SITE, ("calibrate", "CASE", "@", "--slurm", *MEASURED, "--out", "OUT")),
+    ("calibrate", "data"): (POINTS, ("calibrate", "CASE", "--data", "@", *CURVE, *MEASURED, "--out", "OUT")),
+    ("calibrate", "out"): (FOLDER, ("calibrate", "CASE", *MEASURED, "--out", "@")),
     ("check", "case"): (CASE, ("check", "@")),
     ("compare", "first"): (RUN, ("compare", "@", "RUN", "--out", "OUT.html")),
     ("compare", "second"): (POINTS, ("compare", "RUN", "@", "--columns", "time=t,energy.total=h", "--out", "OUT")),

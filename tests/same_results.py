@@ -64,7 +64,6 @@ ALLOWED: dict[str, str] = {
     "cross-validate/run/figures/*_differences.png:*": "differences are figures of their own",
     "*/run/runs/*": "runs of a study, under a hash of versions",
     "*.json:pieces*": "runs of a study are folders, not pieces of its file",
-    "calibrate/run/*.yaml*": "the study makes its cases in memory; no file is left",
     "sensitivity/run/*.yaml*": "the study makes its cases in memory; no file is left",
 }
 """Pattern (for `fnmatch`) of ``entry/file:path``, or of that with what is told of it -> why it is intended."""
@@ -128,7 +127,6 @@ STUDIES = (
     "bench collision",
     "stress --random 2",
     "sensitivity",
-    "calibrate",
 )
 MISTAKE = "discs: {diameter: 0.2}\ncontact:\n  restitution: 0.5\n  frction: 0.1\nrun: {duration: 1, seed: none}\n"
 

@@ -26,7 +26,8 @@ ROOT = Path(__file__).parents[1]
 
 FLOORS = (
     "errors", "quoting", "files", "folders", "units", "provenance", "identity", "compiling", "core", "physics", "scene",
-    "dump", "case", "drawings", "script", "engines", "analysis", "runs", "sweeps", "studies", "served", "cli",
+    "dump", "case", "drawings", "script", "engines", "analysis", "runs", "sweeps", "calibration", "studies", "served",
+    "cli",
 )  # fmt: skip
 """What lies in ``lammps_jump``, from the top down: each imports only what stands before it."""
 AT_THE_ROOT = {"__init__.py", "__main__.py", *(f"{name}.py" for name in FLOORS[:7])}
@@ -198,7 +199,10 @@ def test_no_python_of_the_current_folder_is_run():
 
 SHOWN = (
     "analysis/",
-    *(f"lammps_jump/{name}/" for name in ("case", "cli", "engines", "runs", "scene", "studies", "sweeps")),
+    *(
+        f"lammps_jump/{name}/"
+        for name in ("calibration", "case", "cli", "engines", "runs", "scene", "studies", "sweeps")
+    ),
     "lammps_jump/units.py",
 )
 """What makes text for readers."""

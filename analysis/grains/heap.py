@@ -345,10 +345,11 @@ def _shape_off(shape: Shape, column: Column) -> float:
 
 
 def tables(heap: Heap) -> Tables:
-    """Surface of the heap: bed and depth over x, m."""
-    if heap.shape is None:
+    """Surface of the heap: bed, depth above it and height over x, m."""
+    shape = heap.shape
+    if shape is None:
         return {}
-    return {"heap.csv": {"x": heap.shape.x, "bed": heap.shape.bed, "depth": heap.shape.depth}}
+    return {"heap.csv": {"x": shape.x, "bed": shape.bed, "depth": shape.depth, "height": shape.bed + shape.depth}}
 
 
 def figures(heap: Heap, gathered: Gathered) -> Drawings:

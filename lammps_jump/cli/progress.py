@@ -19,6 +19,7 @@ from lammps_jump.engines.result import Progress
 if TYPE_CHECKING:
     import rich.progress
 
+    from lammps_jump.calibration import Progress as CalibrationProgress
     from lammps_jump.sweeps import SweepProgress
 
 PLAIN_INTERVAL = 10.0
@@ -143,6 +144,22 @@ class StudyLine(ProgressLine):
             f"{report.done} of {report.total} runs done{failed}  {rate / 1e6:z.1f} M disc-steps/s  "
             f"{_duration(left)} left",
         )
+
+
+class CalibrationLine(ProgressLine):
+    """Prints how far a calibration has come, as `StudyLine` does, with the best values so far and their ranges."""
+
+    def __init__(self, **options: Any):
+        super().__init__(0.0, **options)
+        self.best = ""
+
+    def __call__(self, report: CalibrationProgress) -> None:  # type: ignore[override]
+        """Show one report; other best values at once."""
+        news, self.best = report.best != self.best, report.best
+        if self._time_to_show(at_once=news):
+            failed = f", {report.failed} failed" if report.failed else ""
+            best = f"  {report.best}" if report.best else ""
+            self._show(report.share, f"{report.done} runs done of at most {report.budget}{failed}{best}")
 
 
 MOST_LINES = 12

@@ -10,11 +10,11 @@ from typing import Annotated, Any
 import typer
 
 import lammps_jump as lj
-from lammps_jump import script, studies, sweeps
+from lammps_jump import calibration, script, studies, sweeps
 from lammps_jump.errors import CaseError
 
 from . import options
-from .progress import StudyLine, ending
+from .progress import CalibrationLine, StudyLine, ending
 
 app = typer.Typer(rich_markup_mode=None)
 
@@ -267,13 +267,53 @@ def sensitivity(
 
 @app.command()
 def calibrate(
-    out: Annotated[Path | None, options.results_place("Folder (default: runs/calibrate).")] = None,
-    quick: Annotated[bool, typer.Option("--quick", help="Four candidates on coarse flows: seconds.")] = False,
-    fresh: options.Fresh = False,
+    study: Annotated[
+        Path, typer.Argument(help="Study file, case file, or the folder of a calibration.", show_default=False)
+    ],
+    site: options.SlurmSite = None,
+    slurm: options.Slurm = False,
+    target: Annotated[
+        list[str] | None,
+        typer.Option("--target", metavar="KEY=VALUE ± ERROR", help="A measured number. May be repeated."),
+    ] = None,
+    data: Annotated[
+        list[Path] | None, typer.Option("--data", help="Measured curves: CSV in SI units. May be repeated.")
+    ] = None,
+    columns: Annotated[
+        list[str] | None,
+        typer.Option("--columns", metavar="AXIS=COLUMN,TABLE.COLUMN=COLUMN ± ERROR", help="Of each --data, in order."),
+    ] = None,
+    vary: Annotated[
+        list[str] | None,
+        typer.Option("--vary", metavar="PATH=LOW:HIGH", help="A number to find, and its range. May be repeated."),
+    ] = None,
+    budget: Annotated[int | None, typer.Option(min=1, help="Most runs (default 40).")] = None,
+    members: Annotated[int | None, typer.Option(min=1, help="Starts of each point (default 2).")] = None,
+    seed: Annotated[int | None, typer.Option(min=0, help="Seed of the points (default 1).")] = None,
+    out: Annotated[Path | None, options.results_place("Folder (default: runs/<stem of the file>_calibrate).")] = None,
+    jobs: options.Jobs = None,
+    set_: options.Sets = None,
+    retry: Annotated[bool, typer.Option("--retry", help="Run again what failed.")] = False,
     quiet: options.QuietStudy = False,
 ) -> None:
-    """Contact coefficients that make discs behave most like water; the distances are printed."""
-    studies.table.show(studies.run_calibration(out, quick=quick, fresh=fresh, say=options.sayer(quiet)))
+    """Find numbers of a case, such as friction, from measurements. Continues where it stopped."""
+    given: dict[str, Any] = {"targets": calibration.all_targets(target or (), data or (), columns or ())}
+    given |= {"vary": dict(map(calibration.parse_vary, vary or ())), "set": dict(map(sweeps.parse_set, set_ or ()))}
+    given |= {"budget": budget, "members": members, "seed": seed}
+    given = {name: value for name, value in given.items() if value}
+    if at := site_of(site, slurm):
+        number = calibration.submit(study, out, at, at_once=jobs, **given)
+        return print(f"array job {number}" if number else "nothing to submit: the same command without --slurm goes on")
+    line = CalibrationLine(quiet=quiet)
+    try:
+        found = lj.calibrate(study, out=out, jobs=jobs, retry=retry, progress=line, **given)
+    finally:
+        line.finish()
+    print(*(found.verdict, *(f"note: {text}" for text in found.notes)), sep="\n")
+    print(f"page: {found.folder / calibration.page.PAGE}")
+    if not found.data["targets"]:
+        raise typer.Exit(1)
+    return None
 
 
 @app.command()

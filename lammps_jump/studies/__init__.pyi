@@ -6,6 +6,5 @@ from . import own_data as own_data
 from . import stress as stress
 from . import table as table
 from . import validation as validation
-from .calibration import run_calibration as run_calibration
 from .own_data import compare_with_data as compare_with_data
 from .sensitivity import run_sensitivity as run_sensitivity

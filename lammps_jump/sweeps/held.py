@@ -242,7 +242,8 @@ class Held:
 def _starts(study: Study, folder: Path) -> Iterator[Start]:
     """Members that the study asks for, and those that ``until`` has added before."""
     points = study.points
-    seeds = {(point, seed) for point in range(len(points)) for seed in study.fields.members}
+    apart = max(study.fields.members) if study.fields.starts == "own" else 0
+    seeds = {(point, seed + point * apart) for point in range(len(points)) for seed in study.fields.members}
     if study.fields.until and (listed := read_points(folder)) and listed.points == plain(points):
         seeds |= {(item.point, item.seed) for item in listed.members}
     return (Start(point, points[point], seed) for point, seed in sorted(seeds))

@@ -132,6 +132,7 @@ class StudyFields(Strict):
     collect: Annotated[tuple[str, ...], AfterValidator(lambda names: tuple(dict.fromkeys(names)))] = ()
     confidence: float = Field(default=0.95, gt=0, lt=1)
     until: dict[str, Share] = Field(default_factory=dict)
+    starts: Literal["common", "own"] = "common"
     most_members: int = Field(default=32, ge=2, le=MOST_MEMBERS)
 
 
@@ -247,7 +248,9 @@ def read_study(source: str | Path | Mapping[str, object] | ReadCase, **given: An
     except ValidationError as error:
         raise explain(error, file, StudyFields) from None
     case = (
-        Case.load(fields.case, fields.set) if isinstance(fields.case, dict) else _case_in(place / fields.case, fields)
+        Case.load(fields.case, fields.set)
+        if isinstance(fields.case, dict)
+        else case_in(place / fields.case, fields.set)
     )
     case.source.translated = file.translated  # the names of its run folders are made of old words
     if not fields.members:
@@ -260,7 +263,7 @@ def read_study(source: str | Path | Mapping[str, object] | ReadCase, **given: An
     return Study(fields, case, collect)
 
 
-def _case_in(path: Path, fields: StudyFields) -> Case:
+def case_in(path: Path, changes: Mapping[str, object]) -> Case:
     """The case of a study that names its file. Of a file that is no case nothing is told: a study may be received.
 
     Raises
@@ -276,7 +279,7 @@ def _case_in(path: Path, fields: StudyFields) -> Case:
         known = set()
     if not known:
         raise CaseError(f"{file}: is no case; `lammps-jump check {file}` says why, and case: in a study names a case")
-    return Case.load(path, fields.set)
+    return Case.load(path, changes)
 
 
 def _usual(case: Case) -> Iterator[str]:
@@ -304,8 +307,8 @@ def _parts(name: str, case: Case) -> tuple[str, ...] | None:
     return case.structures if name == "force" else case.tailgates
 
 
-def collected(file: CaseSource, path: str, case: Case) -> Collected:
-    """The description of a number that is to be collected.
+def collected(file: CaseSource, path: str, case: Case, field: str = "collect") -> Collected:
+    """The description of a number that is to be collected; `field` of the study names it.
 
     Raises
     ------
@@ -317,19 +320,19 @@ def collected(file: CaseSource, path: str, case: Case) -> Collected:
         return Collected(path, "", path)
     if name not in QUANTITIES:
         hint = nearest(name, [*QUANTITIES, *OTHERS])
-        raise file.error(f"collect: {shortened(path)}: there is no '{shortened(name)}' in summary.json; {hint}")
+        raise file.error(f"{field}: {shortened(path)}: there is no '{shortened(name)}' in summary.json; {hint}")
     if (parts := _parts(name, case)) is not None:
         part, _, key = key.partition(".")
         what, remedy = PARTS[name]
         if part not in parts:
             known = ", ".join(parts) or f"none: {remedy}"
             raise file.error(
-                f"collect: {shortened(path)}: '{shortened(part)}' is no {what} of the case; {what}s there: {known}"
+                f"{field}: {shortened(path)}: '{shortened(part)}' is no {what} of the case; {what}s there: {known}"
             )
     numbers = numbers_of(QUANTITIES[name].result)
     if key not in numbers and "." not in key:
         raise file.error(
-            f"collect: {shortened(path)}: {name} has no number '{shortened(key)}'; {nearest(key, list(numbers))}"
+            f"{field}: {shortened(path)}: {name} has no number '{shortened(key)}'; {nearest(key, list(numbers))}"
         )
     number = numbers.get(key)
     return Collected(path, number.unit if number else "", number.meaning if number else path)

@@ -25,7 +25,6 @@ COMMANDS = {
     "bench": ("bench", "box.yaml"),
     "bench --table": ("bench", "box.yaml", "--table"),
     "sensitivity": ("sensitivity",),
-    "calibrate": ("calibrate",),
 }
 
 
@@ -39,7 +38,7 @@ def on_a_terminal(tmp_path, monkeypatch):
     (tmp_path / "box.yaml").write_text(yaml.safe_dump(BOX))
     for place, name in (
         (studies.bench, "run_bench"), (studies.bench, "stored_table"), (studies, "run_sensitivity"),
-        (studies, "run_calibration"), (sweeps.page, "table_text"),
+        (sweeps.page, "table_text"),
     ):  # fmt: skip
         monkeypatch.setattr(place, name, lambda *_, **__: TABLE)
     monkeypatch.setattr(sweeps.page, "doubts", lambda _: [])

@@ -9,7 +9,6 @@ from made_up import INPUTS
 from lammps_jump.case import load_case
 from lammps_jump.studies.bench import skips as bench_skips
 from lammps_jump.studies.bench.command import run_bench, stored_table
-from lammps_jump.studies.calibration import START, distances
 from lammps_jump.studies.sensitivity import run_sensitivity
 from lammps_jump.studies.stress import limits as stress_limits
 from lammps_jump.studies.stress.study import Stress
@@ -92,9 +91,6 @@ def test_stress_quick(tmp_path):
 
 
 @pytest.mark.long
-def test_sensitivity_and_calibration_smoke(tmp_path):
+def test_sensitivity_smoke(tmp_path):
     text = run_sensitivity(tmp_path, quick=True, only="friction", say=silent)
     assert "friction coefficient" in text and (tmp_path / "sensitivity_friction.png").exists()
-    with Pool(1) as pool:
-        row = distances(START, tmp_path, pool, quick=True, members=1)
-    assert 0 < row["front"] < 0.5 and row["distance"] > 0

@@ -10,7 +10,6 @@ from lammps_jump.case import parse_case
 from lammps_jump.engines import accuracy
 from lammps_jump.engines.accuracy import Calibrated
 from lammps_jump.errors import CaseError
-from lammps_jump.studies.calibration import search
 from lammps_jump.studies.calibration_store import make_store
 from lammps_jump.units import parse_accuracy
 
@@ -125,14 +124,6 @@ def test_store_is_made_from_benchmarks():
     assert [row["label"] for row in found] == ["a"]  # another stiffness is another case, not another accuracy
     assert "contact.touch=smooth" in found[0]["assignments"]
     assert "run.time_step_fraction=0.1" in found[0]["assignments"]
-
-
-def test_calibration_search_finds_the_least_of_a_valley():
-    def try_out(candidate):
-        return abs(candidate["a"] - 2) + abs(candidate["b"] - 1)
-
-    best = search(try_out, {"a": 0, "b": 0}, {"a": (0, 1, 2, 3), "b": (0, 1, 2, 3)})
-    assert best == {"a": 2, "b": 1}
 
 
 def test_stored_calibration_is_usable():

@@ -1,0 +1,281 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What ``calibration.json`` holds: which numbers the measurements tell, what hides the others, what to measure besides.
+
+The expected variance after another measurement is a mean over the posterior of what it would then be: D. V. Lindley,
+Ann. Math. Statist. 27 (1956) 986, with the variance in place of the entropy.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from lammps_jump.analysis.quantities import QUANTITIES
+from lammps_jump.sweeps.table import number_at
+from lammps_jump.units import numbers_of
+
+from . import words
+from .emulator import emulate
+from .model import Model
+from .posterior import Posterior, sobol
+from .study import Calibration
+
+WIDE = 0.5
+"""A 95 % range of more than this part of the prior tells nothing of its number."""
+EDGE, BINS = 0.5, 20
+"""A posterior whose outermost of so many bins holds this part of its fullest one goes on behind its range."""
+RIDGE = 0.5
+"""Size of a correlation that hides two numbers behind each other."""
+WORTH = 0.2
+"""Least part of the standard deviation that a further measurement must take away."""
+FIRST, KNOWN, LISTED = 24, 0.8, 3
+"""Truths that are tried for each measurement; least part of the points that have its number; measurements listed."""
+LOOKED_AT = 2048
+"""Places of the ranges where the model is looked for that meets the data best."""
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """What is known of one varied number.
+
+    Attributes
+    ----------
+    best, low, high : float
+        Best value and 95 % range.
+    prior : (float, float)
+        The range that was asked for.
+    identified : bool
+        The 95 % range is at most half as wide as the prior.
+    at_edge : bool
+        The best values lie at one end of the prior, so that better ones may lie behind it.
+    edge : str
+        'low', 'high' or ''.
+    """
+
+    best: float
+    low: float
+    high: float
+    prior: tuple[float, float]
+    identified: bool
+    at_edge: bool
+    edge: str
+
+
+def parameter(posterior: Posterior, number: int, prior: tuple[float, float]) -> Parameter:
+    """A varied number by its posterior; `prior` is its range."""
+    wide = prior[1] - prior[0]
+    low, high = posterior.range_of(number)
+    counts, _ = np.histogram(posterior.places[:, number], BINS, (0.0, 1.0), weights=posterior.weights)
+    ends = counts[0] >= EDGE * counts.max(), counts[-1] >= EDGE * counts.max()
+    edge = "" if ends[0] == ends[1] else ("low" if ends[0] else "high")
+    best, low, high = (float(prior[0] + wide * value) for value in (posterior.best[number], low, high))
+    return Parameter(best, low, high, prior, high - low <= WIDE * wide, bool(edge), edge)
+
+
+def partner(posterior: Posterior, number: int) -> tuple[int, float] | None:
+    """The varied number that hides another one: its number and their correlation; None where none does."""
+    row = posterior.correlation[number].copy()
+    row[number] = 0.0
+    other = int(np.argmax(np.abs(row)))
+    return (other, float(row[other])) if abs(row[other]) > RIDGE else None
+
+
+def along(posterior: Posterior, number: int, other: int) -> list[tuple[float, float]]:
+    """Two places of the unit cube on the ridge of two varied numbers: one low and one high along the first of them."""
+    x, y = posterior.places[:, number], posterior.places[:, other]
+    w = posterior.weights
+    centres, fall = (np.sum(w * x), np.sum(w * y)), posterior.covariance[number, other]
+    fall /= posterior.covariance[number, number]
+    low, high = posterior.range_of(number)
+    ends = (0.8 * low + 0.2 * high, 0.2 * low + 0.8 * high)
+    return [(end, float(np.clip(centres[1] + fall * (end - centres[0]), 0, 1))) for end in ends]
+
+
+def candidates(summaries: Mapping[int, Sequence[Mapping[str, Any]]], taken: Sequence[str]) -> dict[str, np.ndarray]:
+    """Numbers of the runs that could be measured: shape (points, starts), NaN where a run has none.
+
+    Parameters
+    ----------
+    summaries : mapping of int to sequence of mapping
+        Summaries of the starts of each point.
+    taken : sequence of str
+        Keys that are measured already.
+    """
+    found: dict[str, np.ndarray] = {}
+    starts = max(map(len, summaries.values()))
+    for name, quantity in QUANTITIES.items():
+        for key, told in numbers_of(quantity.result).items():
+            path = f"{name}.{key}"
+            if path in taken or told.meaning.startswith("standard error") or key.endswith(("_interval", "_error")):
+                continue
+            rows = [[number_at(one, path) for one in group] for group in summaries.values()]
+            values = np.array([row + [np.nan] * (starts - len(row)) for row in rows])
+            if np.isfinite(values).any(axis=1).mean() >= KNOWN:
+                found[path] = values
+    return found
+
+
+def reduction(posterior: Posterior, number: int, places: np.ndarray, values: np.ndarray) -> float:
+    """Part of the standard deviation of a varied number that a measurement of `values` is expected to take away.
+
+    Its error is the scatter over starts, as of one experiment. Numbers that are the varied number itself, or do not
+    vary, tell nothing.
+
+    Parameters
+    ----------
+    posterior : Posterior
+    number : int
+    places : ndarray, shape (points, varied)
+        In the unit cube.
+    values : ndarray, shape (points, starts)
+        Of the runs, NaN where there is none.
+    """
+    some = np.isfinite(values).any(axis=1)
+    places, values = places[some], values[some]
+    means, starts = np.nanmean(values, axis=1), np.isfinite(values).sum(axis=1)
+    freedom = np.sum(starts - 1)
+    scatter = float(np.nansum((values - means[:, None]) ** 2) / freedom) if freedom else np.nan
+    if np.ptp(means) <= 1e-9 * np.abs(means).max() or np.abs(np.corrcoef(means, places.T)[0, 1:]).max() > 1 - 1e-9:
+        return 0.0
+    found = emulate(places, means, None if np.isnan(scatter) else scatter / starts)
+    drawn = posterior.drawn(400)
+    mean, variance = found.at(drawn)
+    variance = variance + (found.scatter if np.isnan(scatter) else scatter) + 1e-12 * np.ptp(means) ** 2
+    own, left = drawn[:, number], []
+    for truth in np.linspace(0, len(drawn) - 1, FIRST).astype(int):
+        off = np.array([-1.0, 0.0, 1.0])[:, None] * np.sqrt(variance[truth])
+        log = -0.5 * ((mean[truth] + off - mean) ** 2 / variance + np.log(variance))
+        weights = np.exp(log - log.max(axis=1, keepdims=True))
+        weights /= weights.sum(axis=1, keepdims=True)
+        spread = np.sum(weights * own**2, axis=1) - np.sum(weights * own, axis=1) ** 2
+        left.append(spread @ np.array([0.25, 0.5, 0.25]))
+    return float(1.0 - np.sqrt(max(np.mean(left), 0.0) / max(np.var(own), 1e-300)))
+
+
+def best_measurements(
+    posterior: Posterior, number: int, places: np.ndarray, known: Mapping[str, np.ndarray]
+) -> list[dict[str, Any]]:
+    """The measurements that tell most of a varied number: key and `reduction`, the best first."""
+    found = {path: reduction(posterior, number, places, values) for path, values in known.items()}
+    order = sorted(found, key=lambda path: -found[path])[:LISTED]
+    return [{"key": path, "reduction": found[path]} for path in order if found[path] >= WORTH]
+
+
+def unmet(model: Model, posterior: Posterior) -> list[dict[str, Any]]:
+    """Targets that are not within their errors where the model comes nearest to all of them; none where one place is.
+
+    Within means the 95 % of Student's t or a normal number, shared among the targets (Bonferroni).
+    """
+    from scipy.special import stdtrit
+
+    limit = float(stdtrit(model.freedom or 1e6, 1.0 - 0.025 / len(model.parts)))
+    places = np.vstack([posterior.drawn(LOOKED_AT), sobol(LOOKED_AT, posterior.places.shape[1], 0)])
+    distances = model.distances(places)
+    of_runs = model.distances_of_points()
+    if min(distances.max(axis=1).min(), of_runs.max(axis=1).min()) <= limit:
+        return []
+    nearest = int(np.argmin(distances.max(axis=1)))
+    found = []
+    for number, part in enumerate(model.parts):
+        if distances[nearest, number] > limit:
+            values, _ = model.target_at(number, places)
+            near = values[int(np.argmin(distances[:, number]))] if len(model.parts) == 1 else values[nearest]
+            found.append(_unmet(part, near, float(distances[nearest, number])))
+    return found
+
+
+def _unmet(part: Any, near: np.ndarray, distance: float) -> dict[str, Any]:
+    target, curve = part.target, bool(part.target.axis)
+    numbers = {"measured": None, "error": None, "at_nearest": None} if curve else {
+        "measured": float(target.measured[0]), "error": float(target.error[0]), "at_nearest": float(near[0])
+    }  # fmt: skip
+    return {"name": target.name, "curve": curve, "distance": distance, **numbers}
+
+
+def answer(
+    study: Calibration, model: Model, posterior: Posterior, summaries: Mapping[int, Sequence[Mapping[str, Any]]]
+) -> dict[str, Any]:
+    """What the runs say, as plain data: parameters, correlation, targets, leave-one-out, unmet targets.
+
+    Parameters
+    ----------
+    study : Calibration
+    model : Model
+    posterior : Posterior
+    summaries : mapping of int to sequence of mapping
+        Of the starts of each of the model's points.
+    """
+    paths, found = study.paths, {}
+    known: dict[str, np.ndarray] | None = None
+    for number, path in enumerate(paths):
+        one = parameter(posterior, number, study.vary[path])
+        found[path] = {**asdict(one), "hidden_by": None, "ridge": None, "measure": []}
+        if one.identified:
+            continue
+        if known is None:
+            known = candidates(summaries, [target.name for target in study.targets])
+        found[path]["measure"] = best_measurements(posterior, number, model.places, known)
+        if other := partner(posterior, number):
+            ends = along(posterior, number, other[0])
+            pairs = [[_back(study, number, a), _back(study, other[0], b)] for a, b in ends]
+            found[path] |= {"hidden_by": paths[other[0]], "ridge": pairs}
+    correlation = posterior.correlation
+    return {
+        "parameters": found,
+        "correlation": {
+            a: {b: float(correlation[i, j]) for j, b in enumerate(paths) if j != i} for i, a in enumerate(paths)
+        },
+        "targets": {part.target.name: _target(model, number, posterior) for number, part in enumerate(model.parts)},
+        "loo": {part.target.name: _loo(model, number) for number, part in enumerate(model.parts)},
+        "unmet": unmet(model, posterior),
+        "scatter_known": model.freedom > 0,
+    }
+
+
+def _back(study: Calibration, number: int, value: float) -> float:
+    low, high = study.bounds[number]
+    return float(low + value * (high - low))
+
+
+def _target(model: Model, number: int, posterior: Posterior) -> dict[str, Any]:
+    """A target as it was measured, at the best place, and its scatter over starts."""
+    part = model.parts[number]
+    values, sd = model.target_at(number, posterior.best[None])
+    lists = {"measured": part.target.measured, "error": part.target.error, "at_best": values[0], "emulator": sd[0],
+             "spread": part.scatter}  # fmt: skip
+    if part.target.axis:
+        return {**lists, "axis": part.target.axis, "at": part.target.at}
+    return {key: float(one[0]) for key, one in lists.items()}
+
+
+def _loo(model: Model, number: int) -> dict[str, Any]:
+    """Leave-one-out error of a target beside the error that it may have."""
+    part = model.parts[number]
+    whole, own = model.left_out(number)
+    allowed = float(np.sqrt(np.mean(part.target.error**2 + np.nan_to_num(part.scatter) ** 2)))
+    return {"rms": whole, "emulator": own, "allowed": allowed, "too_large": bool(own > allowed > 0)}
+
+
+def no_answer(study: Calibration, points: int, good: int, needed: int) -> dict[str, Any]:
+    """As `answer`, where too few points have all the targets."""
+    nothing = {"best": None, "low": None, "high": None, "identified": False, "at_edge": False, "edge": ""}
+    said = f"No answer: {good} of {points} points have all the targets, and {needed} are needed."
+    return {
+        "parameters": {path: {**nothing, "prior": list(prior)} for path, prior in study.vary.items()},
+        "correlation": {},
+        "targets": {},
+        "loo": {},
+        "unmet": [],
+        "scatter_known": None,
+        "verdict": said,
+    }
+
+
+def with_words(data: dict[str, Any]) -> dict[str, Any]:
+    """The answer with its verdict and notes in front."""
+    if "verdict" in data:
+        return {**data, "notes": words.failed_text(data["failures"])}
+    return {"verdict": words.verdict_of(data), "notes": words.notes(data), **data}

@@ -1,0 +1,250 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Find numbers of a case from measurements: runs at points of their ranges, round by round, until the answer stands."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypedDict, Unpack
+
+import numpy as np
+
+from lammps_jump.calibration import page
+from lammps_jump.case.case import ReadCase
+from lammps_jump.dump.exports import netcdf_of, write_netcdf
+from lammps_jump.errors import CaseError
+from lammps_jump.files import MOST_TEXT, STUDY_FILES, plain, read_file, read_json, write_json, write_text
+from lammps_jump.folders import Marker
+from lammps_jump.provenance import usable_cores, versions
+from lammps_jump.runs.folder import run_folder
+from lammps_jump.runs.run import Case, Run
+from lammps_jump.sweeps import Pool, Sweep, open_sweep, slurm
+
+from .answer import answer, no_answer, with_words
+from .emulator import require_sklearn
+from .search import POINTS, Fit, Observed, Progress, Search
+from .study import Calibration, read_calibration
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from lammps_jump.script.job import Site
+
+ANSWER, SAMPLES, BEST = "calibration.json", "samples.nc", "best.yaml"
+
+
+class More(TypedDict, total=False):
+    """Further options of `calibrate`."""
+
+    seed: int | None
+    set: Mapping[str, object] | None
+    jobs: int | None
+    retry: bool
+
+
+def calibrate(
+    case: str | Path | Mapping[str, Any] | ReadCase,
+    targets: object = None,
+    vary: Mapping[str, Sequence[float]] | None = None,
+    out: str | Path | None = None,
+    *,
+    budget: int | None = None,
+    members: int | None = None,
+    progress: Callable[[Progress], None] = lambda progress: None,
+    **more: Unpack[More],
+) -> Calibrated:
+    """Find numbers of a case from measurements; what the folder holds is not run again.
+
+    Parameters
+    ----------
+    case : str, Path, mapping or Case
+        A case, its file, a study file of the kind calibrate, or the folder of a calibration.
+    targets : list or mapping, optional
+        What was measured: ``"jump.y2=6.7 ± 0.1"``, ``{"data": "heap.csv", "columns": "x=x,heap.depth=h ± 0.01"}``; or
+        ``{"jump.y2": (6.7, 0.1)}``. Units are those of ``summary.json``.
+    vary : mapping, optional
+        Range of each number that is to be found, by its path: ``{"contact.friction": (0.1, 0.9)}``.
+    out : str or Path, optional
+        Default ``runs/<stem of the file>_calibrate``.
+    budget : int, optional
+        Most runs; default 40.
+    members : int, optional
+        Starts of each point; default 2.
+    progress : callable, optional
+        Called with a `Progress`.
+    more
+        seed of the points; set, changed values of the case; jobs, processes at once; retry what failed.
+
+    Raises
+    ------
+    CaseError, SetupError
+        Before anything is run: a field that cannot be used, a folder in use, scikit-learn is missing.
+    RunInterrupted
+        Ctrl-C or SIGTERM; the same call goes on.
+    """
+    require_sklearn()
+    jobs, retry = more.pop("jobs", None), more.pop("retry", False)
+    given = {"targets": targets, "vary": vary, "budget": budget, "members": members}
+    study = read_calibration(case, **given, **more)
+    folder = Path(out) if out is not None else default_folder(case, study.case)
+    ranks = study.case.fields.engine.ranks
+    most = jobs or max(1, usable_cores() // (ranks if isinstance(ranks, int) else 1))
+    with run_folder(folder, Marker("calibrate", STUDY_FILES["calibrate"], {})), Pool(min(most, study.budget)) as pool:
+        search = Search(study, folder, retry, progress)
+        observed = search.go_on(pool)
+        pool.close()
+        write(search, observed)
+    return Calibrated(folder)
+
+
+def default_folder(case: str | Path | Mapping[str, Any] | ReadCase, read: Case) -> Path:
+    """Where a calibration is kept when no folder is named; a folder of one is its own."""
+    if isinstance(case, str | Path) and Path(case).is_dir():
+        return Path(case)
+    stem = Path(case).stem if isinstance(case, str | Path) else read.name
+    return Path("runs") / f"{stem}_calibrate"
+
+
+def write(search: Search, observed: Observed) -> None:
+    """Write the answer: ``calibration.json``, ``samples.nc``, ``best.yaml``, and the page."""
+    study, fit = search.study, search.fit(observed)
+    points = search.points.tolist()
+    if fit.model is None or fit.posterior is None:
+        found = no_answer(study, len(points), len(fit.good), fit.needed)
+    else:
+        summaries = {number: observed.summaries[number] for number in fit.good}
+        found = answer(study, fit.model, fit.posterior, summaries)
+        found |= {"nearest": _nearest(study, fit, points)}
+        write_netcdf(samples_of(study, fit), search.folder / SAMPLES)
+        best = {path: one["best"] for path, one in found["parameters"].items()}
+        write_text(search.folder / BEST, study.case.replace(best).to_yaml())
+    runs = sum(map(len, observed.folders.values()))
+    listed = [
+        {"values": dict(zip(study.paths, point, strict=True)), "round": place,
+         "runs": [str(one.relative_to(search.folder)) for one in observed.folders.get(number, [])]}
+        for number, (place, point) in enumerate(
+            (place, point) for place, one in enumerate(search.rounds) for point in one["points"])
+    ]  # fmt: skip
+    data = with_words({
+        **found, "runs": runs + len(observed.failures), "failed": len(observed.failures),
+        "failures": observed.failures, "budget": study.budget, "members": study.members, "seed": study.seed,
+        "rounds": [{"of": one["of"], "points": len(one["points"])} for one in search.rounds], "points": listed,
+        "name": study.case.name, "description": study.case.fields.description, "versions": versions("scikit-learn"),
+    })  # fmt: skip
+    write_json(search.folder / ANSWER, plain(data), indent=2)
+    page.write_page(study, plain(data), search.folder)
+
+
+def _nearest(study: Calibration, fit: Fit, points: list[list[float]]) -> int:
+    """Number of the point that is nearest to the best values, in standard deviations of the posterior."""
+    assert fit.posterior is not None
+    places = study.unit(np.array(points))[fit.good]
+    sd = np.sqrt(np.diag(fit.posterior.covariance))
+    return fit.good[int(np.argmin(np.sum(((places - fit.posterior.best) / sd) ** 2, axis=1)))]
+
+
+def samples_of(study: Calibration, fit: Fit) -> xr.Dataset:
+    """Samples of the posterior, of equal weight: the varied numbers, and what the emulators make of each target."""
+    import xarray as xr  # 0.3 s
+
+    assert fit.posterior is not None and fit.model is not None
+    drawn = fit.posterior.drawn()
+    whole = study.bounds[:, 0] + drawn * np.ptp(study.bounds, axis=1)
+    data: dict[str, Any] = {path: ("sample", whole[:, k]) for k, path in enumerate(study.paths)}
+    for number, part in enumerate(fit.model.parts):
+        if not part.target.axis and part.target.name not in data:
+            data[part.target.name] = ("sample", fit.model.target_at(number, drawn)[0][:, 0])
+    return xr.Dataset(data, attrs={"prior": "flat in the ranges"})
+
+
+class Calibrated:
+    """A calibration, seen through its folder.
+
+    Parameters
+    ----------
+    folder : str or Path
+
+    Attributes
+    ----------
+    folder : Path
+    data : dict
+        What ``calibration.json`` holds.
+
+    Raises
+    ------
+    CaseError
+        No answer there.
+    """
+
+    def __init__(self, folder: str | Path):
+        self.folder = Path(folder)
+        try:
+            self.data: dict[str, Any] = read_json(self.folder / ANSWER)
+        except (OSError, ValueError):
+            raise CaseError(
+                f"{folder}: holds no answer ({ANSWER}); `lammps-jump calibrate {folder}` goes on there"
+            ) from None
+
+    @property
+    def verdict(self) -> str:
+        """The answer in a few sentences."""
+        return str(self.data["verdict"])
+
+    @property
+    def notes(self) -> list[str]:
+        """What to know beside it."""
+        return list(self.data["notes"])
+
+    @property
+    def parameters(self) -> dict[str, dict[str, Any]]:
+        """By path: best, low and high (95 %), prior, identified, at_edge."""
+        return dict(self.data["parameters"])
+
+    @property
+    def correlation(self) -> dict[str, dict[str, float]]:
+        """Between the varied numbers, by their paths."""
+        return dict(self.data["correlation"])
+
+    @cached_property
+    def samples(self) -> xr.Dataset:
+        """Samples of the posterior, of equal weight, over ``sample``: varied numbers and emulated targets."""
+        import xarray as xr  # 0.3 s
+
+        if not (self.folder / SAMPLES).is_file():
+            return xr.Dataset({path: ("sample", np.zeros(0)) for path in self.parameters})
+        return netcdf_of(read_file(self.folder / SAMPLES, MOST_TEXT), self.folder / SAMPLES)
+
+    @property
+    def best(self) -> Case:
+        """The case at the best values."""
+        return Case.load(self.folder / BEST)
+
+    @property
+    def runs(self) -> list[Run]:
+        """The runs of the point that is nearest to the best values."""
+        if "nearest" not in self.data:
+            return []
+        return [Run(self.folder / one) for one in self.data["points"][self.data["nearest"]]["runs"]]
+
+    @property
+    def sweep(self) -> Sweep:
+        """All runs, as a study."""
+        return open_sweep(self.folder / POINTS)
+
+    def __repr__(self) -> str:
+        return f"Calibrated({str(self.folder)!r}, {self.verdict!r})"
+
+
+def submit(case: str | Path, out: Path | None, site: Site, *, at_once: int | None = None, **given: Any) -> str:
+    """Submit the runs that the present round lacks as an array job of Slurm; its number, empty where none is lacking.
+
+    The same command without Slurm goes on with the next round.
+    """
+    require_sklearn()
+    study = read_calibration(case, **given)
+    folder = Path(out) if out is not None else default_folder(case, study.case)
+    with run_folder(folder, Marker("calibrate", STUDY_FILES["calibrate"], {})):
+        search = Search(study, folder, False, lambda progress: None)
+        search.begin()
+        return slurm.submit(search.sweep(), site, at_once=at_once or slurm.AT_ONCE)

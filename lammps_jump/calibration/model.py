@@ -1,0 +1,242 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Runs at some points against what was measured: emulators of all numbers, their scatter, and the likelihood.
+
+A curve is put into numbers by its principal components over the points: I. T. Jolliffe, Principal Component Analysis,
+Springer 2002, ch. 2. Source of the likelihood: M. C. Kennedy and A. O'Hagan, J. R. Stat. Soc. B 63 (2001) 425.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import inf, nan
+
+import numpy as np
+
+from lammps_jump.errors import CaseError
+
+from .emulator import Emulator, emulate
+from .measured import FEWEST
+from .posterior import log_t
+from .targets import Target
+
+EXPLAINED = 0.99
+"""Share of the variance over the points that the components of a curve hold."""
+MOST_COMPONENTS = 4
+
+
+@dataclass(frozen=True)
+class Part:
+    """A target as numbers that the emulators hold: one of a number, components of a curve.
+
+    Attributes
+    ----------
+    target : Target
+        With the measured points that every run reaches.
+    centre, scale : ndarray, shape (k,)
+        Subtracted from the values, and divided by.
+    directions : ndarray, shape (components, k)
+        Orthonormal.
+    scatter : ndarray, shape (k,)
+        Standard deviation over starts; NaN where it is not known.
+    """
+
+    target: Target
+    centre: np.ndarray
+    scale: np.ndarray
+    directions: np.ndarray
+    scatter: np.ndarray
+
+    def into(self, values: np.ndarray) -> np.ndarray:
+        """Numbers of values of shape (…, k): shape (…, components)."""
+        return ((values - self.centre) / self.scale) @ self.directions.T
+
+    @property
+    def error_covariance(self) -> np.ndarray:
+        """Of the measurement, in the numbers, shape (components, components)."""
+        return (self.directions * (self.target.error / self.scale) ** 2) @ self.directions.T
+
+    def values(self, numbers: np.ndarray, variances: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Values and their variances, shape (…, k), of numbers and theirs, shape (…, components)."""
+        return (
+            self.centre + self.scale * (numbers @ self.directions),
+            self.scale**2 * (variances @ self.directions**2),
+        )
+
+
+@dataclass(frozen=True)
+class Model:
+    """Emulators of all targets, and what the measurements say of a place.
+
+    Attributes
+    ----------
+    parts : tuple of Part
+    emulators : tuple of Emulator
+        Of all numbers of all parts, in their order.
+    measured : ndarray, shape (numbers,)
+    error, scatter : ndarray, shape (numbers, numbers)
+        Covariances of the measurement and of a single run.
+    freedom : float
+        Degrees of freedom of the scatter; 0 where no point has two starts.
+    places : ndarray, shape (points, varied)
+        In the unit cube: the points whose runs have all numbers.
+    means : tuple of ndarray, shape (points, k)
+        Of each target there.
+    """
+
+    parts: tuple[Part, ...]
+    emulators: tuple[Emulator, ...]
+    measured: np.ndarray
+    error: np.ndarray
+    scatter: np.ndarray
+    freedom: float
+    places: np.ndarray
+    means: tuple[np.ndarray, ...]
+
+    def at(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Emulated numbers and their variances, shape (n, numbers)."""
+        found = [one.at(places) for one in self.emulators]
+        return np.array([mean for mean, _ in found]).T, np.array([variance for _, variance in found]).T
+
+    def log_likelihood(self, places: np.ndarray) -> np.ndarray:
+        """Of places in the unit cube, shape (n,), but for a constant.
+
+        The scatter is known by its degrees of freedom alone: Student's t, with more of them where it is a smaller
+        part of all (F. E. Satterthwaite, Biometrics Bulletin 2 (1946) 110).
+        """
+        mean, variance = self.at(places)
+        return self.log_density(self.measured - mean, variance)
+
+    def log_density(self, off: np.ndarray, variance: np.ndarray) -> np.ndarray:
+        """As `log_likelihood`, of differences and emulators' variances, shape (n, numbers)."""
+        whole = self.error + self.scatter + np.einsum("ni,ij->nij", variance, np.eye(len(self.measured)))
+        total = np.trace(whole, axis1=1, axis2=2)
+        share = np.trace(self.scatter) / total
+        freedom = self.freedom / share**2 if self.freedom and np.trace(self.scatter) > 0 else np.full(len(off), inf)
+        return log_t(off, whole, freedom)
+
+    def target_at(self, number: int, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """A target in its own unit and the emulator's standard deviation, shape (n, k)."""
+        start = sum(len(part.directions) for part in self.parts[:number])
+        own = slice(start, start + len(self.parts[number].directions))
+        mean, variance = self.at(places)
+        values, spread = self.parts[number].values(mean[:, own], variance[:, own])
+        return values, np.sqrt(spread)
+
+    def distances(self, places: np.ndarray) -> np.ndarray:
+        """How far each target is from its measurement, in errors of all kinds, shape (n, targets).
+
+        Of a curve the root mean square over its points.
+        """
+        found = []
+        for number, part in enumerate(self.parts):
+            values, sd = self.target_at(number, places)
+            variance = part.target.error**2 + np.nan_to_num(part.scatter) ** 2 + sd**2
+            found.append(np.sqrt(np.mean((values - part.target.measured) ** 2 / variance, axis=1)))
+        return np.array(found).T
+
+    def distances_of_points(self) -> np.ndarray:
+        """As `distances`, of the runs themselves, shape (points, targets)."""
+        found = []
+        for part, means in zip(self.parts, self.means, strict=True):
+            variance = part.target.error**2 + np.nan_to_num(part.scatter) ** 2 + 1e-300
+            found.append(np.sqrt(np.mean((means - part.target.measured) ** 2 / variance, axis=1)))
+        return np.array(found).T
+
+    def left_out(self, number: int) -> tuple[float, float]:
+        """Leave-one-out error of a target: root mean square, and the same without the scatter of the point itself.
+
+        In the unit of the target; of a curve over its points.
+        """
+        start = sum(len(part.directions) for part in self.parts[:number])
+        part = self.parts[number]
+        own = self.emulators[start : start + len(part.directions)]
+        off = np.array([one.left_out for one in own]).T @ part.directions * part.scale
+        noise = np.array([np.mean(one.process.alpha) * one.scale**2 for one in own]) @ part.directions**2
+        noise = np.mean(noise * part.scale**2)
+        square = float(np.mean(off**2))
+        return float(np.sqrt(square)), float(np.sqrt(max(square - noise, 0.0)))
+
+
+def model_of(places: np.ndarray, targets: Sequence[Target], values: Mapping[str, np.ndarray]) -> Model:
+    """The model of runs at places of the unit cube.
+
+    Parameters
+    ----------
+    places : ndarray, shape (points, varied)
+    targets : sequence of Target
+    values : mapping of str to ndarray, shape (points, starts, k)
+        Of each target, NaN where a run has none; each point has a start that has all.
+
+    Raises
+    ------
+    CaseError
+        A curve that fewer than two measured points meet.
+    """
+    parts, numbers, means = [], [], []
+    for target in targets:
+        target, known = _reached(target, values[target.name])
+        parts.append(_part(target, known))
+        numbers.append(parts[-1].into(known))
+        means.append(np.nanmean(known, axis=1))
+    every = np.concatenate(numbers, axis=2)
+    whole = np.isfinite(every).all(axis=2)
+    starts = whole.sum(axis=1)
+    centres = np.nanmean(np.where(whole[..., None], every, nan), axis=1)
+    off = np.where(whole[..., None], every - centres[:, None], 0.0).reshape(-1, every.shape[2])
+    freedom = float(np.sum(starts - 1))
+    scatter = _pooled(off, freedom) if freedom else None
+    emulators = tuple(
+        emulate(places, centres[:, k], None if scatter is None else scatter[k, k] / starts)
+        for k in range(every.shape[2])
+    )
+    if scatter is None:
+        scatter = np.diag([one.scatter for one in emulators])
+    error = np.zeros((every.shape[2], every.shape[2]))
+    start = 0
+    for part in parts:
+        own = slice(start, start := start + len(part.directions))
+        error[own, own] = part.error_covariance
+    measured = np.concatenate([part.into(part.target.measured) for part in parts])
+    return Model(tuple(parts), emulators, measured, error, scatter, freedom, places, tuple(means))
+
+
+def _reached(target: Target, values: np.ndarray) -> tuple[Target, np.ndarray]:
+    """A target at the measured points that all runs reach, and their values there; a start without any is left out."""
+    some = np.isfinite(values).any(axis=2)
+    reached = np.isfinite(values[some]).all(axis=0)
+    if reached.sum() < min(FEWEST, len(target.measured)):
+        raise CaseError(
+            f"{target.name}: {reached.sum()} of {len(reached)} measured points lie where every run has its curve; "
+            f"{FEWEST} are needed; are the units the same (SI)?"
+        )
+    at = target.at[reached] if target.axis else target.at
+    return Target(target.name, target.measured[reached], target.error[reached], target.axis, at), values[..., reached]
+
+
+def _part(target: Target, values: np.ndarray) -> Part:
+    """The components of a target over the points."""
+    means = np.nanmean(values, axis=1)
+    starts = np.isfinite(values).all(axis=2).sum(axis=1)
+    freedom = float(np.sum(starts - 1))
+    squares = np.nansum((values - means[:, None]) ** 2, axis=(0, 1))
+    scatter = np.sqrt(squares / freedom) if freedom else np.full(len(target.measured), nan)
+    centre = means.mean(axis=0)
+    if not target.axis:
+        return Part(target, centre, np.ones(1), np.ones((1, 1)), scatter)
+    spread = np.sqrt(target.error**2 + np.nan_to_num(scatter) ** 2)
+    scale = np.maximum(spread, 1e-3 * means.std(axis=0).max() + 1e-300)
+    _, sizes, directions = np.linalg.svd((means - centre) / scale, full_matrices=False)
+    share = np.cumsum(sizes**2) / max(np.sum(sizes**2), 1e-300)
+    count = min(int(np.searchsorted(share, EXPLAINED)) + 1, MOST_COMPONENTS, len(directions))
+    return Part(target, centre, scale, directions[:count], scatter)
+
+
+def _pooled(off: np.ndarray, freedom: float) -> np.ndarray:
+    """Covariance of single runs, pooled over the points; nearer to a diagonal one where it is known badly.
+
+    Of k numbers with f degrees of freedom the part k/(k + f) of what is beside the diagonal is left out.
+    """
+    found = off.T @ off / freedom
+    keep = freedom / (freedom + len(found))
+    return keep * found + (1 - keep) * np.diag(np.diag(found))

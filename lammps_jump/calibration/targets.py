@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What was measured: numbers and curves with their errors, and the same of a run."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from lammps_jump.case.parts.base import Strict
+from lammps_jump.errors import CaseError
+from lammps_jump.quoting import shortened
+from lammps_jump.runs.summary import open_results
+from lammps_jump.sweeps.table import number_at
+from lammps_jump.units import Plain
+
+from .measured import FEWEST, curve_of, finite, measured_of, parse_columns
+
+EXAMPLE = '--target "jump.y2=6.7 ± 0.1"'
+ALONG, LEVEL, ENDS = ("x",), 1e-9, ((0, 1), (-1, -2))
+"""Axes along which a curve goes on that ends level, as that of a heap on its bed; share of its range that is level."""
+COVERED = 0.5
+"""Least share of the measured points at which a run must have its curve."""
+Positive = Annotated[Plain, Field(gt=0)]
+NotNegative = Annotated[Plain, Field(ge=0)]
+
+
+@dataclass(frozen=True)
+class Target:
+    """A measured number, or the points of a measured curve.
+
+    Attributes
+    ----------
+    name : str
+        Key of ``summary.json``, or ``TABLE.COLUMN`` of a run.
+    measured, error : ndarray, shape (k,)
+        In the unit of the number; one value of a number. An error of 0 was not given.
+    axis : str
+        Of a curve; empty of a number.
+    at : ndarray, shape (k,)
+        Along that axis; empty of a number.
+    """
+
+    name: str
+    measured: np.ndarray
+    error: np.ndarray
+    axis: str = ""
+    at: np.ndarray = field(default_factory=lambda: np.zeros(0))
+
+    def of_run(self, folder: Path, summary: Mapping[str, Any]) -> np.ndarray:
+        """The same numbers of a run, shape (k,); NaN where it has none.
+
+        Raises
+        ------
+        CaseError
+            A table or column that no run of this case has.
+        DumpError
+            Results that are not as the analysis wrote them.
+        """
+        if not self.axis:
+            return np.array([number_at(summary, self.name)])
+        x, y = curve_of(open_results(folder), self.axis, self.name)
+        if len(x) < FEWEST:
+            return np.full(len(self.at), np.nan)
+        flat = [self.axis in ALONG and abs(y[end] - y[beside]) <= LEVEL * np.ptp(y) for end, beside in ENDS]
+        ends = [y[end] if level else np.nan for level, (end, _) in zip(flat, ENDS, strict=True)]
+        return np.interp(self.at, x, y, *ends)
+
+    def lacking(self, values: np.ndarray) -> str:
+        """Why the numbers of a run cannot be used; empty where they can."""
+        known = np.isfinite(values)
+        if not self.axis:
+            return "" if known.all() else f"no {self.name}"
+        few = known.mean() < COVERED or known.sum() < FEWEST
+        return f"{self.name} at {known.sum()} of {len(known)} measured points" if few else ""
+
+    @property
+    def as_field(self) -> dict[str, Any]:
+        """As it stands in a study file, without the file of the measurement."""
+        if not self.axis:
+            return {"key": self.name, "value": float(self.measured[0]), "error": float(self.error[0])}
+        lists = {"at": self.at, "values": self.measured, "errors": self.error}
+        return {"curve": self.name, "axis": self.axis, **{key: list(map(float, one)) for key, one in lists.items()}}
+
+
+class TargetField(Strict):
+    """A target of a study file: a number, points of a curve, or columns of a file."""
+
+    key: str | None = None
+    value: Plain | None = None
+    error: Positive | None = None
+    data: str | None = None
+    columns: str | None = None
+    curve: str | None = None
+    axis: str | None = None
+    at: list[Plain] | None = None
+    values: list[Plain] | None = None
+    errors: list[NotNegative] | None = None
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> TargetField:
+        given = self.model_fields_set
+        kinds = ({"key", "value", "error"}, {"data", "columns"}, {"curve", "axis", "at", "values", "errors"})
+        if given not in kinds:
+            raise ValueError(
+                "does not fit; allowed is {key: jump.y2, value: 6.7, error: 0.1}, or {data: heap.csv, columns: "
+                "'x=x,heap.depth=h ± 0.01'}"
+            )
+        if self.at is not None and not FEWEST <= len(self.at) == len(self.values or ()) == len(self.errors or ()):
+            raise ValueError("at, values and errors need one length, two points or more")
+        return self
+
+    def targets(self, place: Path) -> list[Target]:
+        """The targets that it means; files are looked for in `place`."""
+        if self.key is not None:
+            return [Target(self.key, np.array([self.value]), np.array([self.error]))]
+        if self.data is not None and self.columns is not None:
+            return of_file(place / self.data, self.columns)
+        arrays = [np.array(one, float) for one in (self.values, self.errors, self.at)]
+        return [Target(str(self.curve), arrays[0], arrays[1], str(self.axis), arrays[2])]
+
+
+def parse_target(text: str) -> dict[str, Any]:
+    """Key, value and error of ``--target``: ``jump.y2=6.7 ± 0.1`` (or ``+-``).
+
+    Raises
+    ------
+    CaseError
+        Another text.
+    """
+    number = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+    found = re.fullmatch(rf"\s*([^=\s]+)\s*=\s*({number})\s*(?:±|\+-|\+/-)\s*({number})\s*", text)
+    if not found:
+        raise CaseError(f"--target {shortened(text)}: expected a key, a value and its error, for example {EXAMPLE}")
+    error = float(found[3])
+    if not error > 0:
+        raise CaseError(f"--target {shortened(text)}: the error is {error:zg}; allowed is > 0")
+    return {"key": found[1], "value": float(found[2]), "error": error}
+
+
+def of_file(path: Path, columns: str) -> list[Target]:
+    """Curves of a person's file, by ``x=x,heap.depth=h ± 0.01``; the error is a number or a column, or not given.
+
+    Raises
+    ------
+    CaseError
+        As `parse_columns` and `measured_of`; an error that is no number and no column, or below 0.
+    """
+    words = [part.replace("+-", "±").split("±") for part in columns.split(",")]
+    pairs = parse_columns(",".join(part[0].strip() for part in words))
+    said = {part[0].split("=", 1)[0].strip(): part[1].strip() for part in words if len(part) == 2 and "=" in part[0]}
+    named = {name: text for name, text in said.items() if not _is_number(text)}
+    (axis, own_axis), *wanted = pairs.items()
+    given = measured_of(path, {**pairs, **{f"± {name}": text for name, text in named.items()}})
+    found = []
+    for name, own in wanted:
+        text = said.get(name, "0")
+        error = given[text] if name in named else np.full(len(given[own]), finite(path, 1, name, text))
+        if (error < 0).any():
+            raise CaseError(f"{path}: the error of {name} is below 0; allowed is 0 or more")
+        order = np.argsort(given[own_axis], kind="stable")
+        found.append(Target(name, given[own][order], error[order], axis, given[own_axis][order]))
+    return found
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What a calibration has found, in sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from lammps_jump.sweeps import words as fields
+from lammps_jump.units import shown
+
+UNKNOWN_SCATTER = (
+    "The scatter over starts is not known: every point has one start. What the emulator leaves unexplained stands for "
+    "it. Take --members 2 or more."
+)
+
+
+def named(path: str) -> str:
+    """A varied number in words, with its path where the words are others."""
+    return fields.words(path)
+
+
+def brief(value: float) -> str:
+    """A number with two digits, without a power of ten."""
+    return shown(float(f"{value:z.2g}"))
+
+
+def ranged(path: str, found: Mapping[str, Any]) -> str:
+    """Best value and 95 % range."""
+    unit = fields.unit(path)
+    half = max(0.5 * (found["high"] - found["low"]), 1e-12)
+    best, low, high = (shown(found[key], error=half, alone=True) for key in ("best", "low", "high"))
+    return f"{named(path)} {best}{f' {unit}' if unit else ''} (95 %: {low} to {high})"
+
+
+def verdict_of(data: Mapping[str, Any]) -> str:
+    """The answer in a few sentences, of the content of ``calibration.json`` without its verdict."""
+    told = [(path, one) for path, one in data["parameters"].items() if one["identified"]]
+    hidden = [(path, one) for path, one in data["parameters"].items() if not one["identified"]]
+    said = []
+    if data["unmet"]:
+        said.append("The model cannot meet the data: " + "; ".join(map(unmet_text, data["unmet"])) + ".")
+        if told:
+            said.append("Nearest to the data: " + "; ".join(ranged(path, one) for path, one in told) + ".")
+    elif told:
+        said.append("The measurements give: " + "; ".join(ranged(path, one) for path, one in told) + ".")
+    for path, one in hidden:
+        low, high = one["prior"]
+        said.append(
+            f"The {named(path)} is not identified: its 95 % range, {brief(one['low'])} to "
+            f"{brief(one['high'])}, is more than half of {low:zg} to {high:zg}."
+        )
+    return " ".join(said)
+
+
+def unmet_text(one: Mapping[str, Any]) -> str:
+    """A target that no point comes near."""
+    if one["curve"]:
+        return f"{one['name']} stays {one['distance']:z.1f} errors from the measured curve (root mean square)"
+    return (
+        f"{one['name']} was measured as {shown(one['measured'])} ± {shown(one['error'], digits=2)}, and the nearest "
+        f"value is {shown(one['at_nearest'])}"
+    )
+
+
+def notes(data: Mapping[str, Any]) -> list[str]:
+    """What to know beside the verdict: edges, ridges, advice, the emulator, failed runs, errors not given."""
+    said = []
+    for path, one in data["parameters"].items():
+        if one["at_edge"]:
+            side = "upper" if one["edge"] == "high" else "lower"
+            end = one["prior"][1 if side == "upper" else 0]
+            said.append(
+                f"The best {named(path)} lies at the {side} edge of its range, {end:zg}: better values may lie behind "
+                "it. Widen the range (--vary)."
+            )
+        if not one["identified"]:
+            said += hidden_text(path, data)
+    for name, loo in data["loo"].items():
+        if loo["too_large"]:
+            said.append(
+                f"{name}: the emulator is off by {shown(loo['emulator'], digits=2)} where a point is left out, more "
+                f"than the error of the target, {shown(loo['allowed'], digits=2)}. A larger --budget or narrower "
+                "ranges help."
+            )
+    said += [UNKNOWN_SCATTER] if data["scatter_known"] is False else []
+    for name, target in data["targets"].items():
+        if isinstance(target["error"], list) and not any(target["error"]):
+            said.append(f"{name}: no error was given, and it is taken as 0. Write it behind the column: h ± 0.01.")
+    said += failed_text(data["failures"])
+    return said
+
+
+def hidden_text(path: str, data: Mapping[str, Any]) -> list[str]:
+    """Why a number is not identified, and what to measure."""
+    one, said = data["parameters"][path], []
+    if one["hidden_by"]:
+        other, (first, second) = one["hidden_by"], one["ridge"]
+        pair = [f"{brief(a)} with {brief(b)}" for a, b in (first, second)]
+        said.append(
+            f"The {named(path)} and the {named(other)} hide each other (correlation "
+            f"{data['correlation'][path][other]:z.2f}): {pair[0]} fits as well as {pair[1]}."
+        )
+    else:
+        said.append(f"The targets hardly depend on the {named(path)}.")
+    if one["measure"]:
+        first = one["measure"][0]
+        said.append(
+            f"Measure {first['key']} too: it is expected to take {100 * first['reduction']:z.0f} % off the range of "
+            f"the {named(path)}."
+        )
+    else:
+        said.append(f"No other number of these runs would tell the {named(path)} apart.")
+    return said
+
+
+def failed_text(failures: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Points that are out: how many, and each with its values and its reason."""
+    if not failures:
+        return []
+    count = len(failures)
+    head = f"{count} run{'s' * (count > 1)} {'are' if count > 1 else 'is'} left out:"
+    return [head] + [f"{point_text(one['values'])}, start {one['seed']}: {one['message']}" for one in failures]
+
+
+def point_text(values: Mapping[str, float]) -> str:
+    """Values of a point in words."""
+    return ", ".join(f"{named(path)} = {shown(value, fields.unit(path))}" for path, value in values.items())

@@ -1,0 +1,245 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A calibration and its folder: rounds, answers with their sentences, points that are out, interruptions."""
+
+import json
+import random
+import shutil
+from collections import Counter
+from itertools import count
+
+import numpy as np
+import pytest
+import yaml
+from made_up import BOX, call
+from stand_in_runs import CASE, DENSITY, FRICTION, RESTITUTION, VARY, StandIn, angle_and_run_out, calibrated
+
+import lammps_jump as lj
+from lammps_jump.calibration import search
+from lammps_jump.errors import CaseError, RunInterrupted
+
+BOTH = ["heap.angle=20 ± 0.3", "heap.run_out=3 ± 0.05"]
+"""At friction 0.5 and density 1500."""
+
+
+def test_two_targets_find_two_numbers(monkeypatch, tmp_path):
+    found = calibrated(monkeypatch, tmp_path / "out", BOTH)
+    for path, truth in ((FRICTION, 0.5), (DENSITY, 1500)):
+        one = found.parameters[path]
+        assert one["low"] <= truth <= one["high"] and one["low"] <= one["best"] <= one["high"]
+        assert one["identified"] and not one["at_edge"] and tuple(one["prior"]) == tuple(VARY[path])
+        # half a straight model's range, by its inverse: 2 x 1.96 sqrt((0.3^2 + 0.3^2)/100/2 + (0.05^2 + 0.05^2)/4/2)
+        assert 0.1 < (one["high"] - one["low"]) / np.ptp(VARY[path]) < 0.25
+    assert found.verdict.startswith("The measurements give: friction coefficient 0.4") and not found.notes
+    assert found.data["failed"] == 0 and found.data["runs"] <= found.data["budget"] == 40
+    target = found.data["targets"]["heap.angle"]
+    assert target["measured"] == 20 and target["error"] == 0.3 and abs(target["at_best"] - 20) < 0.3
+    assert 0.2 < target["spread"] < 0.4  # 0.3 by some 18 degrees of freedom
+    assert found.samples.sizes == {"sample": 2000} and set(found.samples) == {
+        FRICTION,
+        DENSITY,
+        *("heap.angle", "heap.run_out"),
+    }
+    assert float(found.samples[FRICTION].mean()) == pytest.approx(0.5, abs=0.05)
+    assert found.best.fields.contact.friction == found.parameters[FRICTION]["best"]
+    rounds = [one["of"] for one in found.data["rounds"]]
+    assert rounds[0] == "ranges" and rounds[1] == "posterior" and rounds[-1] == "best"
+
+
+def test_one_target_leaves_a_ridge_and_the_advice_that_breaks_it(monkeypatch, tmp_path):
+    found = calibrated(monkeypatch, tmp_path / "out", BOTH[:1])
+    assert found.correlation[FRICTION][DENSITY] == found.correlation[DENSITY][FRICTION] < -0.5
+    for path in VARY:
+        assert not found.parameters[path]["identified"]
+        assert found.parameters[path]["measure"][0]["key"] == "heap.run_out"
+    said = " ".join(found.notes)
+    assert "friction coefficient is not identified: its 95 % range" in found.verdict
+    assert "friction coefficient and the density hide each other (correlation -0." in said
+    assert "Measure heap.run_out too: it is expected to take" in said
+    # the two places that it names lie on the ridge: x + y = 1
+    for friction, density in found.parameters[FRICTION]["ridge"]:
+        assert (friction - 0.1) / 0.8 + (density - 1000) / 1000 == pytest.approx(1.0, abs=0.08)
+
+
+def test_what_the_targets_do_not_depend_on_is_not_identified(monkeypatch, tmp_path):
+    vary = {FRICTION: VARY[FRICTION], RESTITUTION: [0.2, 0.9]}
+    found = calibrated(monkeypatch, tmp_path / "out", BOTH[:1], vary=vary)
+    assert found.parameters[FRICTION]["identified"] and not found.parameters[RESTITUTION]["identified"]
+    assert any("The targets hardly depend on the restitution coefficient." in one for one in found.notes)
+    assert any(
+        "No other number of these runs would tell the restitution coefficient apart." in one for one in found.notes
+    )
+
+
+def test_data_that_no_point_meets_are_told_with_the_target_that_fails(monkeypatch, tmp_path):
+    found = calibrated(monkeypatch, tmp_path / "out", ["heap.angle=45 ± 0.3", BOTH[1]])
+    assert found.verdict.startswith("The model cannot meet the data: heap.angle was measured as 45 ± 0.3, and the")
+    assert [one["name"] for one in found.data["unmet"]] == ["heap.angle"]
+
+
+def test_a_best_value_at_the_edge_asks_for_a_wider_range(monkeypatch, tmp_path):
+    found = calibrated(monkeypatch, tmp_path / "out", ["heap.angle=20.2 ± 0.3"], vary={FRICTION: [0.1, 0.5]})
+    one = found.parameters[FRICTION]
+    assert one["at_edge"] and one["edge"] == "high"
+    assert any("lies at the upper edge of its range, 0.5: better values may lie behind" in note for note in found.notes)
+
+
+def test_one_start_says_that_the_scatter_is_not_known(monkeypatch, tmp_path):
+    found = calibrated(monkeypatch, tmp_path / "out", BOTH[:1], vary={FRICTION: VARY[FRICTION]}, members=1, budget=16)
+    assert found.data["scatter_known"] is False and found.data["targets"]["heap.angle"]["spread"] is None
+    assert any("The scatter over starts is not known: every point has one start" in one for one in found.notes)
+
+
+def test_an_emulator_that_is_worse_than_the_target_warns(monkeypatch, tmp_path):
+    def rough(values):
+        return {"heap.angle": 20 + 5 * np.sign(np.sin(40 * values[FRICTION]))}
+
+    given = {"vary": {FRICTION: VARY[FRICTION]}, "scatter": {"heap.angle": 0.1}, "budget": 20}
+    found = calibrated(monkeypatch, tmp_path / "out", ["heap.angle=20 ± 0.2"], numbers=rough, **given)
+    assert any("heap.angle: the emulator is off by" in one and "more than the error" in one for one in found.notes)
+
+
+def test_points_without_the_number_are_counted_and_named(monkeypatch, tmp_path):
+    def partly(values):
+        found = angle_and_run_out(values)
+        return found if values[FRICTION] < 0.7 else {**found, "heap.angle": np.nan}
+
+    found = calibrated(monkeypatch, tmp_path / "out", BOTH, numbers=partly)
+    out = found.data["failures"]
+    assert found.data["failed"] == len(out) > 0 and all(one["values"][FRICTION] >= 0.7 for one in out)
+    assert f"{len(out)} runs are left out:" in found.notes
+    assert any(one.startswith("friction coefficient = 0.") and one.endswith("no heap.angle") for one in found.notes)
+    assert found.parameters[FRICTION]["low"] <= 0.5 <= found.parameters[FRICTION]["high"]
+
+
+def test_where_too_few_points_have_the_number_there_is_no_answer(monkeypatch, tmp_path):
+    found = calibrated(monkeypatch, tmp_path / "out", BOTH[:1], numbers=lambda values: {"heap.angle": np.nan})
+    assert found.verdict == "No answer: 0 of 19 points have all the targets, and 5 are needed."
+    assert found.parameters[FRICTION]["best"] is None and found.samples.sizes == {"sample": 0} and not found.runs
+
+
+def content(folder):
+    return {path.name: path.read_bytes() for path in sorted(folder.iterdir()) if path.is_file()}
+
+
+def test_a_study_that_is_killed_five_times_ends_with_the_same_answer(monkeypatch, tmp_path):
+    """At runs drawn at random; no run is made twice: the stand-in refuses to."""
+    given = {"budget": 60, "members": 2}
+    whole = calibrated(monkeypatch, tmp_path / "whole", BOTH, **given)
+    stops = random.Random(4).sample(range(1, whole.data["runs"]), 5)
+    runs = StandIn(angle_and_run_out, {"heap.angle": 0.3, "heap.run_out": 0.05}, stops)
+    monkeypatch.setattr(search.Search, "run", lambda search, pool: runs(search, pool))
+    killed = 0
+    for _ in count():
+        try:
+            found = lj.calibrate(CASE, BOTH, VARY, tmp_path / "killed", **given)
+            break
+        except RunInterrupted:
+            killed += 1
+            assert not (tmp_path / "killed" / "calibration.json").exists()
+    assert killed == 5 and len(runs.made) == whole.data["runs"]
+    assert found.data == whole.data
+    assert content(tmp_path / "killed")["best.yaml"] == content(tmp_path / "whole")["best.yaml"]
+
+
+def test_the_same_command_does_nothing_and_a_larger_budget_goes_on(monkeypatch, tmp_path):
+    found = calibrated(monkeypatch, tmp_path / "out", BOTH[:1], budget=24)
+    before = content(tmp_path / "out")
+    again = calibrated(monkeypatch, tmp_path / "out", BOTH[:1], budget=24)
+    assert content(tmp_path / "out")["calibration.json"] == before["calibration.json"] and again.data == found.data
+    more = calibrated(monkeypatch, tmp_path / "out", BOTH, budget=60)
+    first = [one["values"] for one in found.data["points"]]
+    assert [one["values"] for one in more.data["points"]][: len(first)] == first and more.data["runs"] > found.data[
+        "runs"
+    ]
+
+
+def test_rounds_stop_when_no_range_shrinks_by_a_tenth():
+    assert search.has_settled([(0.1, 0.5), (0, 1)], [(0.1, 0.47), (0, 0.95)])
+    assert not search.has_settled([(0.1, 0.5), (0, 1)], [(0.1, 0.45), (0, 0.95)])
+
+
+def test_a_folder_without_an_answer_says_so(tmp_path):
+    with pytest.raises(CaseError, match="holds no answer"):
+        lj.Calibrated(tmp_path)
+
+
+REAL = {**BOX, "gravity": 9.81, "domain": {"x": [-1, 3], "y": [-1, 3]}, "run": {**BOX["run"], "duration": 0.2}}
+"""Sixteen discs in a box, which lose energy by their restitution; a tenth of a second a run."""
+ENERGY = "energy.drift"
+RANGE = {RESTITUTION: [0.3, 1.0]}
+
+
+@pytest.fixture(scope="module")
+def real(tmp_path_factory):
+    """A calibration of six native runs, one of which fails."""
+    place = tmp_path_factory.mktemp("real")
+    (place / "box.yaml").write_text(yaml.safe_dump(REAL))
+    heard = []
+    found = lj.calibrate(place / "box.yaml", [f"{ENERGY}=-0.2 ± 0.1"], RANGE, place / "out", budget=6, members=1,
+                         jobs=1, progress=heard.append)  # fmt: skip
+    return found, heard
+
+
+def test_real_runs_are_made_kept_and_told(real, monkeypatch, capsys):
+    found, heard = real
+    assert found.data["runs"] == 6 and found.data["failed"] == 0
+    assert (
+        heard[-1].done == 6
+        and heard[-1].share == 1.0
+        and any(one.best.startswith("nearest run: restitution") for one in heard)
+    )
+    assert "(95 %:" in heard[-1].best
+    names = {path.name for path in found.folder.iterdir()}
+    assert {
+        "study.yaml",
+        "rounds.json",
+        "calibration.json",
+        "calibration.html",
+        "best.yaml",
+        "samples.nc",
+        "points",
+    } < names
+    # each point has a start of its own: common ones would be off together
+    assert sorted(run.case.fields.run.seed for run in found.sweep.runs) == [1, 2, 3, 4, 5, 6]
+    values = {run.case.fields.contact.restitution for run in found.sweep.runs}
+    assert values == {one["values"][RESTITUTION] for one in found.data["points"]}
+    before = {path: path.stat().st_mtime_ns for path in (found.folder / "points" / "runs").rglob("*")}
+    status, out, _ = call(monkeypatch, capsys, "calibrate", found.folder, "--quiet")
+    assert status == 0 and out.startswith(found.verdict) and f"page: {found.folder / 'calibration.html'}" in out
+    assert before == {path: path.stat().st_mtime_ns for path in (found.folder / "points" / "runs").rglob("*")}
+
+
+def test_a_run_that_fails_is_counted_and_named(real, tmp_path):
+    found, _ = real
+    shutil.copytree(found.folder, tmp_path / "out")
+    run = tmp_path / "out" / found.data["points"][1]["runs"][0]
+    summary = json.loads((run / "summary.json").read_text())
+    (run / "summary.json").write_text(json.dumps({**summary, "status": "failed", "message": "a disc left the domain."}))
+    again = lj.calibrate(tmp_path / "out", jobs=1)
+    assert again.data["failed"] == 1 and again.data["runs"] == 6
+    (failure,) = again.data["failures"]
+    assert failure["values"] == found.data["points"][1]["values"]
+    assert failure["message"] == "a disc left the domain. --retry runs it again."
+
+
+@pytest.mark.long
+def test_real_runs_that_are_killed_five_times_end_with_the_same_answer(tmp_path):
+    """Sixty native runs; the study is ended in this process at runs drawn at random."""
+    given = {"budget": 60, "members": 2, "jobs": 2, "out": tmp_path / "whole"}
+    targets, vary = [f"{ENERGY}=-0.2 ± 0.1"], {**RANGE, "discs.density": [500, 2000]}
+    whole = lj.calibrate(REAL, targets, vary, **given)
+    stops = random.Random(1).sample(range(1, whole.data["runs"]), 5)
+
+    def end(progress):
+        if progress.done in stops:
+            stops.remove(progress.done)
+            raise RunInterrupted("ended here")
+
+    made = Counter()
+    while True:
+        try:
+            found = lj.calibrate(REAL, targets, vary, **{**given, "out": tmp_path / "killed"}, progress=end)
+            break
+        except RunInterrupted:
+            made["ended"] += 1
+    assert made["ended"] == 5 and found.data == whole.data
