@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
 """Runs of a calibration in closed form: numbers with scatter over starts in place of flows, and a store of them."""
 
 from __future__ import annotations
