@@ -164,8 +164,12 @@ class Section(NamedTuple):
     blocks: Sequence[Text | Table | Boxes | Items | Code | Picture | Curve | Player | Choice | Beside]
 
 
-def render(title: str, sections: Sequence[Section | None], *, tab: str = "", name: str = "") -> str:
+def render(
+    title: str, sections: Sequence[Section | None], *, tab: str = "", name: str = "", embedded: bool = False
+) -> str:
     """One self-contained HTML page; `tab` is the browser's title, `name` stands above the title.
+
+    An embedded one stands in a frame of a notebook, which it tells its time.
 
     None among the sections, blocks that hold nothing, and sections of such blocks only are left out.
     """
@@ -182,6 +186,7 @@ def render(title: str, sections: Sequence[Section | None], *, tab: str = "", nam
     steps = np.diff(np.concatenate(numbers)).astype(int)
     data = {"players": [player.header for player in players], "curves": shown}
     style, scripts = _own("page.css"), [_own(file) for file in SCRIPTS] if players or curves else []
+    scripts += [_own("embedded.js")] if embedded else []
     kept = [section for section in full if section.blocks]
     return _template().render(
         title=title,

@@ -406,6 +406,11 @@ def packed(flow: Flow, folder: Path, every: int = 1) -> FramePacker:
     return packer
 
 
+def player_of(case: ReadCase, folder: Path) -> page.Player | None:
+    """The player of the frames of a run folder; None where no frame holds a disc, or the dump cannot be read."""
+    return make_player(packed(flow_of(case, folder), folder), folder)
+
+
 def write_comparison(runs: Sequence[tuple[str, Path, Mapping[str, Any], Flow]], path: Path) -> Path:
     """Write the page of two runs or dumps, each given by name, folder, summary and flow.
 

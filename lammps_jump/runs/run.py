@@ -15,10 +15,11 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack, cast
 
 from lammps_jump import runs
+from lammps_jump.analysis import notebook
 from lammps_jump.case.case import ReadCase
 from lammps_jump.dump import Frame, read_dump
 from lammps_jump.engines import NATIVE_KERNELS, ProgressCallback, RunResult, Setting
-from lammps_jump.errors import RunError
+from lammps_jump.errors import DumpError, RunError
 from lammps_jump.files import CURVES
 from lammps_jump.folders import holder, locked, require_replaceable
 from lammps_jump.scene.scene import Scene
@@ -304,6 +305,30 @@ class Run:
 
     def __repr__(self) -> str:
         return f"Run({str(self.folder)!r}, {self.status})"
+
+    def widget(self) -> Any:
+        """The player as a widget of a notebook: ``time`` is the time that is shown, s, and ``seek(time)`` goes to one.
+
+        Raises
+        ------
+        SetupError
+            anywidget is not installed.
+        DumpError
+            The run has no frame that holds a disc.
+        """
+        player = runs.results.player_of(self.case, self.folder)
+        if player is None:
+            raise DumpError(f"{self.folder}: has no frame with discs in it, and nothing to play")
+        return notebook.player_widget(player, self.case.name)
+
+    def _repr_mimebundle_(self, **given: object) -> Any:
+        """The player, where anywidget is installed and something can be played; else a notebook shows pictures."""
+        if not notebook.widgets_are_there():
+            return {}
+        try:
+            return self.widget()._repr_mimebundle_(**given)
+        except DumpError:
+            return {}
 
     def _repr_html_(self) -> str:
         """What the run found: a line, at most five numbers, a picture."""

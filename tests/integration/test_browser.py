@@ -14,6 +14,7 @@ from made_up import SCENES, flow_context
 from PIL import Image
 
 from lammps_jump import load_case
+from lammps_jump.analysis import notebook
 from lammps_jump.analysis.report import frames
 from lammps_jump.analysis.report import page as page_of
 from lammps_jump.analysis.report.frames import FramePacker
@@ -238,6 +239,41 @@ def test_sliders_choose_the_run_of_a_point(browser, tmp_path):
     page.run("part(players[0], 'run').selectedIndex = 0; part(players[0], 'run').dispatchEvent(new Event('change'))")
     assert page.run(shown) == [6, 0, 0, ["0", "1 m"], True]  # the sliders go with the list
     assert page.run("players[0].time") == 0 and page.run("typeof hit") == "undefined" and page.troubles() == []
+    page.close()
+
+
+WIDGET = Path(notebook.__file__).parent / "widget.js"
+HOST = """<!doctype html><body><div id="cell"></div><script type="application/json" id="page">%s</script>
+<script type="module">%s
+const heard = { custom: null, times: [] };
+const model = {
+  get: (name) => ({ title: "run", page: JSON.parse(document.getElementById("page").textContent) })[name],
+  set: (name, value) => heard.times.push(value), save_changes: () => { heard.saved = true; },
+  on: (name, act) => { heard.custom = act; }, off: () => { heard.custom = null; },
+};
+window.heard = heard;
+window.end = render({ model, el: document.getElementById("cell") });
+window.frameLoaded = new Promise((done) => { document.querySelector("iframe").onload = () => done(true); });
+</script>"""
+
+
+def test_a_player_in_a_notebook_tells_its_time(browser, tmp_path):
+    """A stand-in for the model of Jupyter: the time comes out of the frame, and one that is asked for goes in."""
+    packer = FramePacker(flow_context(domain=((0, 10), (-2, 5)), x_range=(0, 10), walls=FLOOR, sized=True))
+    for frame in made_frames():
+        packer.add(frame, frame.time)
+    inner = render("", [Section("", [make_player(packer, tmp_path)])], tab="run", embedded=True)
+    path = tmp_path / "host.html"
+    path.write_text(HOST % (json.dumps(inner).replace("<", "\\u003c"), WIDGET.read_text()))
+    page = Page(browser, path)
+    assert page.run("frameLoaded.then((one) => one)") is True
+    listen = "addEventListener('message', ({ data }) => data.time === 1.5 && done(1))"
+    page.run(f"told = new Promise((done) => {{ {listen}; }}); 0")
+    page.run("heard.custom({ seek: 1.5 }); told.then(() => 0)")
+    assert page.run("heard.times.at(-1)") == 1.5
+    assert page.run("parseFloat(document.querySelector('iframe').style.height)") > 300
+    page.run("end(); 0")
+    assert page.run("heard.custom") is None
     page.close()
 
 

@@ -1,0 +1,8 @@
+"use strict";
+// A page in the frame of a notebook: it tells what holds the frame its time and height, and goes to a time that is asked for.
+
+document.addEventListener("time", ({ detail }) => parent.postMessage({ time: detail }, "*"));
+addEventListener("message", ({ source, data }) => {
+  if (source === parent && data && Number.isFinite(data.seek)) tell("seek", data.seek);
+});
+new ResizeObserver(() => parent.postMessage({ height: document.documentElement.offsetHeight }, "*")).observe(document.body);
