@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from made_up import BOX
 
+from lammps_jump.calibration import page
 from lammps_jump.calibration.calibrate import calibrate
 from lammps_jump.calibration.search import Observed, Search
 from lammps_jump.errors import RunInterrupted
@@ -79,9 +80,13 @@ class StandIn:
         return seen
 
 
-def calibrated(monkeypatch, out: Path, targets, *, numbers=angle_and_run_out, scatter=None, stop_at=(), **given):
+def calibrated(
+    monkeypatch, out: Path, targets, *, numbers=angle_and_run_out, scatter=None, stop_at=(), pictures=False, **given
+):
     """A calibration of stand-in runs; more of `given` is as of `calibrate`."""
     runs = StandIn(numbers, scatter if scatter is not None else {"heap.angle": 0.3, "heap.run_out": 0.05}, stop_at)
     monkeypatch.setattr(Search, "run", lambda search, pool: runs(search, pool))
+    if not pictures:
+        monkeypatch.setattr(page, "draw", lambda *_: {})
     given = {"vary": VARY, "budget": 40, "members": 2, **given}
     return calibrate(CASE, targets, out=out, **given)

@@ -31,6 +31,8 @@ RIDGE = 0.5
 """Size of a correlation that hides two numbers behind each other."""
 WORTH = 0.2
 """Least part of the standard deviation that a further measurement must take away."""
+NOT_MEASURED = ("inflow", "energy", "state")
+"""Quantities of the runs that no laboratory measures."""
 FIRST, KNOWN, LISTED = 24, 0.8, 3
 """Truths that are tried for each measurement; least part of the points that have its number; measurements listed."""
 LOOKED_AT = 2048
@@ -106,7 +108,7 @@ def candidates(summaries: Mapping[int, Sequence[Mapping[str, Any]]], taken: Sequ
     """
     found: dict[str, np.ndarray] = {}
     starts = max(map(len, summaries.values()))
-    for name, quantity in QUANTITIES.items():
+    for name, quantity in ((name, one) for name, one in QUANTITIES.items() if name not in NOT_MEASURED):
         for key, told in numbers_of(quantity.result).items():
             path = f"{name}.{key}"
             if path in taken or told.meaning.startswith("standard error") or key.endswith(("_interval", "_error")):

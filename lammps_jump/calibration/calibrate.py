@@ -107,33 +107,41 @@ def default_folder(case: str | Path | Mapping[str, Any] | ReadCase, read: Case) 
 
 
 def write(search: Search, observed: Observed) -> None:
-    """Write the answer: ``calibration.json``, ``samples.nc``, ``best.yaml``, and the page."""
+    """Write the answer: ``calibration.json``, ``samples.nc``, ``best.yaml``, figures, and the page."""
     study, fit = search.study, search.fit(observed)
-    points = search.points.tolist()
+    points, folder = search.points.tolist(), search.folder
+    listed = _listed(search, observed)
+    runs, pictures = sum(map(len, observed.folders.values())), {}
     if fit.model is None or fit.posterior is None:
         found = no_answer(study, len(points), len(fit.good), fit.needed)
     else:
-        summaries = {number: observed.summaries[number] for number in fit.good}
-        found = answer(study, fit.model, fit.posterior, summaries)
-        found |= {"nearest": _nearest(study, fit, points)}
-        write_netcdf(samples_of(study, fit), search.folder / SAMPLES)
+        found = answer(study, fit.model, fit.posterior, {number: observed.summaries[number] for number in fit.good})
+        for number, distances in zip(fit.good, fit.model.distances_of_points(), strict=True):
+            listed[number]["distance"] = float(distances.max())
+        found |= {"nearest": (near := _nearest(study, fit, points))}
+        write_netcdf(samples_of(study, fit), folder / SAMPLES)
         best = {path: one["best"] for path, one in found["parameters"].items()}
-        write_text(search.folder / BEST, study.case.replace(best).to_yaml())
-    runs = sum(map(len, observed.folders.values()))
-    listed = [
-        {"values": dict(zip(study.paths, point, strict=True)), "round": place,
-         "runs": [str(one.relative_to(search.folder)) for one in observed.folders.get(number, [])]}
-        for number, (place, point) in enumerate(
-            (place, point) for place, one in enumerate(search.rounds) for point in one["points"])
-    ]  # fmt: skip
-    data = with_words({
+        write_text(folder / BEST, study.case.replace(best).to_yaml())
+        values = [one[fit.good.index(near)] for one in fit.model.values]
+        pictures = page.draw(study, fit.model, fit.posterior, values, folder)
+    data = plain(with_words({
         **found, "runs": runs + len(observed.failures), "failed": len(observed.failures),
         "failures": observed.failures, "budget": study.budget, "members": study.members, "seed": study.seed,
         "rounds": [{"of": one["of"], "points": len(one["points"])} for one in search.rounds], "points": listed,
         "name": study.case.name, "description": study.case.fields.description, "versions": versions("scikit-learn"),
-    })  # fmt: skip
-    write_json(search.folder / ANSWER, plain(data), indent=2)
-    page.write_page(study, plain(data), search.folder)
+    }))  # fmt: skip
+    write_json(folder / ANSWER, data, indent=2)
+    page.write_page(study, data, folder, pictures)
+
+
+def _listed(search: Search, observed: Observed) -> list[dict[str, Any]]:
+    """The points: values, number of the round, run folders; the distance from the measurements is not known yet."""
+    rounds = [(place, point) for place, one in enumerate(search.rounds) for point in one["points"]]
+    folders = ([str(one.relative_to(search.folder)) for one in observed.folders.get(k, [])] for k in range(len(rounds)))
+    return [
+        {"values": dict(zip(search.study.paths, point, strict=True)), "round": place, "runs": runs, "distance": None}
+        for (place, point), runs in zip(rounds, folders, strict=True)
+    ]
 
 
 def _nearest(study: Calibration, fit: Fit, points: list[list[float]]) -> int:

@@ -8,7 +8,9 @@ Source: C. E. Rasmussen and C. K. I. Williams, Gaussian Processes for Machine Le
 from __future__ import annotations
 
 import warnings
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from functools import lru_cache
 from math import nan
 from typing import TYPE_CHECKING
 
@@ -18,6 +20,7 @@ from lammps_jump.errors import SetupError
 
 if TYPE_CHECKING:
     from sklearn.gaussian_process import GaussianProcessRegressor
+    from threadpoolctl import ThreadpoolController
 
 LACKING = (
     "calibrate needs scikit-learn, which is not installed; `pip install 'lammps-jump[calibrate]'` or `pip install "
@@ -35,6 +38,19 @@ def require_sklearn() -> None:
         import sklearn.gaussian_process  # noqa: F401  (0.5 s)
     except ImportError:
         raise SetupError(LACKING) from None
+
+
+@lru_cache(maxsize=1)
+def _libraries() -> ThreadpoolController:
+    from threadpoolctl import ThreadpoolController  # comes with scikit-learn
+
+    return ThreadpoolController()
+
+
+def one_thread() -> AbstractContextManager[object]:
+    """Linear algebra on one thread for the time of a ``with`` block: matrices of tens of rows gain nothing by more."""
+    found: AbstractContextManager[object] = _libraries().limit(limits=1)
+    return found
 
 
 @dataclass(frozen=True)
@@ -81,7 +97,8 @@ class Emulator:
         mean, variance : ndarray, shape (n,)
             In the number's unit, and its square.
         """
-        mean, sd = self.process.predict(places, return_std=True)
+        with one_thread():
+            mean, sd = self.process.predict(places, return_std=True)
         own = 0.0 if np.isnan(self.scatter) else self.scatter
         variance = np.maximum(self.scale**2 * sd**2 - own, 0.0)
         return self.centre + self.scale * mean, max(1.0, self.chi2) * variance
@@ -110,7 +127,7 @@ def emulate(places: np.ndarray, values: np.ndarray, noise: np.ndarray | None) ->
     kernel = smooth + WhiteKernel(1e-2, (1e-6, 2.0))
     alpha = np.full(len(values), FLOOR) if noise is None else noise / scale**2 + FLOOR
     process = GaussianProcessRegressor(kernel, alpha=alpha, n_restarts_optimizer=1, random_state=0)
-    with warnings.catch_warnings():
+    with warnings.catch_warnings(), one_thread():
         warnings.simplefilter("ignore", ConvergenceWarning)  # a length at its bound: a number that hardly matters
         process.fit(places, (values - centre) / scale)
     scatter = float(process.kernel_.k2.noise_level) * scale**2 if noise is None else nan

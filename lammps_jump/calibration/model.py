@@ -82,6 +82,8 @@ class Model:
         In the unit cube: the points whose runs have all numbers.
     means : tuple of ndarray, shape (points, k)
         Of each target there.
+    values : tuple of ndarray, shape (points, starts, k)
+        Of the runs, NaN where one has none.
     """
 
     parts: tuple[Part, ...]
@@ -92,6 +94,7 @@ class Model:
     freedom: float
     places: np.ndarray
     means: tuple[np.ndarray, ...]
+    values: tuple[np.ndarray, ...]
 
     def at(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Emulated numbers and their variances, shape (n, numbers)."""
@@ -173,12 +176,13 @@ def model_of(places: np.ndarray, targets: Sequence[Target], values: Mapping[str,
     CaseError
         A curve that fewer than two measured points meet.
     """
-    parts, numbers, means = [], [], []
+    parts, numbers, means, kept = [], [], [], []
     for target in targets:
         target, known = _reached(target, values[target.name])
         parts.append(_part(target, known))
         numbers.append(parts[-1].into(known))
         means.append(np.nanmean(known, axis=1))
+        kept.append(known)
     every = np.concatenate(numbers, axis=2)
     whole = np.isfinite(every).all(axis=2)
     starts = whole.sum(axis=1)
@@ -198,7 +202,8 @@ def model_of(places: np.ndarray, targets: Sequence[Target], values: Mapping[str,
         own = slice(start, start := start + len(part.directions))
         error[own, own] = part.error_covariance
     measured = np.concatenate([part.into(part.target.measured) for part in parts])
-    return Model(tuple(parts), emulators, measured, error, scatter, freedom, places, tuple(means))
+    found = emulators, measured, error, scatter, freedom, places
+    return Model(tuple(parts), *found, tuple(means), tuple(kept))
 
 
 def _reached(target: Target, values: np.ndarray) -> tuple[Target, np.ndarray]:

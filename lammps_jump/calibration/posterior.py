@@ -89,9 +89,8 @@ class Posterior:
         return self.covariance / np.outer(sd, sd)
 
     def drawn(self, count: int = KEPT) -> np.ndarray:
-        """Samples of equal weight, shape (count, varied), the same at every call: systematic resampling."""
-        at = np.searchsorted(np.cumsum(self.weights), (np.arange(count) + 0.5) / count)
-        return self.places[np.minimum(at, len(self.places) - 1)]
+        """Samples of equal weight, shape (count, varied), the same at every call."""
+        return self.places[np.random.default_rng(0).choice(len(self.places), count, p=self.weights)]
 
 
 def shortest(values: np.ndarray, weights: np.ndarray, mass: float = MASS) -> tuple[float, float]:

@@ -21,8 +21,8 @@ def named(path: str) -> str:
 
 
 def brief(value: float) -> str:
-    """A number with two digits, without a power of ten."""
-    return shown(float(f"{value:z.2g}"))
+    """A number with three digits, without a power of ten."""
+    return shown(float(f"{value:z.3g}"))
 
 
 def ranged(path: str, found: Mapping[str, Any]) -> str:
@@ -94,15 +94,22 @@ def notes(data: Mapping[str, Any]) -> list[str]:
 def hidden_text(path: str, data: Mapping[str, Any]) -> list[str]:
     """Why a number is not identified, and what to measure."""
     one, said = data["parameters"][path], []
-    if one["hidden_by"]:
-        other, (first, second) = one["hidden_by"], one["ridge"]
+    other = one["hidden_by"]
+    if (
+        other
+        and data["parameters"][other]["hidden_by"] == path
+        and list(data["parameters"]).index(other) < list(data["parameters"]).index(path)
+    ):
+        return []  # told of the other one
+    if other:
+        first, second = one["ridge"]
         pair = [f"{brief(a)} with {brief(b)}" for a, b in (first, second)]
         said.append(
             f"The {named(path)} and the {named(other)} hide each other (correlation "
             f"{data['correlation'][path][other]:z.2f}): {pair[0]} fits as well as {pair[1]}."
         )
     else:
-        said.append(f"The targets hardly depend on the {named(path)}.")
+        said.append(f"The targets tell little of the {named(path)}.")
     if one["measure"]:
         first = one["measure"][0]
         said.append(

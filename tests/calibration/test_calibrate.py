@@ -14,7 +14,10 @@ from made_up import BOX, call
 from stand_in_runs import CASE, DENSITY, FRICTION, RESTITUTION, VARY, StandIn, angle_and_run_out, calibrated
 
 import lammps_jump as lj
-from lammps_jump.calibration import search
+from lammps_jump.calibration import page, search
+from lammps_jump.calibration.model import model_of
+from lammps_jump.calibration.posterior import sample, sobol
+from lammps_jump.calibration.targets import Target
 from lammps_jump.errors import CaseError, RunInterrupted
 
 BOTH = ["heap.angle=20 ± 0.3", "heap.run_out=3 ± 0.05"]
@@ -64,7 +67,7 @@ def test_what_the_targets_do_not_depend_on_is_not_identified(monkeypatch, tmp_pa
     vary = {FRICTION: VARY[FRICTION], RESTITUTION: [0.2, 0.9]}
     found = calibrated(monkeypatch, tmp_path / "out", BOTH[:1], vary=vary)
     assert found.parameters[FRICTION]["identified"] and not found.parameters[RESTITUTION]["identified"]
-    assert any("The targets hardly depend on the restitution coefficient." in one for one in found.notes)
+    assert any("The targets tell little of the restitution coefficient." in one for one in found.notes)
     assert any(
         "No other number of these runs would tell the restitution coefficient apart." in one for one in found.notes
     )
@@ -127,7 +130,7 @@ def test_a_study_that_is_killed_five_times_ends_with_the_same_answer(monkeypatch
     whole = calibrated(monkeypatch, tmp_path / "whole", BOTH, **given)
     stops = random.Random(4).sample(range(1, whole.data["runs"]), 5)
     runs = StandIn(angle_and_run_out, {"heap.angle": 0.3, "heap.run_out": 0.05}, stops)
-    monkeypatch.setattr(search.Search, "run", lambda search, pool: runs(search, pool))
+    monkeypatch.setattr(search.Search, "run", lambda search, pool: runs(search, pool))  # the figures: as before
     killed = 0
     for _ in count():
         try:
@@ -207,6 +210,30 @@ def test_real_runs_are_made_kept_and_told(real, monkeypatch, capsys):
     status, out, _ = call(monkeypatch, capsys, "calibrate", found.folder, "--quiet")
     assert status == 0 and out.startswith(found.verdict) and f"page: {found.folder / 'calibration.html'}" in out
     assert before == {path: path.stat().st_mtime_ns for path in (found.folder / "points" / "runs").rglob("*")}
+
+
+def test_the_page_opens_with_the_verdict_and_plays_the_runs(real):
+    found, _ = real
+    text = (found.folder / "calibration.html").read_text()
+    assert text.index(found.verdict[:40]) < text.index("What to know") < text.index("Measured, and runs")
+    assert text.count("data:image/png") == 2 and text.count("restitution coefficient = ") >= 6
+    assert {path.name for path in (found.folder / "figures").iterdir()} == {
+        "calibration_posterior.png", "calibration_targets.png"
+    }  # fmt: skip
+    assert '"players":[{' in text
+    nearest = min(found.data["points"], key=lambda one: one["distance"])
+    assert f"restitution coefficient = {nearest['values'][RESTITUTION]:.4g}, start 1" in text
+
+
+def test_a_measured_curve_is_drawn_with_the_runs(tmp_path):
+    """In one figure, from values made up: the runs of the real study have tables of their own, which are read."""
+    at, places = np.linspace(0, 1, 20), sobol(8, 1, 1)
+    values = places[:, None] * np.exp(-at) + 1e-3 * np.random.default_rng(1).normal(size=(8, 2, 20))
+    target = Target("heap.depth", 0.4 * np.exp(-at), np.full(20, 0.01), "x", at)
+    model = model_of(places, [target], {"heap.depth": values})
+    posterior = sample(model.log_likelihood, 1)
+    path = page.draw_curves(model, posterior, [values[0]], tmp_path / "calibration_curves.png")
+    assert path.stat().st_size > 5000
 
 
 def test_a_run_that_fails_is_counted_and_named(real, tmp_path):
