@@ -4,6 +4,7 @@
     python tests/same_bits.py store FILE       # before a change of the engine's loops
     python tests/same_bits.py compare FILE     # after it; exit status 1 where a bit of a trajectory differs
     python tests/same_bits.py compare FILE --only drum
+    python tests/same_bits.py compare FILE --threads 3
 
 A hash is that of ids, places, velocities, spins, forces, torques, springs, sums on walls and lids that move. The energy
 ledger, the energies of the list of contacts and the sums between stations are compared with a tolerance instead: their
@@ -22,6 +23,7 @@ import numpy as np
 
 from lammps_jump.case import load_case
 from lammps_jump.engines.native import NativeSimulation
+from lammps_jump.engines.native.bound import Core
 
 INPUTS = Path(__file__).resolve().parent.parent / "inputs"
 STEPS, EVERY = 1500, 100
@@ -128,9 +130,9 @@ def numbers(simulation) -> dict[str, list[float]]:
     return {"ledger": sums, "contacts": contacts, "stations": simulation.stations.sums.tolist()}
 
 
-def record(source, changes) -> dict[str, object]:
+def record(source, changes, threads="1") -> dict[str, object]:
     """Hashes of an entry, and numbers at its end."""
-    simulation = NativeSimulation(scene_of(source, changes))
+    simulation = NativeSimulation(scene_of(source, changes), loops=Core(threads))
     hashes = [digest(simulation)]
     for _ in range(STEPS // EVERY):
         simulation.run(EVERY)
@@ -162,6 +164,7 @@ def main() -> int:
     parser.add_argument("what", choices=("store", "compare"))
     parser.add_argument("file", type=Path)
     parser.add_argument("--only", default="")
+    parser.add_argument("--threads", default="1", help="a number, or auto:MOST")
     asked = parser.parse_args()
     kept = json.loads(asked.file.read_text()) if asked.file.exists() else {}
     wrong = 0
@@ -169,7 +172,7 @@ def main() -> int:
         if asked.only not in name or (asked.what == "store" and name in kept):
             continue
         try:
-            now = record(source, changes)
+            now = record(source, changes, asked.threads)
         except Exception as error:
             if asked.what == "store":
                 print(f"{name}: left out, {error}"[:200], flush=True)

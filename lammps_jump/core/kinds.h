@@ -88,6 +88,12 @@ class Memory {
     if (slot == FULL && goes_on) *row.s.full = id;
   }
 
+  /** As it stands; nothing is changed. */
+  void look(int64_t partner) { slot = held(row, partner, 0.0, NO_END, 0.0); }
+
+  /** Index of the springs, or FULL. */
+  int64_t place() const { return slot == FULL ? FULL : row.first + slot; }
+
   /** `way`: rolling of this disc over that of the first of the contact. */
   Stretch<double> begin(double way) const
   {
@@ -108,19 +114,31 @@ class Memory {
   int slot = FULL;
 };
 
-/** Of two discs the one with the larger id remembers. */
-class PairMemory {
- public:
-  PairMemory(const jump_state &s, int64_t i, int64_t j) : way(s.ids[i] > s.ids[j] ? 1.0 : -1.0), of(s, way > 0.0 ? i : j)
-  {
-    of.find(s.ids[way > 0.0 ? j : i], 0.0, NO_END, 0.0);
-  }
-  Stretch<double> begin() const { return of.begin(way); }
-  void end(const Stretch<double> &held) const { of.end(held, way); }
-
- private:
+/** Of two discs the one with the larger id remembers; `way` is that of rolling (Memory). */
+struct PairMemory {
   double way;
-  Memory of;
+  int64_t disc, partner;
+
+  PairMemory(const jump_state &s, int64_t i, int64_t j)
+      : way(s.ids[i] > s.ids[j] ? 1.0 : -1.0), disc(way > 0.0 ? i : j), partner(s.ids[way > 0.0 ? j : i])
+  {
+  }
+
+  /** The springs, taken where there are none yet and springs go on. */
+  Memory take(const jump_state &s) const
+  {
+    Memory of(s, disc);
+    of.find(partner, 0.0, NO_END, 0.0);
+    return of;
+  }
+
+  /** The springs as they stand. */
+  Memory look(const jump_state &s) const
+  {
+    Memory of(s, disc);
+    of.look(partner);
+    return of;
+  }
 };
 
 /** Disc i at a face of a wall; (px, py): its place in the wall's own frame. */

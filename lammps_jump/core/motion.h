@@ -29,6 +29,19 @@ struct Sum {
 
   double power(const Pose &rate) const { return x * rate.x + y * rate.y + moment * rate.angle; }
 
+  void operator+=(const Sum &other)
+  {
+    x += other.x;
+    y += other.y;
+    moment += other.moment;
+  }
+  void operator-=(const Sum &other)
+  {
+    x -= other.x;
+    y -= other.y;
+    moment -= other.moment;
+  }
+
   /** Add a force that acts at (x, y) from the point of the moment. */
   void add(double fx, double fy, double at_x, double at_y)
   {

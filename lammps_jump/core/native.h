@@ -40,6 +40,8 @@ struct Seen {
   const double *vx, *vy, *spin;
 };
 
+class Crew;
+
 }    // namespace jump
 
 extern "C" {
@@ -51,8 +53,8 @@ struct jump_state {
   double *x, *y, *vx, *vy, *fx, *fy, *x0, *y0, *ux, *uy, *omega, *torque, *uomega, *dash_x, *dash_y, *slide_x, *slide_y,
       *radius;
   const int64_t *fixed;
-  // pairs: rows in use, disc of each row (NULL: its number), what a row adds to x
-  int64_t rows;
+  // pairs: rows in use, those first of them that are sorted, number of the list, disc of each row (NULL: its number), what a row adds to x
+  int64_t rows, sorted, listed_as;
   int32_t *owner;
   const double *shift;
   int64_t *start;
@@ -123,8 +125,13 @@ struct jump_stations {
 
 }
 
+/** Threads of a simulation, by the words of `Pace::read`; how many there are now. */
+JUMP_API jump::Crew *jump_crew(const char *threads);
+JUMP_API void jump_dismiss(jump::Crew *crew);
+JUMP_API int64_t jump_threads(const jump::Crew *crew);
+
 /** Step: see `advance` in native.cpp. */
-JUMP_API int64_t jump_advance(jump_state *state, int64_t steps, int64_t owed, int64_t *old);
+JUMP_API int64_t jump_advance(jump_state *state, jump::Crew *crew, int64_t steps, int64_t owed, int64_t *old);
 JUMP_API void jump_place_walls(const jump_state *state, int64_t step);
 /** 1/eps of the sign law by these velocities, s/m. */
 JUMP_API double jump_slope(const jump_state *state, const double *vx, const double *vy);

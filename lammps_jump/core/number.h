@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-/* Operations of a number, by the names that a vector of numbers has too (plugin/lanes.h).
+/* Operations of a number, by the names that a vector of numbers has too (lanes.h).
 
    All of the core is compiled without contraction and without `fastmath` (build.py): every operation is rounded as it is
    written. */

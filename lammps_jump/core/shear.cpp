@@ -113,10 +113,11 @@ void forces(const Swarm &s, const Box &box, double rate, const jump_state &state
         Stretch<double> held{};
         PairForce<double> out;
         if constexpr (Friction::REMEMBERS) {
-          const PairMemory memory(state, i, j);
-          held = memory.begin();
+          const PairMemory of_pair(state, i, j);
+          const Memory memory = of_pair.take(state);
+          held = memory.begin(of_pair.way);
           out = pair_contact<true, SPIN>(law, numbers_of_pair(state), state.rolling, pair, held);
-          memory.end(held);
+          memory.end(held, of_pair.way);
         } else {
           out = pair_contact<true, SPIN>(law, numbers_of_pair(state), Rolling{}, pair, held);
         }

@@ -95,7 +95,10 @@ static PairForce<double> contact_of(const jump_state &s, const Law &law, const S
                                     double dy, double r2, double a, double b)
 {
   Stretch<double> held{};
-  if constexpr (Law::Friction::REMEMBERS) held = PairMemory(s, i, j).begin();
+  if constexpr (Law::Friction::REMEMBERS) {
+    const PairMemory memory(s, i, j);
+    held = memory.take(s).begin(memory.way);
+  }
   return pair_contact<SIZES, SPIN>(law, numbers_of_pair(s), s.rolling,
                                    pair_of<SIZES, SPIN>(s, seen, i, j, dx, dy, r2, a, b), held);
 }

@@ -23,6 +23,8 @@ FASTER = "with a C++ compiler the compiled kernel and `--engine native` are 2 to
 THREADS = "LAMMPS_JUMP_THREADS"
 """Variable of the environment: most threads that `engine.threads: auto` takes."""
 MOST_THREADS = 64
+THREADED = ("compiled", NATIVE_KERNELS["native"])
+"""Kernels that take several threads."""
 DISCS_PER_RANK = 2_500
 """Below this another rank waits for a good part of its time, spinning (docs/scaling.md)."""
 
@@ -100,7 +102,7 @@ def choose_threads(wanted: int | str, setting: Setting) -> tuple[Setting, list[s
         are several ranks. The variable `THREADS` in the environment says another most; in members it is 1.
     setting : Setting
     """
-    if setting.kernel != "compiled":
+    if setting.kernel not in THREADED:
         which = setting.engine if setting.engine != "lammps" else f"kernel {setting.kernel}"
         return setting, [] if wanted in ("auto", 1) else [f"engine.threads: {which} runs on one thread"]
     if wanted != "auto":

@@ -23,7 +23,8 @@ class Setting:
     ranks : int
         MPI ranks, LAMMPS only.
     threads : str
-        Threads of the compiled kernel: a number, or ``auto:MOST``, by which steps show how many are the quickest.
+        Threads of the compiled kernel and of the native engine: a number, or ``auto:MOST``, by which steps show how
+        many are the quickest.
     plugin : Path, optional
         The plugin's shared object, for the compiled kernel.
     dump_format : {'text', 'gz', 'binary'}

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from laws import LAWS
 
 from lammps_jump.core.library import INTEGER, INTEGERS, REAL, REALS, function
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.engines.native.bound import Core, records_of
 from lammps_jump.engines.native.cells import CellSimulation
 from lammps_jump.engines.twin import Twin
-from lammps_jump.physics.slip import Rolling, Springs
 from lammps_jump.scene import Block, Box, Motion, MovingWall, handmade_scene
 from lammps_jump.scene.chains import lay
 from lammps_jump.scene.faces import MOST, foot_at, touching
@@ -27,20 +27,6 @@ from lammps_jump.scene.walls import Circle, Line
 
 core_touching = function("jump_touching", c_void_p, INTEGER, INTEGERS, INTEGER, REALS, REALS, INTEGERS, result=INTEGER)
 core_foot = function("jump_foot_at", c_void_p, REAL, REAL, result=REAL)
-SPIN = {"friction": 0.4, "rotation": True}
-EXTRAPOLATED = {"integrator": "leapfrog_extrapolated"}
-ROLLING = Springs(rolling=Rolling(0.2, 0.5, 0.3))
-LAWS = {
-    "frictionless": {"friction": 0.0},
-    "viscous": {"friction": 0.4},
-    "viscous, spin": SPIN | EXTRAPOLATED,
-    "sign": {"friction": 0.4, "friction_law": "sign"},
-    "sign, spin": SPIN | EXTRAPOLATED | {"friction_law": "sign"},
-    "springs": {"friction": 0.4, "friction_law": "history", "springs": Springs()},
-    "rolling": SPIN | {"friction_law": "history", "springs": ROLLING},
-    "smooth": {"friction": 0.0, "touch": "smooth", "touch_width": 2e-3} | EXTRAPOLATED,
-    "smooth, spin": SPIN | {"touch": "smooth", "touch_width": 2e-3},
-}
 WALLS = {
     "box": [(Box("box", (-0.47, 0.47), (-0.28, 0.47)), None)],
     "joints": [

@@ -74,14 +74,16 @@ def test_a_run_goes_on_with_another_number_of_threads(name, tmp_path):
 
 
 def test_who_asks_for_threads_is_heard(monkeypatch):
-    compiled = Setting(kernel="compiled")
+    compiled, native = Setting(kernel="compiled"), Setting("native", "core")
     monkeypatch.delenv(THREADS, raising=False)
-    assert choose_threads("auto", compiled)[0].threads == f"auto:{usable_cores()}"
+    for setting in (compiled, native):
+        assert choose_threads("auto", setting)[0].threads == f"auto:{usable_cores()}"
+        assert choose_threads(2, setting)[0].threads == "2"
     assert choose_threads("auto", Setting(kernel="compiled", ranks=2))[0].threads == "1"
     assert choose_threads(50, compiled) == (Setting(kernel="compiled", threads="50"), [])
     monkeypatch.setenv(THREADS, "1")  # as in a member of a study
     assert choose_threads("auto", compiled)[0].threads == "auto:1"
-    for setting, words in ((Setting(), "kernel stock"), (Setting("native", "core"), "native")):
+    for setting, words in ((Setting(), "kernel stock"), (Setting("twin", "python"), "twin")):
         assert choose_threads("auto", setting) == (setting, [])
         assert choose_threads(4, setting) == (setting, [f"engine.threads: {words} runs on one thread"])
 

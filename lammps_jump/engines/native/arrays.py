@@ -56,6 +56,8 @@ class Pairs(NamedTuple):
     """Half list of pairs: rows in use; disc of each row, None if it is the row's number; neighbours by row.
 
     In a periodic channel `shift` (m) is what a row adds to x of its disc: rows of images stand behind the others.
+    The first `sorted` rows are those of their numbers, with neighbours of higher numbers, which ascend. They change
+    where `listed_as` does.
     """
 
     rows: int
@@ -63,6 +65,8 @@ class Pairs(NamedTuple):
     start: np.ndarray
     neighbours: np.ndarray
     shift: np.ndarray | None = None
+    sorted: int = 0
+    listed_as: int = 0
 
 
 class Grid(NamedTuple):
@@ -281,6 +285,10 @@ Box = tuple[float, float, float, float, int]
 
 class Loops(Protocol):
     """The loops under `NativeSimulation`: those of the core, or of the twin."""
+
+    @property
+    def threads(self) -> int:
+        """Threads that take part now; they change no bit of what the loops do."""
 
     def advance(self, state: State, steps: int, owed: bool) -> tuple[int, bool]:
         """Up to `steps` drifts with forces between them, and before them where these are `owed`; without steps these.

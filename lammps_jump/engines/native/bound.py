@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from ctypes import POINTER, addressof, byref, c_double, c_int64, c_void_p
+import weakref
+from ctypes import POINTER, addressof, byref, c_char_p, c_double, c_int64, c_void_p
 from math import nan
 from typing import Any, ClassVar
 
@@ -35,7 +36,7 @@ class jump_state(Struct):
     _fields_: ClassVar = [
         *fields(c_int64, "n"),
         *fields(c_void_p, DISCS),
-        *fields(c_int64, "rows"),
+        *fields(c_int64, "rows sorted listed_as"),
         *fields(c_void_p, "owner shift start neighbours"),
         *fields(c_int64, "room"),
         *fields(c_double, "grid_x grid_y grid_inverse"),
@@ -77,7 +78,10 @@ class jump_seen(Struct):
 
 
 STATE, GRID = POINTER(jump_state), POINTER(jump_grid)
-_advance = function("jump_advance", STATE, INTEGER, INTEGER, POINTER(c_int64), result=INTEGER)
+_crew = function("jump_crew", c_char_p, result=c_void_p)
+_dismiss = function("jump_dismiss", c_void_p)
+_threads = function("jump_threads", c_void_p, result=INTEGER)
+_advance = function("jump_advance", STATE, c_void_p, INTEGER, INTEGER, POINTER(c_int64), result=INTEGER)
 _place_walls = function("jump_place_walls", STATE, INTEGER)
 _search_cells = function("jump_search_cells", STATE, result=INTEGER)
 _elastic = function("jump_elastic", STATE, INTEGER, INTEGER, POINTER(c_double), INTEGERS, result=REAL)
@@ -119,9 +123,17 @@ def put_springs(state: jump_state, memory: Memory) -> None:
 
 
 class Core:
-    """The loops of the core, for one simulation: arrays are bound once, and again where they are new ones."""
+    """The loops of the core, for one simulation: arrays are bound once, and again where they are new ones.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    threads : str
+        As of `Setting.threads`.
+    """
+
+    def __init__(self, threads: str = "1") -> None:
+        self._crew = _crew(threads.encode())
+        weakref.finalize(self, _dismiss, self._crew)
         self._state = jump_state()
         self._held: dict[str, Any] = {}
         self._faces: tuple[Faces | None, np.ndarray | None] = (None, None)
@@ -183,9 +195,10 @@ class Core:
 
     def _bind_pairs(self, state: State) -> None:
         bound, pairs, grid = self._state, state.pairs, state.grid
-        bound.rows, bound.room = pairs.rows, pairs.neighbours.size
-        for name, array in zip(("owner", "start", "neighbours", "shift"), pairs[1:], strict=True):
-            self._put(name, array)
+        bound.rows, bound.sorted, bound.room = pairs.rows, pairs.sorted, pairs.neighbours.size
+        bound.listed_as = pairs.listed_as
+        for name in ("owner", "start", "neighbours", "shift"):
+            self._put(name, getattr(pairs, name))
         self._put("grid_first", None if grid is None else grid.first)
         self._put("grid_used", None if grid is None else grid.used)
         if grid is not None:
@@ -224,8 +237,13 @@ class Core:
     def advance(self, state: State, steps: int, owed: bool) -> tuple[int, bool]:
         """As `Loops.advance`."""
         old = c_int64()
-        done = _advance(self._bind(state), steps, bool(owed), byref(old))
+        done = _advance(self._bind(state), self._crew, steps, bool(owed), byref(old))
         return done, bool(old.value)
+
+    @property
+    def threads(self) -> int:
+        """Threads that take part now."""
+        return _threads(self._crew)
 
     def place_walls(self, moves: Moves, step: int) -> None:
         """As `Loops.place_walls`."""

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from itertools import count
 from math import sqrt
 from typing import NamedTuple
 
@@ -18,6 +19,8 @@ CELLS_A_DISC = 16
 
 EXACT = ("x0", "y0", "ux", "uy", "uomega", "fx", "fy", "torque")
 """Arrays that another run needs to go on bit for bit."""
+LISTS = count(1)
+"""Numbers of lists, which no two have."""
 NOTHING = np.empty(0, [("order", np.int64)])
 ROUND = 1e-13
 """Difference of velocities that is round-off, over d/dt."""
@@ -93,6 +96,8 @@ class Discs:
         1 for discs that stay where they are.
     owner, shift : ndarray or None
         Of the rows of the list in a periodic channel (`loops.Pairs`).
+    sorted_rows, listed_as : int
+        As `Pairs.sorted` and `Pairs.listed_as`.
     before : ndarray
         What an earlier run had of `EXACT`, in this order of the discs; empty where its lists were not taken.
     touched : ndarray of int8, shape (room, slots)
@@ -125,6 +130,7 @@ class Discs:
                 getattr(self, name)[:n] = rows
         self.period = scene.period
         self.before = NOTHING
+        self.sorted_rows = self.listed_as = 0
         self.owner: np.ndarray | None = None
         self.shift: np.ndarray | None = None
         self.start = np.zeros(self._rows + 1, np.int64)
@@ -141,7 +147,7 @@ class Discs:
     def pairs(self) -> Pairs:
         """The list as the loops read it."""
         rows = self.n if self.shift is None else self.shift.size
-        return Pairs(rows, self.owner, self.start, self.neighbours, self.shift)
+        return Pairs(rows, self.owner, self.start, self.neighbours, self.shift, self.sorted_rows, self.listed_as)
 
     def set_velocities(self, rows: np.ndarray) -> None:
         """Velocity (m/s) and spin (rad/s) of each disc, shape (n, 3), by id; the older ones of the thesis too."""
@@ -165,6 +171,10 @@ class Discs:
         if self.neighbours.size < discs.size:
             self.neighbours = np.empty(2 * discs.size, np.int32)
         self.neighbours[: discs.size] = discs
+        full = np.flatnonzero(np.diff(start[: self.n + 1]))
+        late = full[discs[start[full]] < full]  # rows of discs that came behind the others
+        self.sorted_rows = int(late[0]) if late.size else self.n
+        self.listed_as = next(LISTS)
 
     def take_lists(self, scene: Scene, skin: float) -> bool:
         """Take order in memory and list of an earlier run whose discs these all are; False where that does not suit."""
@@ -258,7 +268,8 @@ class Discs:
         else is done.
         """
         reach = diameter + skin
-        n = self.n
+        n = self.sorted_rows = self.n
+        self.listed_as = next(LISTS)
         a, b, c, d, lost = self._loops.extent(n, self.x, self.y, (*domain[0], *domain[1]))
         if lost >= 0:
             return lost

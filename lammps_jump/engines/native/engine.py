@@ -34,6 +34,7 @@ from lammps_jump.files import CONTACTS_FILE, DUMP_NAMES, END_FILE, POSES, delete
 from lammps_jump.provenance import versions
 from lammps_jump.scene.scene import Scene
 
+from .bound import Core
 from .cells import CellSimulation
 from .simulation import NativeSimulation
 from .state import ended_of, load_state, save_state
@@ -89,7 +90,8 @@ def run_native(
 
     def report() -> None:
         if progress is not None:
-            progress(Progress(simulation.step, scene.steps, scene.time(simulation.step), simulation.discs.n))
+            n, threads = simulation.discs.n, simulation.loops.threads
+            progress(Progress(simulation.step, scene.steps, scene.time(simulation.step), n, threads=threads))
 
     last = scene.steps if setting.stop_at is None else min(setting.stop_at, scene.steps)
     status, message = "complete", ""
@@ -137,7 +139,7 @@ class _Part:
 
     def __init__(self, scene: Scene, folder: Path | None, setting: Setting, resume: Checkpoint | None):
         self.engine = setting.engine
-        loops = Twin() if setting.engine == "twin" else None
+        loops = Twin() if setting.engine == "twin" else Core(setting.threads)
         self.scene, self.folder = scene, None if folder is None else Path(folder)
         self.earlier: RunResult | None = resume.result if resume else None
         self.saved: float | None = resume.time if resume else None

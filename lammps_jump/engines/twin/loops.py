@@ -15,6 +15,7 @@ from .pushed import wrench
 class Twin:
     """The loops of the twin; each is described in `Loops`."""
 
+    threads = 1
     extent = staticmethod(lists.extent)
     sort = staticmethod(lists.sort)
     pair_list = staticmethod(lists.pair_list)

@@ -4,8 +4,8 @@
    Written out, because the compiler's own vectors of the same loop take longer (docs/kernels.md). Sums, products and roots
    are rounded as for single numbers: the width changes no result. */
 
-#ifndef JUMP_LANES_H
-#define JUMP_LANES_H
+#ifndef JUMP_CORE_LANES_H
+#define JUMP_CORE_LANES_H
 
 #include "number.h"
 

@@ -1,0 +1,377 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+/* Forces of touching pairs, in batches: pairs that touch are gathered without a branch, which would be guessed wrong often,
+   their contacts are computed in vectors, and the forces are added in the order of the list. */
+
+#include "lanes.h"    // before the core: its templates take vectors
+
+#include "forces.h"
+#include "kinds.h"
+
+#include <algorithm>
+
+namespace jump {
+
+namespace {
+
+/** As many numbers as a vector has, from an aligned place. */
+inline Lanes &lanes(double *from) { return *reinterpret_cast<Lanes *>(from); }
+
+typedef double Column[BATCH];
+
+/** Touching pairs and what their contacts give; each column is a number of each of them. */
+struct Batch {
+  int n = 0;
+  int32_t i[BATCH + 4], j[BATCH + 4];    // room for four that are written at once
+  int64_t row[BATCH];
+  alignas(64) double between[BATCH][4];    // from the second disc to the first: x, y, vx, vy
+  alignas(64) Column radius_i, radius_j, bulk_i, bulk_j, spin_i, spin_j, slide, roll;
+  alignas(64) Column fx, fy, on_i, on_j, dash_x, dash_y, slid_x, slid_y;
+  int64_t slot[BATCH];    // of the springs; FULL: none, or another part's
+  double way[BATCH];      // of rolling, from the disc that remembers to the first of the pair
+};
+
+/** Squares of the lengths of four differences, by their first two numbers. */
+inline Four square_of(const Four &a, const Four &b, const Four &c, const Four &d)
+{
+  const Four aa = a * a, bb = b * b, cc = c * c, dd = d * d;
+  const Four ab = JUMP_PICK(aa, bb, 0, 4, 2, 6) + JUMP_PICK(aa, bb, 1, 5, 3, 7);
+  const Four cd = JUMP_PICK(cc, dd, 0, 4, 2, 6) + JUMP_PICK(cc, dd, 1, 5, 3, 7);
+  return JUMP_PICK(ab, cd, 0, 1, 4, 5);
+}
+
+inline Four square(const Four &a) { return a * a; }
+
+/** What pairs add to one disc. */
+struct Added {
+  double fx = 0.0, fy = 0.0, dash_x = 0.0, dash_y = 0.0, slid_x = 0.0, slid_y = 0.0, torque = 0.0;
+};
+
+/** Calls run(row, i, j, dx, dy) for the pairs of some rows that touch and have a disc of the part, in their order. */
+template <class Run>
+void each_across(const jump_state &s, const Part &part, int64_t from, int64_t to, const Run &run)
+{
+  for (int64_t row = from; row < to; row++) {
+    const int64_t i = s.owner ? s.owner[row] : row;
+    const bool own = part.owns(i);
+    const double xi = s.shift ? s.x[i] + s.shift[row] : s.x[i], yi = s.y[i], a = radius_of(s, i);
+    for (int64_t p = s.start[row]; p < s.start[row + 1]; p++) {
+      const int64_t j = s.neighbours[p];
+      if (!own && !part.owns(j)) continue;
+      const double dx = xi - s.x[j], dy = yi - s.y[j], reach = a + radius_of(s, j);
+      if (dx * dx + dy * dy < reach * reach) run(row, i, j, dx, dy);
+    }
+  }
+}
+
+/** Calls rows(from, to) for the rows of a part that may have pairs across its ends, in the order of the list; between them
+    inside() for the blocks of those that have none. */
+template <class Rows, class Inside>
+void each_stretch(const jump_state &s, const Part &part, const Rows &rows, const Inside &inside)
+{
+  rows(part.before, part.blocks.front());
+  inside();
+  rows(part.blocks.back(), part.behind);
+  rows(part.sorted, s.rows);
+}
+
+/** Sums the forces of pairs on the discs of a part. */
+template <bool SIZES, bool SPIN, class Law> class PairSums {
+  static constexpr bool RUBS = Law::Friction::RUBS, MEMORY = Law::Friction::REMEMBERS;
+
+ public:
+  PairSums(const jump_state &s, const Law &law, const Part &part)
+      : s(s), law(law), part(part), seen(seen_by(s)), pair(numbers_of_pair(s)), at(part.at)
+  {
+  }
+
+  /** Blocks of rows that are the part's own, with second discs behind the first that are its own too. */
+  void inside()
+  {
+    for (size_t block = 0; block + 1 < part.blocks.size(); block++) {
+      const int64_t first = part.blocks[block], behind = part.blocks[block + 1], begin = s.start[first], end = s.start[behind];
+      if (end - begin > BATCH) {    // one row that is longer
+        across(first, behind);
+        continue;
+      }
+      find(begin, end);
+      for (int c = 0; c < b.n; c++) difference(c) = disc(b.i[c]) - disc(b.j[c]);
+      compute();
+      if (s.dash_x) add_batch<true>(first);
+      else add_batch<false>(first);
+      for (int64_t i = first; i < behind; i++) {
+        add(i, rows[i - first]);
+        rows[i - first] = Added{};
+      }
+    }
+    b.n = 0;
+  }
+
+  /** Any rows, in their order. */
+  void across(int64_t from, int64_t to)
+  {
+    int64_t row_now = -1, disc = 0;
+    Added sum;
+    const auto end_row = [&]() {
+      if (row_now >= 0 && part.owns(disc)) add(disc, sum);
+    };
+    const auto flush = [&]() {
+      compute();
+      for (int c = 0; c < b.n; c++) {
+        if (b.row[c] != row_now) {
+          end_row();
+          sum = Added{};
+          row_now = b.row[c];
+          disc = b.i[c];
+        }
+        add_pair(c, sum);
+      }
+      b.n = 0;
+    };
+    b.n = 0;
+    each_across(s, part, from, to, [&](int64_t row, int64_t i, int64_t j, double dx, double dy) {
+      b.i[b.n] = (int32_t) i;
+      b.j[b.n] = (int32_t) j;
+      b.row[b.n] = row;
+      difference(b.n) = Four{dx, dy, seen.vx[i] - seen.vx[j], seen.vy[i] - seen.vy[j]};
+      b.n++;
+      if (b.n == BATCH) flush();
+    });
+    flush();
+    end_row();
+  }
+
+ private:
+  const jump_state &s;
+  const Law &law;
+  const Part &part;
+  const Seen seen;
+  const Numbers<double> pair;
+  const double (*const at)[4];
+  size_t lent = 0;    // of the part's, those that are read
+  Batch b;
+  Added rows[BATCH];
+
+  const Four &disc(int64_t i) const { return *reinterpret_cast<const Four *>(at[i]); }
+  Four &difference(int c) { return *reinterpret_cast<Four *>(b.between[c]); }
+
+  /** The pairs of a stretch of the list that touch, without a branch. */
+  void find(int64_t from, int64_t to)
+  {
+    const int32_t *const one = part.first, *const two = s.neighbours;
+    const double *const __restrict radius = s.radius;
+    const auto apart = [&](int64_t p) { return disc(one[p]) - disc(two[p]); };
+    const auto reach = [&](int64_t p) { return SIZES ? radius[one[p]] + radius[two[p]] : s.diameter; };
+    int n = 0;
+    int64_t p = from;
+    for (; HAS_FOUR && p + 4 <= to; p += 4) {
+      const int mask = bits(square_of(apart(p), apart(p + 1), apart(p + 2), apart(p + 3)) <
+                            square(Four{reach(p), reach(p + 1), reach(p + 2), reach(p + 3)}));
+      *reinterpret_cast<FourInts *>(b.i + n) = first_of(four(one + p), mask);
+      *reinterpret_cast<FourInts *>(b.j + n) = first_of(four(two + p), mask);
+      n += __builtin_popcount(mask);
+    }
+    for (; p < to; p++) {
+      const Four a = apart(p);
+      b.i[n] = one[p];
+      b.j[n] = two[p];
+      n += a[0] * a[0] + a[1] * a[1] < reach(p) * reach(p);
+    }
+    b.n = n;
+  }
+
+  /** The forces of the batch. */
+  void compute()
+  {
+    gather();
+    const Numbers<Lanes> of{pair.k, spread(pair.damping, Lanes{}), spread(pair.ramp, Lanes{}), pair.friction};
+    const Rolling rolling = s.rolling;
+    const Lanes half = spread(0.5 * s.diameter, Lanes{});
+    for (int c = 0; c < b.n; c += LANES) {
+      Lanes between[4];
+      columns(b.between + c, between);
+      Pair<Lanes> two;
+      two.dx = between[0];
+      two.dy = between[1];
+      two.vx = between[2];
+      two.vy = between[3];
+      two.apart2 = two.dx * two.dx + two.dy * two.dy;
+      two.a = SIZES ? lanes(b.radius_i + c) : half;
+      two.b = SIZES ? lanes(b.radius_j + c) : half;
+      if constexpr (SIZES) {
+        two.bulk_a = s.fixed ? lanes(b.bulk_i + c) : two.a;
+        two.bulk_b = s.fixed ? lanes(b.bulk_j + c) : two.b;
+      }
+      if constexpr (SPIN) {
+        two.spin_a = lanes(b.spin_i + c);
+        two.spin_b = lanes(b.spin_j + c);
+      }
+      Stretch<Lanes> held{};
+      if constexpr (MEMORY) {
+        held.slide = lanes(b.slide + c);
+        held.roll = lanes(b.roll + c);
+      }
+      const PairForce<Lanes> out = pair_contact<SIZES, SPIN>(law, of, rolling, two, held);
+      lanes(b.fx + c) = out.fx;
+      lanes(b.fy + c) = out.fy;
+      lanes(b.dash_x + c) = out.dashpot * out.nx;
+      lanes(b.dash_y + c) = out.dashpot * out.ny;
+      if constexpr (RUBS) {
+        lanes(b.slid_x + c) = out.rub * out.ny;
+        lanes(b.slid_y + c) = out.rub * out.nx;
+      }
+      if constexpr (SPIN) {
+        lanes(b.on_i + c) = out.on_a;
+        lanes(b.on_j + c) = out.on_b;
+      }
+      if constexpr (MEMORY) {
+        lanes(b.slide + c) = held.slide;
+        lanes(b.roll + c) = held.roll;
+      }
+    }
+    if constexpr (MEMORY) remember();
+  }
+
+  /** What the contacts read of their discs; the last vector is filled with a contact that nobody reads. */
+  void gather()
+  {
+    const double *const __restrict radius = s.radius;
+    for (int c = 0; (SIZES || SPIN || MEMORY) && c < b.n; c++) {
+      const int64_t i = b.i[c], j = b.j[c];
+      if constexpr (SIZES) {
+        b.radius_i[c] = radius[i];
+        b.radius_j[c] = radius[j];
+        if (s.fixed) {
+          b.bulk_i[c] = bulk_of(s, i);
+          b.bulk_j[c] = bulk_of(s, j);
+        }
+      }
+      if constexpr (SPIN) {
+        b.spin_i[c] = seen.spin[i];
+        b.spin_j[c] = seen.spin[j];
+      }
+      if constexpr (MEMORY) recall(c, i, j);
+    }
+    for (int c = b.n; c % LANES != 0; c++) {
+      difference(c) = Four{0.5 * s.diameter, 0.5 * s.diameter, 0.0, 0.0};
+      b.spin_i[c] = b.spin_j[c] = b.slide[c] = b.roll[c] = 0.0;
+      b.radius_i[c] = b.radius_j[c] = b.bulk_i[c] = b.bulk_j[c] = 0.5 * s.diameter;
+    }
+  }
+
+  void recall(int c, int64_t i, int64_t j)
+  {
+    const PairMemory memory(s, i, j);
+    Stretch<double> held;
+    if (part.owns(memory.disc)) {
+      const Memory found = memory.take(s);
+      b.slot[c] = found.place();
+      held = found.begin(memory.way);
+    } else {
+      b.slot[c] = FULL;
+      held = part.lent[lent++];
+    }
+    b.way[c] = memory.way;
+    b.slide[c] = held.slide;
+    b.roll[c] = held.roll;
+  }
+
+  void remember() const
+  {
+    if (!(s.memory_step > 0.0)) return;
+    for (int c = 0; c < b.n; c++) {
+      if (b.slot[c] == FULL) continue;
+      s.spring[b.slot[c]] = b.slide[c];
+      s.roll[b.slot[c]] = b.way[c] * b.roll[c];
+    }
+  }
+
+  /** Take the force of a contact off its second disc. */
+  template <bool LEDGER> void take_off(int c, int64_t j) const
+  {
+    s.fx[j] -= b.fx[c];
+    s.fy[j] -= b.fy[c];
+    if constexpr (SPIN) s.torque[j] += b.on_j[c];
+    if constexpr (LEDGER) {
+      s.dash_x[j] -= b.dash_x[c];
+      s.dash_y[j] -= b.dash_y[c];
+      if constexpr (RUBS) {
+        s.slide_x[j] += b.slid_x[c];
+        s.slide_y[j] -= b.slid_y[c];
+      }
+    }
+  }
+
+  /** Add it to the sum of its first disc. */
+  template <bool LEDGER> void put_on(int c, Added &sum) const
+  {
+    sum.fx += b.fx[c];
+    sum.fy += b.fy[c];
+    if constexpr (SPIN) sum.torque += b.on_i[c];
+    if constexpr (LEDGER) {
+      sum.dash_x += b.dash_x[c];
+      sum.dash_y += b.dash_y[c];
+      if constexpr (RUBS) {
+        sum.slid_x -= b.slid_x[c];
+        sum.slid_y += b.slid_y[c];
+      }
+    }
+  }
+
+  void add(int64_t i, const Added &sum) const
+  {
+    s.fx[i] += sum.fx;
+    s.fy[i] += sum.fy;
+    if constexpr (SPIN) s.torque[i] += sum.torque;
+    if (!s.dash_x) return;
+    s.dash_x[i] += sum.dash_x;
+    s.dash_y[i] += sum.dash_y;
+    if constexpr (RUBS) {
+      s.slide_x[i] += sum.slid_x;
+      s.slide_y[i] += sum.slid_y;
+    }
+  }
+
+  /** Add a contact to those of its discs that the part has. */
+  void add_pair(int c, Added &sum) const
+  {
+    if (s.dash_x) put_on<true>(c, sum);
+    else put_on<false>(c, sum);
+    if (!part.owns(b.j[c])) return;
+    if (s.dash_x) take_off<true>(c, b.j[c]);
+    else take_off<false>(c, b.j[c]);
+  }
+
+  /** Add the batch: to second discs now, to the sums of rows for first ones. */
+  template <bool LEDGER> void add_batch(int64_t first)
+  {
+    for (int c = 0; c < b.n; c++) {
+      put_on<LEDGER>(c, rows[b.i[c] - first]);
+      take_off<LEDGER>(c, b.j[c]);
+    }
+  }
+};
+
+}    // namespace
+
+void pair_forces(const jump_state &s, double slope, Part &part)
+{
+  with_law(s, slope, [&](const auto &law, auto sizes, auto spin) {
+    PairSums<sizes.value, spin.value, std::decay_t<decltype(law)>> sums(s, law, part);
+    each_stretch(s, part, [&](int64_t from, int64_t to) { sums.across(from, to); },
+                 [&]() { sums.inside(); });
+  });
+}
+
+void borrow(const jump_state &s, Part &part)
+{
+  part.lent.clear();
+  const auto take = [&](int64_t from, int64_t to) {
+    each_across(s, part, from, to, [&](int64_t, int64_t i, int64_t j, double, double) {
+      const PairMemory memory(s, i, j);
+      if (!part.owns(memory.disc)) part.lent.push_back(memory.look(s).begin(memory.way));
+    });
+  };
+  each_stretch(s, part, take, []() {});
+}
+
+}    // namespace jump

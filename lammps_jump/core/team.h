@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+/* Threads that share the parts of a loop.
+
+   The calling thread and its helpers take parts until none is left. Each begins with a share of its own, so that data
+   stay in its cache, and goes on with parts that nobody has begun: a helper that the system does not run holds nobody
+   up. Which thread does a part never changes a result: a part writes only what is its own. */
+
+#ifndef JUMP_CORE_TEAM_H
+#define JUMP_CORE_TEAM_H
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <mutex>
+#include <new>
+#include <thread>
+#include <vector>
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
+
+namespace jump {
+
+using WallClock = std::chrono::steady_clock;
+
+constexpr int MOST_THREADS = 64;
+constexpr auto AWAKE = std::chrono::microseconds(60);     // a helper waits so long for a job before it sleeps
+constexpr auto PATIENCE = std::chrono::microseconds(20);  // the caller waits so long before it offers its core
+constexpr int LOOKS = 32;                                 // between two looks at the clock
+inline std::atomic<int> threads_now{1};    // of the run of this process, for who looks on
+
+/** Leave the core to whoever shares it, for some cycles. */
+inline void pause()
+{
+#if defined(__x86_64__)
+  _mm_pause();
+#endif
+}
+
+/** An allocator whose arrays begin with a line of memory: threads then know which numbers share one. */
+template <class T> struct Lines {
+  using value_type = T;
+  Lines() = default;
+  template <class Other> Lines(const Lines<Other> &) {}
+  T *allocate(size_t n) { return static_cast<T *>(::operator new(n * sizeof(T), std::align_val_t(64))); }
+  void deallocate(T *at, size_t) { ::operator delete(at, std::align_val_t(64)); }
+  friend bool operator==(const Lines &, const Lines &) { return true; }
+  friend bool operator!=(const Lines &, const Lines &) { return false; }
+};
+
+class Team {
+ public:
+  Team() = default;
+  ~Team();
+
+  /** Threads that take part from now on, the caller among them; helpers are made when they are first needed. */
+  void resize(int threads);
+  int size() const { return threads; }
+
+  /** Call run(part) once for each part from 0 to `parts`, at most MOST_THREADS; returns when all have ended. */
+  template <class Run> void run(int parts, const Run &run)
+  {
+    if (threads == 1 || parts == 1) {
+      for (int part = 0; part < parts; part++) run(part);
+      return;
+    }
+    share(parts, [](const void *run, int part) { (*static_cast<const Run *>(run))(part); }, &run);
+  }
+
+ private:
+  using Call = void (*)(const void *, int);
+  struct alignas(64) Mark {
+    std::atomic<bool> taken{false};
+  };
+
+  int threads = 1;
+  std::vector<std::thread> helpers;
+  // the job, in one line of memory; written while nobody is inside
+  alignas(64) std::atomic<uint64_t> job{0};    // its number
+  std::atomic<bool> open{false};
+  int parts = 0;
+  Call call = nullptr;
+  const void *context = nullptr;
+  Mark marks[MOST_THREADS];
+  alignas(64) std::atomic<int> inside{0};      // helpers that may touch the job
+  alignas(64) std::atomic<int> wanted{1};      // threads that take part
+  std::atomic<int> asleep{0};
+  std::atomic<bool> quits{false};
+  std::mutex door;
+  std::condition_variable bell;
+
+  void share(int, Call, const void *);
+  void take_parts(int);
+  void help(int);
+  void wake();
+};
+
+inline Team::~Team()
+{
+  quits = true;
+  wake();
+  for (auto &helper : helpers) helper.join();
+}
+
+inline void Team::wake()
+{
+  { const std::lock_guard<std::mutex> lock(door); }
+  bell.notify_all();
+}
+
+inline void Team::resize(int count)
+{
+  threads = std::clamp(count, 1, MOST_THREADS);
+  wanted = threads_now = threads;
+  while ((int) helpers.size() < threads - 1) helpers.emplace_back(&Team::help, this, (int) helpers.size() + 1);
+}
+
+inline void Team::take_parts(int own)
+{
+  const int first = own * parts / threads;
+  for (int n = 0; n < parts; n++) {
+    const int part = (first + n) % parts;
+    auto &taken = marks[part].taken;
+    if (!taken.load(std::memory_order_relaxed) && !taken.exchange(true)) call(context, part);
+  }
+}
+
+inline void Team::share(int count, Call what, const void *with)
+{
+  call = what;
+  context = with;
+  parts = count;
+  for (int part = 0; part < parts; part++) marks[part].taken.store(false, std::memory_order_relaxed);
+  open = true;
+  job++;
+  if (asleep > (int) helpers.size() - (threads - 1)) wake();    // those that take no part sleep on
+  take_parts(0);
+  open = false;    // who comes now finds nothing; who is inside ends its part
+  auto since = WallClock::time_point();
+  for (int look = 1; inside > 0; look++) {
+    pause();
+    if (look % LOOKS != 0) continue;
+    const auto now = WallClock::now();
+    if (since == WallClock::time_point()) since = now;
+    else if (now - since > PATIENCE) std::this_thread::yield();
+  }
+}
+
+inline void Team::help(int own)
+{
+  uint64_t seen = 0;
+  const auto called = [&]() { return quits || (job != seen && own < wanted); };
+  while (true) {
+    auto since = WallClock::time_point();
+    for (int look = 1; !called(); look++) {
+      pause();
+      if (look % LOOKS != 0) continue;
+      const auto now = WallClock::now();
+      if (since == WallClock::time_point()) since = now;
+      else if (now - since > PATIENCE && now - since <= AWAKE && own < wanted) std::this_thread::yield();
+      else if (now - since > AWAKE || own >= wanted) {
+        std::unique_lock<std::mutex> lock(door);
+        asleep++;
+        bell.wait(lock, called);
+        asleep--;
+        break;
+      }
+    }
+    if (quits) return;
+    seen = job;
+    __builtin_prefetch(&marks[own], 1);    // comes while the next one is waited for
+    inside++;
+    if (open) take_parts(own);
+    inside--;
+  }
+}
+
+}    // namespace jump
+
+#endif
