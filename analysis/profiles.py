@@ -128,6 +128,11 @@ class Binner:
         surface = surface_of(discs, joined, self.bed_lines, low, width, bins)
         self._kept.append((time, frame.step, frame.n, mass.sum(), beyond, sums, *surface))
 
+    @property
+    def frames(self) -> int:
+        """How many frames were added."""
+        return len(self._kept)
+
     def result(self) -> xr.Dataset:
         """Profiles of all frames added."""
         if not self._kept:

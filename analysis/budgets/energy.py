@@ -59,10 +59,13 @@ class EnergyHistory:
 class EnergyLedger:
     """Collects the energy of one frame after the other; ask for `result` at the end."""
 
-    def __init__(self, flow: Flow, contacts: ContactCollector | None = None):
-        """`contacts` saw the same frame just before: its elastic energy is used instead of a second pair search."""
+    def __init__(self, flow: Flow, contacts: ContactCollector | None = None, *, elastic: bool = True):
+        """`contacts` saw the same frame just before: its elastic energy is used instead of a second pair search.
+
+        Without `elastic` no pairs are looked for.
+        """
         self.flow, self.contacts = flow, contacts
-        self._own = ContactCollector(flow, None) if contacts is None and flow.knows_contacts else None
+        self._own = ContactCollector(flow, None) if elastic and contacts is None and flow.knows_contacts else None
         self._rows: list[tuple[float, ...]] = []
         self._ids: np.ndarray | None = None
         self._same = True

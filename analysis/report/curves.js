@@ -215,25 +215,39 @@
   }
 
   const linked = [];
-  document.querySelectorAll("figure.curve").forEach((figure) => {
-    const number = Number(figure.dataset.curve), chart = charts[number];
-    for (const panel of chart.panels || []) for (const line of panel.lines) line.x ??= panel.lines[0].x;
-    const caption = figure.querySelector("figcaption");
-    chart.caption = caption.textContent;
+  let shownTime = null;
+
+  function setUp(figure) {
+    const number = Number(figure.dataset.curve), caption = figure.querySelector("figcaption"), title = caption.textContent;
+    let chart, width = 0, panels = [];
+    const take = () => {
+      chart = charts[number];
+      for (const panel of chart.panels || []) for (const line of panel.lines) line.x ??= panel.lines[0].x;
+      chart.caption = title;
+      width = 0;
+    };
+    take();
     figure.classList.add("drawn");
     if (chart.time) figure.classList.add("timed");
     add(caption, "button", { type: "button" }, "CSV").addEventListener("click", () => save(chart.caption, columns(chart)));
     const body = add(figure, "div");
-    let width = 0, panels = [];
     const fit = () => {
       const now = Math.floor(figure.clientWidth);
       if (!now || now === width) return;
       width = now;
       panels = draw(body, chart, number, width) || [];
+      if (chart.time && shownTime !== null) panels.forEach((panel) => panel.put(shownTime));
     };
     fit();
     new ResizeObserver(fit).observe(figure);
     if (chart.time) linked.push((seconds) => panels.forEach((panel) => panel.put(seconds)));
-  });
-  document.addEventListener("time", (event) => linked.forEach((show) => show(event.detail)));
+    figure.addEventListener("numbers", () => { take(); fit(); });
+  }
+
+  const figures = () => document.querySelectorAll("figure.curve");
+  figures().forEach(setUp);
+  document.addEventListener("time", (event) => linked.forEach((show) => show(shownTime = event.detail)));
+  // A run that goes on has new numbers for its figures, and new figures.
+  document.addEventListener("curves", () => figures().forEach((figure) => (
+    figure.classList.contains("drawn") ? figure.dispatchEvent(new Event("numbers")) : setUp(figure))));
 })();

@@ -24,6 +24,12 @@ function readData() {
     value && value.decimals !== undefined ? Array.from({ length: value.count }, () => one(value.decimals)) : value));
 }
 
+// A run of the page: packed in it, or one that grows and holds its rows itself.
+function runOf(number) {
+  const header = pageData.players[number];
+  return header.grows ? header : unpackFrames(header, document.getElementById("frames" + number).textContent);
+}
+
 // All rows (a disc in a frame) as whole numbers, from the header of a player and its packed text.
 function unpackFrames(header, text) {
   const { discs, rows, times } = header, next = numbers(text, 4 + COLUMNS + 1);

@@ -21,6 +21,7 @@ is a new disc.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -87,12 +88,19 @@ class FramePacker:
     flow : Flow
     every : int
         Of the frames that are taken in, the first and every n-th behind it are kept.
+    maps : bool
+        Also make the map of each frame.
+
+    Attributes
+    ----------
+    thinned : int
+        How often what was kept before has become less.
     """
 
     sees = "all"
 
-    def __init__(self, flow: Flow, every: int = 1):
-        self.flow = flow
+    def __init__(self, flow: Flow, every: int = 1, *, maps: bool = True):
+        self.flow, self.maps, self.thinned = flow, maps, 0
         self.q = flow.scene.smallest / PARTS
         self._kept: list[tuple[float, np.ndarray]] = []
         self._maps: dict[float, list[np.ndarray]] = {}
@@ -102,15 +110,16 @@ class FramePacker:
         """Take in a frame at a time, s."""
         self._seen += 1
         if (self._seen - 1) % self._every == 0 and len(self._kept) == MOST_FRAMES:
-            self._kept, self._every = self._kept[::2], 2 * self._every
+            self._kept, self._every, self.thinned = self._kept[::2], 2 * self._every, self.thinned + 1
         if (self._seen - 1) % self._every:
             return
         self._kept.append((time, self._thinned(self._rows(frame))))
         self._most = max(self._most, frame.n)
         contacts = self.flow.knows_contacts and self._most < MANY
-        self._maps[time] = [made(frame, self.flow) for made in (packing, pressure)[: 1 + contacts]]
+        kinds = (packing, pressure)[: 1 + contacts] if self.maps else ()
+        self._maps[time] = [made(frame, self.flow) for made in kinds]
         while (over := max(len(self._kept[-1][1]) / MOST_DISCS, sum(len(r) for _, r in self._kept) / MOST_ROWS)) > 1:
-            self._share *= 0.95 / over
+            self._share, self.thinned = self._share * 0.95 / over, self.thinned + 1
             self._kept = [(time, self._thinned(rows)) for time, rows in self._kept]
 
     def _rows(self, frame: Frame) -> np.ndarray:
@@ -130,6 +139,16 @@ class FramePacker:
             return rows
         mixed = rows["id"].astype(np.uint64) * np.uint64(0x9E3779B97F4A7C15)  # the golden ratio: well spread
         return rows[mixed < self._share * 2.0**64]
+
+    @property
+    def kept(self) -> Sequence[tuple[float, np.ndarray]]:
+        """Time (s) and rows (`ROW`, in the order of the ids) of each frame that is kept."""
+        return self._kept
+
+    @property
+    def share(self) -> float:
+        """Of the discs, those that are kept."""
+        return self._share
 
     @property
     def times(self) -> list[float]:

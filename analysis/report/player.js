@@ -40,7 +40,7 @@ function startPlayer(element, index) {
 
 // Show a run of the page, at the time that is shown.
 function takeRun(p, number) {
-  const run = unpackFrames(pageData.players[number], document.getElementById("frames" + number).textContent);
+  const run = runOf(number);
   const { times, share } = run, timed = run.unit === "s", bar = part(p, "time");
   Object.assign(p, {
     run, picked: null, pinned: false, end: times[times.length - 1], digits: timed ? 2 : 0,

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import ceil, isfinite
 from pathlib import Path
 
@@ -50,11 +51,18 @@ def make_player(packer: FramePacker, folder: Path) -> Player | None:
     packed = packer.result()
     if packed is None:
         return None
+    still = folder / "figures" / STILL
+    there = picture_kind(still) and not still.parent.is_symlink()
+    shown = picture(still, "Ten equal times, discs coloured by speed") if there else None
+    return Player({**packed.header, **about_run(packer, folder)}, packed.text, shown)
+
+
+def about_run(packer: FramePacker, folder: Path) -> dict[str, object]:
+    """What a player has to know of a run besides its frames, see `make_player`; some frames hold discs."""
     flow, sample = packer.flow, packer.sample()
     x, y = seen(sample, flow)
     scene, edges = flow.scene, bin_edges(flow.x_range, flow.bin_width)
-    header = {
-        **packed.header,
+    return {
         "name": scene.name,
         "unit": "s" if flow.timed else "steps",
         "gravity": scene.gravity,
@@ -69,12 +77,8 @@ def make_player(packer: FramePacker, folder: Path) -> Player | None:
         "fixed": (scene.fixed.first, scene.fixed.last) if scene.fixed else None,
         "area": scene.mass / (scene.density * scene.radius**2),
         "bed": _lowest_bed(flow, x, y),
-        "sequent": _sequent(flow, folder, packed.header["times"]),
+        "sequent": _sequent(flow, folder, packer.times),
     }
-    still = folder / "figures" / STILL
-    there = picture_kind(still) and not still.parent.is_symlink()
-    shown = picture(still, "Ten equal times, discs coloured by speed") if there else None
-    return Player(header, packed.text, shown)
 
 
 def _shape(one: MovingWall, packer: FramePacker, shown: tuple[Interval, Interval]) -> dict[str, object]:
@@ -111,7 +115,7 @@ def _lowest_bed(flow: Flow, x: Interval, y: Interval) -> float:
     return float(np.nanmin(heights)) if np.isfinite(heights).any() else y[0]
 
 
-def _sequent(flow: Flow, folder: Path, times: np.ndarray) -> list[list[float] | None]:
+def _sequent(flow: Flow, folder: Path, times: Sequence[float]) -> list[list[float] | None]:
     """Bélanger's line of each instant: from x to x (m), and depth (m); None where no jump was found.
 
     It belongs to mass depth and velocity before the front at that instant, seen from the front. It goes from the front

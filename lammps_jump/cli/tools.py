@@ -14,6 +14,7 @@ import typer
 
 import lammps_jump.case as cases
 from lammps_jump import cli, compiling, drawings, engines, files, runs, served, studies
+from lammps_jump.engines import interrupts
 from lammps_jump.errors import CaseError, SetupError
 from lammps_jump.quoting import echoed
 from lammps_jump.units import to_si
@@ -73,11 +74,17 @@ def open_(
         server = served.Server(pages, port)
     except OSError as error:
         raise SetupError(f"--port {port}: cannot be used ({error.strerror}); leave it out, and one is found") from None
-    with server:
-        print(f"{server.address}\nopen this address in a browser; Ctrl+C here ends it", flush=True)
-        if browser:
-            open_page(server.address)
-        server.serve_forever()
+    with server, interrupts.terminate_as_interrupt():
+        try:
+            print(f"{server.address}\nopen this address in a browser; Ctrl+C here ends it", flush=True)
+            if browser:
+                open_page(server.address)
+            server.serve_forever()
+        except KeyboardInterrupt:
+            pass
+        finally:
+            for child in pages.close():
+                print(f"stopped, and can go on: {child.command}")
 
 
 @app.command()

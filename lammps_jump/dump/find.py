@@ -129,9 +129,12 @@ def read_forces(path: str | Path) -> dict[str, ForceHistory]:
     DumpError
         Not there, a wrong header, or a line that is no row of it (a cut-off last line is left out).
     """
-    path = Path(path)
+    return forces_of(text_of(Path(path)), path)
+
+
+def forces_of(text: str, path: str | Path) -> dict[str, ForceHistory]:
+    """`read_forces` of a text; `path` is its name in messages."""
     rows: dict[str, list[tuple[float, ...]]] = {}
-    text = text_of(path)
     lines = text.splitlines()
     header = tuple(name.strip() for name in lines[0].split(",")) if lines else ()
     missing = [name for name in FORCE_COLUMNS[:4] if name not in header]

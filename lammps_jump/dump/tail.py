@@ -107,8 +107,10 @@ class Tail:
         self._marker = BINARY_MARKER if format == "binary" else MARKER
         self._read, self._left, self._stream = 0, b"", zlib.decompressobj(GZIP)
 
-    def new_frames(self) -> Iterator[Frame]:
+    def new_frames(self, *, ended: bool = False, most: int = -1) -> Iterator[Frame]:
         """Frames that have become whole since the last call; the newest is whole once another begins.
+
+        Where the run has `ended` the last is whole too. At most `most` bytes are read, by default all.
 
         DumpError where they are malformed.
         """
@@ -116,13 +118,22 @@ class Tail:
             return
         with open_to_read(self.path) as file:
             file.seek(self._read)
-            arrived = file.read()
+            arrived = file.read(most)
+            ended = ended and not file.read(1)
         self._read += len(arrived)
         data = self._left + (self._unpacked(arrived) if self.format == "gz" else arrived)
-        last = max(data.rfind(self._marker), 0)
+        last = len(data) if ended else max(data.rfind(self._marker), 0)
         self._left = data[last:]
         if last:
-            yield from self._frames(data[data.find(self._marker) : last])
+            yield from self._frames(data[max(data.find(self._marker), 0) : last])
+
+    @property
+    def was_cut(self) -> bool:
+        """Whether the file is gone, or shorter than what was read of it: it began anew, or from an earlier time."""
+        try:
+            return self.path.stat().st_size < self._read
+        except OSError:
+            return self._read > 0
 
     def _unpacked(self, packed: bytes) -> bytes:
         """What more bytes of a gzip file hold; a run that went on has several streams in it."""

@@ -5,6 +5,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
 from lammps_jump.analysis.report import page
 from lammps_jump.files import MOST_TEXT, read_file
 
@@ -17,7 +19,7 @@ KINDS = {
 }
 HERE, REPORT = Path(__file__).parent, Path(page.__file__).parent
 ASSETS = {
-    **{name: HERE / name for name in ("open.css", "ask.js", "case.js", "text.js", "places.js")},
+    **{name: HERE / name for name in ("open.css", "ask.js", "case.js", "text.js", "places.js", "live.js", "run.js")},
     **{name: REPORT / name for name in ("page.css", *page.SCRIPTS)},
 }
 """Nothing else is read for an address."""
@@ -32,3 +34,10 @@ def asset(name: str) -> Reply | None:
 def html(path: Path) -> Reply:
     """A file of ours."""
     return Reply(read_file(path, MOST_TEXT), KINDS[path.suffix])
+
+
+def run_page() -> Reply:
+    """The page of a run: the player of the report, empty."""
+    loader = FileSystemLoader([HERE, REPORT])
+    template = Environment(loader=loader, autoescape=True, undefined=StrictUndefined).get_template("run.html.j2")
+    return Reply(template.render().encode(), KINDS[".html"])

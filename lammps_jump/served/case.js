@@ -113,6 +113,7 @@ async function watch() {
   const { ok, data } = await ask(`file?key=${file.key || ""}`);
   if (!ok) return say(data.refused.startsWith("the program") ?
     "The program that serves this page has ended. What is not saved stays here as long as the page is open." : data.refused);
+  offerRun(data.run);
   if (data.text === null || file.busy || file.conflict || data.key === file.key) return undefined;
   const first = file.saved === null;
   if (!first && editor.text !== file.saved) return differs(data);
@@ -123,12 +124,44 @@ async function watch() {
   return look();
 }
 
+// ---- the run ----
+
+function offerRun(run) {
+  file.run = run;
+  byId("go").disabled = !run;
+  byId("go").textContent = run && run.number !== null ? "Show the run" : "Run";
+  byId("run-act").querySelector("code").textContent = run ? run.command : "";
+}
+
+async function go() {
+  await save();
+  if (editor.text !== file.saved) return;
+  byId("go").disabled = true;
+  const { ok, data } = await ask("run", { key: file.key });
+  byId("go").disabled = false;
+  byId("run-error").textContent = ok ? "" : data.refused;
+  if (ok) showRun(data.number);
+}
+
+// The page of a run within this one, as high as it is.
+function showRun(number) {
+  const frame = made("iframe", { id: "run", src: `run/${number}/`, title: "The run" });
+  frame.addEventListener("load", () => {
+    const inside = frame.contentDocument.documentElement;
+    new ResizeObserver(() => { frame.style.height = `${inside.querySelector("body").scrollHeight + 4}px`; }).observe(inside.querySelector("body"));
+  });
+  byId("run-place").replaceChildren(frame);
+}
+
 document.addEventListener("text", () => { look(); later(); });
 document.addEventListener("dropped", save);
 document.addEventListener("visibilitychange", () => document.hidden && save());
 document.addEventListener("keydown", (event) => {
-  if ((event.ctrlKey || event.metaKey) && event.key === "s") { event.preventDefault(); save(); }
+  const command = event.ctrlKey || event.metaKey;
+  if (command && event.key === "s") { event.preventDefault(); save(); }
+  if (command && event.key === "Enter" && !byId("go").disabled) { event.preventDefault(); go(); }
 });
+byId("go").addEventListener("click", go);
 byId("take").addEventListener("click", () => settle(false));
 byId("keep").addEventListener("click", () => settle(true));
 let wide = 0;

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Which pages there are for what was opened."""
+"""Which pages there are for what was opened: a case file, a run or a study."""
 
 from __future__ import annotations
 
@@ -8,42 +8,96 @@ from pathlib import Path
 from threading import Lock
 from typing import Any
 
+from lammps_jump.case.case import ReadCase
+from lammps_jump.case.parts.old_words import in_case
+from lammps_jump.errors import JumpError, SetupError
+from lammps_jump.folders import read_marker
+from lammps_jump.runs.folder import default_folder, require_case
+
 from .assets import HERE, asset, html
 from .case_file import CaseFile
+from .children import Child, Children, as_typed
 from .look import look
+from .run_pages import RunPages
 from .server import Pages, Refused, Reply, answer
 
+MOST_RUNS = 1000
+"""Folders of runs of one case that are looked at for one that is free."""
 
-def pages_of(path: Path) -> Pages:
-    """The pages of a case file.
+
+def pages_of(path: Path) -> Opened:
+    """The pages of a case file, or of the folder of a run.
 
     Raises
     ------
     CaseError
-        There is no such file.
+        There is no such file, or the folder holds no run.
     """
-    return CasePages(path)
+    return RunAlone(path) if path.is_dir() else CasePages(path)
 
 
-class CasePages:
+class Opened(Pages):
+    """What was opened; see `Pages`.
+
+    Attributes
+    ----------
+    start : str
+        Path of the page that is to be opened first.
+    """
+
+    start = ""
+
+    def __init__(self) -> None:
+        self.children = Children()
+        self.runs = RunPages(self.children)
+
+    def get(self, path: str, query: Mapping[str, str]) -> Reply | None:
+        """Pages of runs, and the files of all pages."""
+        return self.runs.get(path[4:], query) if path.startswith("run/") else asset(path)
+
+    def post(self, path: str, asked: Mapping[str, Any]) -> Reply | None:
+        """What is to be done with a run."""
+        return self.runs.post(path[4:], asked) if path.startswith("run/") else None
+
+    def close(self) -> list[Child]:
+        """End the runs that were started here, which can go on; those that went on."""
+        return self.children.close()
+
+
+class RunAlone(Opened):
+    """The page of one run folder."""
+
+    start = "run/0/"
+
+    def __init__(self, folder: Path):
+        super().__init__()
+        require_case(folder)
+        self.runs.number(folder)
+
+
+class CasePages(Opened):
     """The page of a case file: its text, what `look` finds in it, and its run."""
 
     def __init__(self, path: Path):
+        super().__init__()
         self.file = CaseFile(path)
         self._looking = Lock()  # one look at a time is soonest done
+        self._read: tuple[str | None, ReadCase] = None, None  # type: ignore[assignment]
+        self._started: dict[Path, dict[str, Any]] = {}
 
     def get(self, path: str, query: Mapping[str, str]) -> Reply | None:
-        """The page, its files, and the text as it is now."""
+        """The page, and the text as it is now."""
         if path == "":
             return html(HERE / "case.html")
         if path == "file":
             found = self.file.read()
             same = found.key == query.get("key")
-            return answer({"name": str(self.file.shown), "key": found.key, "text": None if same else found.text})
-        return asset(path)
+            told = {"name": str(self.file.shown), "key": found.key, "text": None if same else found.text}
+            return answer({**told, "run": self._plan(found.text)})
+        return super().get(path, query)
 
     def post(self, path: str, asked: Mapping[str, Any]) -> Reply | None:
-        """Look at a text, or save it."""
+        """Look at a text, save it, or run what is saved."""
         if path == "look":
             with self._looking:
                 return answer(look(text_of(asked, "text"), self.file.path, number_of(asked, "wide")))
@@ -52,7 +106,67 @@ class CasePages:
             if saved is None:
                 return answer({"changed": True, **self.file.read()._asdict()}, 409)
             return answer({"key": saved.key})
-        return None
+        if path == "run":
+            return self._run(text_of(asked, "key"))
+        return super().post(path, asked)
+
+    def _plan(self, text: str) -> dict[str, Any] | None:
+        """What the button does: the command, and the number of a run of this case that is there already."""
+        try:
+            case, folder, there = self._folder(text)
+        except JumpError:
+            return None  # the page shows what is wrong
+        words = ["open", folder] if there else self._words(case, folder)
+        return {"number": self.runs.number(folder) if there else None, "command": as_typed(*words)}
+
+    def _run(self, key: str) -> Reply:
+        """Run the case of the file with this key; the number of the run."""
+        found = self.file.read()
+        if found.key != key:
+            raise SetupError(f"{self.file.shown}: was changed meanwhile; look at it, and run it then")
+        case, folder, there = self._folder(found.text)
+        if not there:
+            self._started[folder] = case.core
+            self.children.start(folder, *self._words(case, folder))
+        return answer({"number": self.runs.number(folder)})
+
+    def _words(self, case: ReadCase, folder: Path) -> list[str | Path]:
+        """The command that runs the case in a folder."""
+        words: list[str | Path] = ["build-and-run", self.file.shown]
+        return words if folder == default_folder(case) else [*words, "--out", folder]
+
+    def _folder(self, text: str) -> tuple[ReadCase, Path, bool]:
+        """The case of a text, the folder of its run, and whether the run is there; else a folder that is free.
+
+        Raises
+        ------
+        JumpError
+            The case cannot be used, or asks for several members.
+        """
+        if self._read[0] != text:
+            self._read = text, ReadCase.parse(text, str(self.file.shown), folder=self.file.path.parent)
+        case = self._read[1]
+        if case.fields.run.members:
+            raise SetupError("run.members: a study of several starts is run by `lammps-jump build-and-run`")
+        first = default_folder(case)
+        for number in range(1, MOST_RUNS):
+            folder = first if number == 1 else first.with_name(f"{first.name}-{number}")
+            child = self.children.of(folder)
+            begins = child is not None and child.status is None
+            if holds(folder, case) or (begins and self._started.get(folder) == case.core):
+                return case, folder, True
+            if not begins and not folder.exists():
+                return case, folder, False
+        raise SetupError(f"{first}: there are {MOST_RUNS} runs of other cases beside it")
+
+
+def holds(folder: Path, case: ReadCase) -> bool:
+    """Whether a folder holds a run of this case."""
+    try:
+        marker = read_marker(folder)
+    except JumpError:
+        return False
+    return marker is not None and marker.kind == "run" and in_case(marker.about.get("case")) == case.core
 
 
 def text_of(asked: Mapping[str, Any], name: str) -> str:

@@ -51,7 +51,15 @@ class Reply(NamedTuple):
 
 
 class Pages(Protocol):
-    """What is served, by the part of the address behind the token."""
+    """What is served, by the part of the address behind the token.
+
+    Attributes
+    ----------
+    start : str
+        The page that is to be opened first.
+    """
+
+    start: str
 
     def get(self, path: str, query: Mapping[str, str]) -> Reply | None:
         """An answer; None where there is no such page. Nothing is changed."""
@@ -97,7 +105,7 @@ class Server(ThreadingHTTPServer):
     @property
     def address(self) -> str:
         """What a browser is to open."""
-        return f"http://{HOME}:{self.server_address[1]}/{self.token}/"
+        return f"http://{HOME}:{self.server_address[1]}/{self.token}/{self.pages.start}"
 
     def handle_error(self, request: Any, client_address: Any) -> None:
         """Stay silent about a browser that has gone; `Handler` tells all else."""

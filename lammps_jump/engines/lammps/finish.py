@@ -73,21 +73,27 @@ def conclude(job: Job, outcome: Outcome) -> RunResult:
 
 
 def gather_forces(scene: Scene, folder: Path) -> None:
-    """Make one ``forces.csv`` of the structures' files, in order of time, without their rows before the first step.
-
-    Rows of the scene's groups are added.
+    """Make one ``forces.csv`` of the structures' files; see `forces_text`.
 
     The files stay: parts that go on append to them, and checkpoints name them.
+    """
+    path = folder / "forces.csv"
+    if scene.probes and ((text := forces_text(scene, folder)).count("\n") > 1 or not path.exists()):
+        write_text(path, text)
+
+
+def forces_text(scene: Scene, folder: Path) -> str:
+    """What the structures' files hold so far as one table, in order of time, without their rows before the first step.
+
+    Rows of the scene's groups are added.
     """
     header, rows = forces_header(power=scene.moves), []
     for order, name in enumerate(scene.probes):
         raw = folder / raw_forces(name)
         if raw.exists():
             rows += [(time, order, line) for time, line in _force_rows(text_of(raw).splitlines(), header)]
-    path = folder / "forces.csv"
-    if scene.probes and (rows or not path.exists()):
-        lines = [header, *_with_groups(scene, [line for *_, line in sorted(rows, key=lambda row: row[:2])])]
-        write_text(path, "\n".join(lines) + "\n")
+    lines = [header, *_with_groups(scene, [line for *_, line in sorted(rows, key=lambda row: row[:2])])]
+    return "\n".join(lines) + "\n"
 
 
 def _with_groups(scene: Scene, lines: list[str]) -> list[str]:

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Runs that the server has started: each is the command that the page shows, in a process of its own."""
+
+from __future__ import annotations
+
+import shlex
+import signal
+import subprocess
+import sys
+import threading
+from collections import deque
+from pathlib import Path
+
+from lammps_jump.errors import SetupError
+
+MOST_LINES = 40
+"""Last lines of a command that are kept."""
+PROGRAM = "lammps-jump"
+
+
+def as_typed(*words: str | Path) -> str:
+    """A command of ours as one types it."""
+    return shlex.join([PROGRAM, *map(str, words)])
+
+
+class Child:
+    """One command.
+
+    Attributes
+    ----------
+    command : str
+        As one types it.
+    """
+
+    def __init__(self, *words: str | Path):
+        self.command = as_typed(*words)
+        self._lines: deque[str] = deque(maxlen=MOST_LINES)
+        # a session of its own: what ends this server does not end the run half way, see `Children.close`
+        self.process = subprocess.Popen(
+            [sys.executable, "-P", "-m", "lammps_jump", *map(str, words)], stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace", start_new_session=True,
+        )  # fmt: skip
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    def _read(self) -> None:
+        assert self.process.stdout is not None
+        with self.process.stdout as stream:
+            for line in stream:
+                self._lines.append(line.rstrip())
+
+    @property
+    def lines(self) -> list[str]:
+        """What it has printed last."""
+        return list(self._lines)
+
+    @property
+    def status(self) -> int | None:
+        """Its exit status; None while it goes on."""
+        return self.process.poll()
+
+    def stop(self) -> None:
+        """Ask it to save its state and end."""
+        if self.status is None:
+            self.process.send_signal(signal.SIGTERM)
+
+    def wait(self) -> int:
+        """Wait for its end, and for what it prints."""
+        status = self.process.wait()
+        self._reader.join()
+        return status
+
+
+class Children:
+    """All of them, by the folder that each writes."""
+
+    def __init__(self) -> None:
+        self._of: dict[Path, Child] = {}
+        self._lock = threading.Lock()
+
+    def start(self, folder: Path, *words: str | Path) -> Child:
+        """Run a command that writes a folder.
+
+        Raises
+        ------
+        SetupError
+            One that was started here writes there already.
+        """
+        with self._lock:
+            before = self.of(folder)
+            if before is not None and before.status is None:
+                raise SetupError(f"{folder}: a run that was started here still writes there")
+            self._of[folder.absolute()] = child = Child(*words)
+            return child
+
+    def of(self, folder: Path) -> Child | None:
+        """The last command that was started for a folder."""
+        return self._of.get(folder.absolute())
+
+    def close(self) -> list[Child]:
+        """Ask all that go on to save their state and end, and wait for them; those that were."""
+        going = [child for child in self._of.values() if child.status is None]
+        for child in going:
+            child.stop()
+        for child in going:
+            child.wait()
+        return going

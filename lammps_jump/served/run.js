@@ -1,0 +1,104 @@
+"use strict";
+// The page of a run: asks the server what is new, and shows it.
+
+const ASK_AGAIN = 400;
+const WORDS_OF = {
+  none: "There is no run yet", starting: "The run begins", running: "The run goes on", complete: "The run is complete",
+  interrupted: "The run was stopped and can go on", failed: "The run failed", refused: "The command was refused",
+  unchecked: "The run has ended; its analysis has not",
+};
+
+let growing = null, shownOf = null, shownCurves = "";
+
+async function refresh() {
+  const { ok, data } = await ask("state");
+  if (!ok) return void (byId("error").textContent = data.refused);
+  showState(data);
+  if (data.about) await showFrames(data);
+  showCurves(data.curves || []);
+  return data.more ? refresh() : undefined;
+}
+
+function showState(data) {
+  byId("error").textContent = ["failed", "refused"].includes(data.status) ? data.message : "";
+  byId("name").textContent = data.name ? [data.name, data.description].filter(Boolean).join(": ") : data.folder;
+  document.title = `${data.name || data.folder}: lammps-jump`;
+  const at = data.time === null || data.time === undefined ? "" : `, ${data.time.toFixed(2)} of ${data.duration} s`;
+  const other = data.status === "running" && !data.own ? `; ${data.message} writes it` : "";
+  const said = `${WORDS_OF[data.status] || data.status}${at}${other}. ${data.folder}`;
+  if (byId("state").textContent !== said) byId("state").textContent = said;
+  byId("progress").hidden = ["complete", "failed", "refused"].includes(data.status);
+  byId("progress").value = data.time && data.duration ? data.time / data.duration : 0;
+  for (const [name, command] of [["stop", data.stop], ["go-on", data.own ? null : data.go_on], ["report", data.report]]) {
+    byId(name).parentElement.hidden = !command;
+    byId(name).parentElement.querySelector("code").textContent = command || "";
+  }
+  byId("told").hidden = !data.log.length;
+  byId("log").textContent = [`$ ${data.command}`, ...data.log].join("\n");
+}
+
+async function showFrames(data) {
+  if (shownOf !== data.about.of) {
+    growing = new Growing(data.about);
+    shownOf = data.about.of;
+  }
+  const seen = players.length ? players[0].run.seen : null, before = growing.times.length;
+  growing.about(data.about);
+  while (growing.times.length < data.frames) {
+    const { ok, data: buffer } = await ask(`frames?first=${growing.times.length}&of=${shownOf}`);
+    if (!ok || !buffer.byteLength) break;
+    growing.add(buffer);
+  }
+  if (growing.times.length === before || !growing.rows) return;
+  if (!players.length) return begin();
+  const [p] = players;
+  if (p.run !== growing) {
+    pageData.players[0] = growing;
+    const newest = p.time >= p.end;
+    takeRun(p, 0);
+    p.time = newest ? p.end : p.time;
+    layOut(p);
+  } else {
+    showGrowth(p, seen);
+  }
+  tellAll("frames", growing.times.length);
+}
+
+// The first frame: the player of the report, on a run that grows.
+function begin() {
+  pageData.players = [growing];
+  byId("shown").replaceChildren(byId("player").content.cloneNode(true));
+  const p = startPlayer(byId("shown").querySelector(".player"), 0);
+  setTime(p, p.end);
+  tellAll("frames", growing.times.length);
+}
+
+function showCurves(curves) {
+  const absent = curves.filter((one) => one.absent).map((one) => `${one.title}: ${one.absent}.`).join(" ");
+  byId("absent").textContent = absent;
+  const shown = curves.filter((one) => one.chart), now = JSON.stringify(shown);
+  if (now === shownCurves) return;
+  shownCurves = now;
+  pageData.curves.splice(0, pageData.curves.length, ...shown.map((one) => one.chart));
+  const box = byId("curves");
+  if ([...box.children].map((one) => one.dataset.key).join() !== shown.map((one) => one.key).join()) {
+    box.replaceChildren(...shown.map((one, number) => {
+      const place = made("div", {}, made("figure", { class: "curve", "data-curve": String(number) }, made("figcaption", {}, one.title)));
+      place.dataset.key = one.key;
+      return place;
+    }));
+  }
+  tellAll("curves");
+}
+
+async function act(name) {
+  byId(name).disabled = true;
+  const { ok, data } = await ask(name, {});
+  byId(name).disabled = false;
+  if (!ok) byId("error").textContent = data.refused;
+  await refresh();
+}
+
+byId("stop").addEventListener("click", () => act("stop"));
+byId("go-on").addEventListener("click", () => act("go-on"));
+again(ASK_AGAIN, refresh);

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Pages of run folders, each with a number; an address names no folder."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from threading import Lock
+from typing import Any
+
+from lammps_jump.errors import SetupError
+from lammps_jump.files import MOST_TEXT, read_file
+
+from .assets import KINDS, run_page
+from .children import Children, as_typed
+from .server import FOREIGN, Refused, Reply, answer
+from .watched import Watched
+
+REPORT = "report.html"
+
+
+class RunPages:
+    """The runs that a page may show."""
+
+    def __init__(self, children: Children):
+        self.children = children
+        self._runs: list[Watched] = []
+        self._lock = Lock()
+
+    def number(self, folder: Path) -> int:
+        """The number of a folder, which may not be there yet."""
+        with self._lock:
+            known = [one.folder for one in self._runs]
+            if folder not in known:
+                self._runs.append(Watched(folder))
+                return len(known)
+            return known.index(folder)
+
+    def get(self, path: str, query: Mapping[str, str]) -> Reply | None:
+        """Page, state, frames or report of ``<number>/…``."""
+        run, part = self._found(path)
+        if run is None:
+            return None
+        if part == "":
+            return run_page()
+        if part == "state":
+            return answer(self._state(run))
+        if part == "frames":
+            first = query.get("first", "")
+            if not (first.isascii() and first.isdigit() and len(first) < 9):
+                raise Refused(400, "first is no number")
+            return Reply(run.frames(int(first), query.get("of", "")), "application/octet-stream")
+        if part == "report":
+            return self._report(run.folder)
+        return None
+
+    def post(self, path: str, asked: Mapping[str, Any]) -> Reply | None:
+        """Stop a run that was started here, or go on with one that was stopped."""
+        run, part = self._found(path)
+        if run is None:
+            return None
+        child = self.children.of(run.folder)
+        if part == "stop":
+            if child is None or child.status is not None:
+                raise SetupError(f"{run.folder}: no run that was started here goes on there")
+            child.stop()
+            return answer({})
+        if part == "go-on":
+            self.children.start(run.folder, "run", run.folder, "--resume")
+            return answer({})
+        return None
+
+    def _found(self, path: str) -> tuple[Watched | None, str]:
+        """The run that a path begins with, and what is asked of it."""
+        number, slash, part = path.partition("/")
+        known = bool(slash) and number.isascii() and number.isdigit() and len(number) < 7
+        return (self._runs[int(number)] if known and int(number) < len(self._runs) else None), part
+
+    def _state(self, run: Watched) -> dict[str, Any]:
+        """What the page of a run is to know."""
+        child = self.children.of(run.folder)
+        found = run.update()
+        own = child is not None and child.status is None
+        found |= {"folder": str(run.folder), "own": own, "log": child.lines if child else []}
+        if own and found["status"] != "running":
+            found["status"] = "starting" if found["status"] in ("none", "interrupted") else found["status"]
+        if child is not None and child.status and found["status"] == "none":
+            found |= {"status": "refused", "message": "\n".join(child.lines)}
+        found["command"] = child.command if child else as_typed("run", run.folder)
+        found["stop"] = f"kill -TERM {child.process.pid}" if child is not None and own else None
+        found["go_on"] = as_typed("run", run.folder, "--resume") if found["status"] == "interrupted" else None
+        report = run.folder / REPORT
+        found["report"] = as_typed("show", run.folder) if report.is_file() and not os.path.islink(report) else None
+        return found
+
+    @staticmethod
+    def _report(folder: Path) -> Reply | None:
+        path = folder / REPORT
+        if not path.is_file() or path.is_symlink():
+            return None
+        return Reply(read_file(path, MOST_TEXT), KINDS[".html"], policy=FOREIGN)

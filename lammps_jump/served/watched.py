@@ -1,0 +1,194 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A run folder that is looked at, whoever writes it: its frames, curves and state so far. Nothing is written there."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
+from threading import Lock
+from time import perf_counter
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from lammps_jump import runs
+from lammps_jump.analysis.flow import Flow
+from lammps_jump.analysis.passes import feed
+from lammps_jump.analysis.report.frames import FramePacker
+from lammps_jump.analysis.report.player import about_run
+from lammps_jump.case.case import ReadCase
+from lammps_jump.dump.tail import Tail
+from lammps_jump.engines.checkpoint import has_checkpoint
+from lammps_jump.errors import JumpError
+from lammps_jump.files import DUMP_NAMES
+from lammps_jump.folders import holder
+from lammps_jump.runs.folder import require_case
+from lammps_jump.runs.summary import read_summary
+
+from .curves import SoFar
+
+AT_ONCE = 16_000_000
+"""Bytes of a dump that are read before a page is answered again."""
+LONGEST = 0.4
+"""Seconds after which a page is answered, though more frames are there."""
+MOST_SENT = 6_000_000
+"""Bytes of frames in an answer, about."""
+SHADES = 64
+"""Radii that are told apart."""
+
+
+class State(NamedTuple):
+    """What has become of a run.
+
+    Attributes
+    ----------
+    status : str
+        none, running, complete, interrupted, failed or unchecked.
+    message : str
+        Of the summary; of a running one, which process writes.
+    """
+
+    status: str
+    message: str = ""
+
+    @property
+    def goes_on(self) -> bool:
+        """Whether frames may still come."""
+        return self.status in ("none", "running")
+
+
+class Watched:
+    """One run folder; it need not be there yet."""
+
+    def __init__(self, folder: Path):
+        self.folder = folder
+        self._lock = Lock()
+        self._begun = 0
+        self._forget()
+
+    def _forget(self) -> None:
+        """Begin anew: the folder holds another run, or one that went on from an earlier time."""
+        self._begun += 1
+        self._case: ReadCase | None = None
+        self._packer: FramePacker
+        self._tail: Tail
+        self._flow: Flow
+        self._so_far: SoFar
+        self._frames = 0
+
+    @property
+    def state(self) -> State:
+        """What has become of the run, by lock and summary."""
+        if writer := holder(self.folder):
+            return State("running", writer)
+        stored: Mapping[str, Any] = {}
+        with suppress(JumpError):
+            stored = read_summary(self.folder)
+        if status := stored.get("status"):
+            return State(str(status), str(stored.get("message") or ""))
+        if has_checkpoint(self.folder):
+            return State("interrupted", "it was cut off and can go on from its checkpoint")
+        return State("none", "" if self._case is None else "it was cut off and left no summary")
+
+    def _open(self) -> bool:
+        """Read the case of the folder once it is there."""
+        if self._case is None and (self.folder / "case.yaml").is_file():
+            case = ReadCase.load(require_case(self.folder))
+            self._flow = runs.results.flow_of(case, self.folder)
+            kind = case.fields.run.dump_format
+            self._packer = FramePacker(self._flow, maps=False)
+            self._tail = Tail(self.folder / DUMP_NAMES[kind], kind)
+            self._so_far = SoFar(case, self._flow, self.folder)
+            self._case = case
+        return self._case is not None
+
+    def update(self) -> dict[str, Any]:
+        """Read what is new, for a while at most; what a page is to know.
+
+        Raises
+        ------
+        JumpError
+            A case or frame that cannot be read.
+        """
+        with self._lock:
+            state = self.state
+            found: dict[str, Any] = {"status": state.status, "message": state.message, "frames": 0, "of": self._key}
+            if not self._open() or self._case is None:
+                return found
+            if self._tail.was_cut:
+                self._forget()
+                self._open()
+            started = perf_counter()
+            before = -1
+            while before < self._frames and perf_counter() - started < LONGEST:
+                before = self._frames
+                self._take_in(ended=not state.goes_on)
+            times, asked = self._packer.times, self._case.fields
+            found |= {"of": self._key, "frames": len(times), "more": before < self._frames, "name": asked.name}
+            found |= {"description": asked.description, "duration": asked.run.duration, "seen": self._frames}
+            found["time"] = times[-1] if times else None
+            if any(len(rows) for _, rows in self._packer.kept):
+                found["about"] = {**about_run(self._packer, self.folder), **self._scale}
+            found["curves"] = self._so_far.curves(live=state.goes_on)
+            return found
+
+    def _take_in(self, *, ended: bool) -> None:
+        """Read frames that are new, and show them to the packer and to what makes curves."""
+        frames = self._tail.new_frames(ended=ended, most=AT_ONCE)
+        for _ in feed(frames, self._flow, [self._packer, *self._so_far.collectors]):
+            self._frames += 1
+
+    @property
+    def _key(self) -> str:
+        """Another one where frames that a page has are no longer those that are kept."""
+        return f"{self._begun}-{self._packer.thinned}" if self._case is not None else f"{self._begun}"
+
+    @property
+    def _scale(self) -> dict[str, Any]:
+        """Units of the rows of `frames`."""
+        scene = self._flow.scene
+        return {"q": self._packer.q, "qv": 1.0, "radii": self._radii, "share": self._packer.share, "map": None,
+                "of": self._key, "end": scene.time(scene.steps)}  # fmt: skip
+
+    @property
+    def _radii(self) -> np.ndarray:
+        scene = self._flow.scene
+        many = SHADES if scene.largest > scene.smallest else 1
+        return 0.5 * np.linspace(scene.smallest, scene.largest, many)
+
+    def frames(self, first: int, key: str) -> bytes:
+        """Kept frames from a number on, for `live.js`; none where they are not those that the page knows.
+
+        Little-endian, for each frame: float64 time (s), int32 count and 0, then count numbers each of int32 id, x and y
+        (in q), float32 u and v (m/s), and int32 shade, an index into the radii.
+        """
+        with self._lock:
+            if self._case is None or key != self._key or first < 0:
+                return b""
+            parts: list[bytes] = []
+            size = 0
+            for time, rows in self._packer.kept[first:]:
+                parts.append(struct.pack("<dii", time, len(rows), 0))
+                share = (rows["radius"] - self._radii[0]) / max(self._radii[-1] - self._radii[0], 1e-300)
+                shade = np.clip(np.rint(share * (len(self._radii) - 1)), 0, SHADES)
+                columns = [*(rows[name].astype("<i4") for name in ("id", "x", "y")),
+                           *(rows[name].astype("<f4") for name in "uv"), shade.astype("<i4")]  # fmt: skip
+                parts += [column.tobytes() for column in columns]
+                size += 16 + 24 * len(rows)
+                if size > MOST_SENT:
+                    break
+            return b"".join(parts)
+
+
+def watched(folder: Path) -> Watched:
+    """A run folder that is there.
+
+    Raises
+    ------
+    CaseError
+        It holds no run.
+    """
+    require_case(folder)
+    return Watched(folder)
