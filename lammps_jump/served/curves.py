@@ -81,6 +81,7 @@ class SoFar:
             shown |= waves.figures(found, gathered)
         if records and (pushed := forces.analyse(gathered)):
             shown["forces"] = forces.history_chart(pushed)
+            absent = "" if shown["forces"] else "nothing has touched them so far"
         shown["energy"] = energy.energy_chart(energy.analyse_energy(history, self.flow))
         charts = [
             {"key": name, "title": TITLES[name], "chart": plain(shown[name].plain)}

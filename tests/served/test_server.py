@@ -1,13 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The server of `open`: what it refuses, and that nothing but the case file that was opened is ever written."""
 
-import http.client
 import json
 import socket
-import threading
-from contextlib import contextmanager
 
 import pytest
+from serving import asked, send, serving
 
 import lammps_jump.served as served
 from lammps_jump.errors import CaseError
@@ -26,19 +24,6 @@ run: {duration: 0.2, output_interval: 0.1}
 """
 
 
-@contextmanager
-def serving(path):
-    """A server of a file, in a thread; it has ended after the block."""
-    with served.Server(served.pages_of(path)) as server:
-        thread = threading.Thread(target=server.serve_forever, args=(0.01,))
-        thread.start()
-        try:
-            yield server
-        finally:
-            server.shutdown()
-            thread.join()
-
-
 @pytest.fixture
 def case(tmp_path):
     path = tmp_path / "mine" / "case.yaml"
@@ -52,34 +37,6 @@ def case(tmp_path):
 def server(case):
     with serving(case) as running:
         yield running
-
-
-def send(server, method, path, body=None, **headers):
-    """Status, headers and body of what the server answers; a header that is None is not sent."""
-    port = server.server_address[1]
-    given = {"Host": f"127.0.0.1:{port}"}
-    if body is not None:
-        given |= {"Origin": f"http://127.0.0.1:{port}", "Content-Type": "application/json"}
-        body = body if isinstance(body, bytes) else json.dumps(body).encode()
-        given["Content-Length"] = str(len(body))
-    given |= {name.replace("_", "-"): value for name, value in headers.items()}
-    line = http.client.HTTPConnection("127.0.0.1", port, timeout=60)
-    line.putrequest(method, path, skip_host=True, skip_accept_encoding=True)
-    for name, value in given.items():
-        if value is not None:
-            line.putheader(name, value.format(port=port))
-    line.endheaders(body)
-    reply = line.getresponse()
-    found = reply.status, dict(reply.getheaders()), reply.read()
-    line.close()
-    return found
-
-
-def asked(server, path, body=None):
-    """Data of an answer that is not refused."""
-    status, _, data = send(server, "GET" if body is None else "POST", f"/{server.token}/{path}", body)
-    assert status == 200, data
-    return json.loads(data)
 
 
 SAVE = {"text": "stolen", "key": "0"}

@@ -1,0 +1,235 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Runs on the page of `open`: what a page gets of a folder that grows, and Run, Stop and Go on."""
+
+import json
+import os
+import shutil
+import struct
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from children import HOOK
+from serving import asked, send, serving
+
+import lammps_jump as lj
+from lammps_jump import folders
+from lammps_jump.served.watched import Watched
+
+CASE = """\
+name: falls
+discs: {diameter: 0.2, sizes: {kind: uniform, spread: 0.2}}
+contact: {restitution: 0.5, impact_speed: 5}
+domain: {x: [-1, 6], y: [-1, 4]}
+walls:
+  - {name: floor, kind: plane, axis: y, at: 0, side: above}
+  - {name: sill, kind: block, x: [1.3, 1.5], y: [0, 0.5]}
+initial: [{kind: column, x: [0, 1], y: [0, 1]}]
+probes: {forces: [sill]}
+run: {duration: 0.5, output_interval: 0.02}
+engine: {name: native}
+analysis: {energy: true, figures: none}
+"""
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory):
+    """A finished run, which tests copy."""
+    place = tmp_path_factory.mktemp("finished")
+    (place / "falls.yaml").write_text(CASE)
+    lj.load_case(place / "falls.yaml").run(place / "run")
+    return place / "run"
+
+
+def rows(data, q):
+    """Time, and ids, places (m) and speeds (m/s) in columns, of each frame that the server has sent."""
+    found, at = [], 0
+    while at < len(data):
+        time, count, _ = struct.unpack_from("<dii", data, at)
+        whole = np.frombuffer(data, "<i4", 3 * count, at + 16).reshape(3, count)
+        speeds = np.frombuffer(data, "<f4", 2 * count, at + 16 + 12 * count).reshape(2, count)
+        found.append((time, whole[0], whole[1:] * q, speeds))
+        at += 16 + 24 * count
+    return found
+
+
+def all_of(watched):
+    """What a page gets of a run, once it has all that is there."""
+    while (found := watched.update()).get("more"):
+        pass
+    return found, watched.frames(0, found["of"])
+
+
+def test_a_page_gets_the_frames_of_the_dump(finished):
+    before = {one: (one.stat().st_mtime_ns, one.stat().st_size) for one in finished.rglob("*")}
+    found, data = all_of(Watched(finished))
+    assert (found["status"], found["frames"], found["time"]) == ("complete", 26, pytest.approx(0.5))
+    q = found["about"]["q"]
+    for (time, ids, places, speeds), frame in zip(rows(data, q), lj.open_run(finished).frames(), strict=True):
+        frame = frame.sorted()
+        assert time == frame.time and ids.tolist() == frame.ids.tolist()
+        assert np.abs(places - [frame.x, frame.y]).max() <= 0.5 * q * (1 + 1e-9)
+        assert np.allclose(speeds, [frame.vx, frame.vy], rtol=1e-6)
+    curves = {one["key"]: one["chart"] for one in found["curves"]}
+    assert list(curves) == ["gauges", "forces", "energy"]
+    kinetic = next(line for line in curves["energy"]["panels"][0]["lines"] if line["label"] == "kinetic")
+    assert kinetic["y"][-1] == pytest.approx(lj.open_run(finished).summary["energy"]["kinetic"], rel=1e-3)
+    assert {one: (one.stat().st_mtime_ns, one.stat().st_size) for one in finished.rglob("*")} == before
+
+
+def growing(finished, folder):
+    """A folder as its run has just begun, and its whole dump."""
+    folder.mkdir()
+    for name in ("case.yaml", folders.MARKER_FILE):
+        shutil.copy(finished / name, folder)
+    return (finished / "dump.lammpstrj").read_bytes()
+
+
+def test_frames_come_as_they_are_written(finished, tmp_path):
+    """In any pieces; the newest once another begins, and the last one at the end."""
+    watched = Watched(tmp_path / "run")
+    assert watched.update()["status"] == "none"
+    whole = growing(finished, tmp_path / "run")
+    begins = [i for i in range(len(whole)) if whole.startswith(b"ITEM: TIME\n", i)]
+    with folders.locked(tmp_path / "run"):
+        assert watched.update() | {"status": "", "message": ""} == {
+            **watched.update(), "status": "", "message": "", "frames": 0,
+        }  # fmt: skip
+        for cut in (10, begins[1] + 1, begins[1] + 500, begins[3] + 11, begins[20]):
+            (tmp_path / "run" / "dump.lammpstrj").write_bytes(whole[:cut])
+            found, data = all_of(watched)
+            there = sum(begin + 11 <= cut for begin in begins)
+            assert found["status"] == "running" and found["frames"] == max(0, there - 1)
+            assert len(rows(data, 1.0)) == found["frames"]
+        assert "forces at its end" in str(found["curves"])
+        (tmp_path / "run" / "dump.lammpstrj").write_bytes(whole)
+        shutil.copy(finished / "summary.json", tmp_path / "run")
+    found, data = all_of(watched)
+    assert (found["status"], found["frames"]) == ("complete", 26)
+    assert data == all_of(Watched(finished))[1]
+    assert sorted(one.name for one in (tmp_path / "run").iterdir()) == [
+        folders.MARKER_FILE, "case.yaml", "dump.lammpstrj", "summary.json",
+    ]  # fmt: skip
+
+
+def test_a_dump_that_was_cut_is_read_anew(finished, tmp_path):
+    """A run that goes on cuts its dump back to its checkpoint: a page gives up the frames it has."""
+    whole = growing(finished, tmp_path / "run")
+    path, watched = tmp_path / "run" / "dump.lammpstrj", Watched(tmp_path / "run")
+    path.write_bytes(whole[: len(whole) // 2])
+    first, _ = all_of(watched)
+    path.write_bytes(whole[: len(whole) // 3])
+    found, data = all_of(watched)
+    assert found["of"] != first["of"] and found["frames"] == len(rows(data, 1.0)) < first["frames"]
+    assert watched.frames(0, first["of"]) == b""
+
+
+def test_what_a_page_keeps_is_thinned_and_sent_anew(finished, monkeypatch):
+    monkeypatch.setattr("lammps_jump.analysis.report.frames.MOST_FRAMES", 10)
+    found, data = all_of(Watched(finished))
+    assert found["frames"] <= 10 and found["of"] == "1-2"
+    assert np.allclose(np.diff([time for time, *_ in rows(data, 1.0)]), 0.08)
+
+
+def test_a_folder_of_another_kind_is_refused_in_words(finished, tmp_path):
+    growing(finished, tmp_path / "run")
+    (tmp_path / "run" / "case.yaml").write_text((finished / "case.yaml").read_text().replace("0.5", "0.6"))
+    with serving(finished) as server:
+        server.pages.runs.number(tmp_path / "run")
+        status, _, data = send(server, "GET", f"/{server.token}/run/1/state")
+        assert status == 422 and "was changed after the folder was made" in json.loads(data)["refused"]
+        assert asked(server, "run/0/state")["status"] == "complete"
+        for path in (
+            "run/2/state",
+            "run/-1/state",
+            "run/00000000/state",
+            "run/0",
+            "run/0/../1/state",
+            "run/0/case.yaml",
+        ):
+            assert send(server, "GET", f"/{server.token}/{path}")[0] == 404
+        for path in ("frames?first=-1&of=1-0", "frames?first=x", "frames"):
+            assert send(server, "GET", f"/{server.token}/run/0/{path}")[0] == 400
+        assert asked(server, "run/0/frames?first=0&of=other") == b""
+
+
+def test_a_report_acts_within_itself(finished, tmp_path):
+    shutil.copytree(finished, tmp_path / "run")
+    (tmp_path / "run" / "report.html").write_text("<script>fetch('../../save')</script>")
+    with serving(tmp_path / "run") as server:
+        _, told, _ = send(server, "GET", f"/{server.token}/run/0/report")
+        rules = told["Content-Security-Policy"]
+        assert rules.startswith("sandbox allow-scripts") and "allow-same-origin" not in rules
+        assert "default-src 'none'" in rules and "connect-src" not in rules
+        (tmp_path / "run" / "report.html").unlink()
+        (tmp_path / "run" / "report.html").symlink_to("/etc/passwd")
+        assert send(server, "GET", f"/{server.token}/run/0/report")[0] == 404
+
+
+def test_runs_of_others_are_neither_stopped_nor_disturbed(finished, tmp_path):
+    shutil.copytree(finished, tmp_path / "run")
+    with serving(tmp_path / "run") as server, folders.locked(tmp_path / "run"):
+        state = asked(server, "run/0/state")
+        assert state["status"] == "running" and state["stop"] is None and f"process {os.getpid()}" in state["message"]
+        status, _, data = send(server, "POST", f"/{server.token}/run/0/stop", {})
+        assert status == 422 and "no run that was started here" in json.loads(data)["refused"]
+
+
+def started(server):
+    """Start the run of the case that is open; its command."""
+    number = asked(server, "run", {"key": asked(server, "file")["key"]})["number"]
+    return server.pages.children.of(server.pages.runs._runs[number].folder)
+
+
+def test_run_stop_and_go_on(finished, tmp_path, monkeypatch):
+    """The engine waits at a step until it is stopped; what goes on ends with the bytes of the run without a stop."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "falls.yaml").write_text(CASE)
+    path = os.pathsep.join([str(HOOK), *filter(None, [os.environ.get("PYTHONPATH")])])
+    monkeypatch.setenv("PYTHONPATH", path)
+    monkeypatch.setenv("JUMP_TEST_SIGNAL", "0@400@engine")
+    monkeypatch.delenv("JUMP_TEST_PROCESS", raising=False)
+    with serving(tmp_path / "falls.yaml") as server:
+        plan = asked(server, "file")["run"]
+        assert plan == {"number": None, "command": f"lammps-jump build-and-run {tmp_path / 'falls.yaml'}"}
+        assert send(server, "POST", f"/{server.token}/run", {"key": "other"})[0] == 422
+        child = started(server)
+        while not asked(server, "run/0/state")["frames"] and child.status is None:
+            pass  # it waits at step 400, behind some frames
+        state = asked(server, "run/0/state")
+        assert state["own"] and state["stop"] == f"kill -TERM {child.process.pid}" and state["frames"] < 26
+        asked(server, "run/0/stop", {})
+        assert child.wait() == 75
+        state = asked(server, "run/0/state")
+        assert state["status"] == "interrupted" and state["go_on"] == "lammps-jump run runs/falls --resume"
+        assert 0 < state["time"] < 0.5 and not state["own"]
+        monkeypatch.delenv("JUMP_TEST_SIGNAL")
+        asked(server, "run/0/go-on", {})
+        assert server.pages.children.of(state_folder := server.pages.runs._runs[0].folder).wait() == 0
+        found, data = all_of(server.pages.runs._runs[0])
+        assert found["status"] == "complete" and found["frames"] == 26 == len(rows(data, 1.0))
+        assert (state_folder / "dump.lammpstrj").read_bytes() == (finished / "dump.lammpstrj").read_bytes()
+        plan = asked(server, "file")["run"]
+        assert plan == {"number": 0, "command": "lammps-jump open runs/falls"}  # the same case is not run again
+        (tmp_path / "falls.yaml").write_text(CASE.replace("[1.3, 1.5]", "[1.3, 1.6]"))
+        assert asked(server, "file")["run"]["command"].endswith("--out runs/falls-2")
+
+
+@pytest.mark.long
+def test_what_was_started_here_is_stopped_when_the_server_ends(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "falls.yaml").write_text(CASE)
+    monkeypatch.setenv("PYTHONPATH", str(HOOK))
+    monkeypatch.setenv("JUMP_TEST_SIGNAL", "0@400@engine")
+    monkeypatch.delenv("JUMP_TEST_PROCESS", raising=False)
+    with serving(tmp_path / "falls.yaml") as server:
+        child = started(server)
+        while not asked(server, "run/0/state")["frames"] and child.status is None:
+            pass
+        assert server.pages.close() == [child]
+    assert child.status == 75 and Watched(tmp_path / "runs" / "falls").update()["status"] == "interrupted"
+
+
+def test_times_of_frames_grow(finished):
+    _, data = all_of(Watched(finished))
+    assert all(before < after for (before, *_), (after, *_) in pairwise(rows(data, 1.0)))
