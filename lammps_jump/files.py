@@ -64,6 +64,8 @@ FIGURES = {
 """Pictures in ``figures/``, in the order of the report, with their captions there."""
 POSES, POSES_HEADER = "walls.csv", "time,wall,x,y,angle"
 """Where walls are that the discs push, a row a wall and frame, and its first line."""
+BODIES, BODIES_HEADER = "bodies.csv", "time,body,x,y,angle,vx,vy,spin,fx,fy,moment"
+"""Where bodies are, how fast, and the force of the discs on them, against time; and its first line."""
 END_FILE = "end.npz"
 """State of the discs at the end of a run, with all digits."""
 START_FILE = "start-{key}.npz"
@@ -84,6 +86,7 @@ RUN_FILES = (
     "forces.csv",
     CONTACTS_FILE,
     POSES,
+    BODIES,
     JOB_FILE,
     "forces_*.raw",
     "checkpoint.json",

@@ -45,6 +45,7 @@ FILES = {
     "report.html": "the report",
     "live.png": "picture of the run while it goes on (`--live`)",
     "energy.csv": "energies against time",
+    "bodies.csv": "bodies against time: centre of mass, turn, velocities, and force and moment of the discs",
     "gauges.csv": "depth at the gauges against time",
     "runup.csv": "highest water on a slope or wall, and what has gone over it, against time",
     "tailgate.csv": "height of a tailgate and what it holds, against time",

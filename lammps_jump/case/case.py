@@ -155,7 +155,8 @@ class ReadCase:
     @cached_property
     def _data(self) -> dict[str, Any]:
         """Plain data without the empty optional fields, which would only be noise for a reader."""
-        return _kind_first(self.fields.model_dump(mode="json", exclude_none=True))
+        found = _kind_first(self.fields.model_dump(mode="json", exclude_none=True))
+        return found if self.fields.bodies else {name: value for name, value in found.items() if name != "bodies"}
 
     def replace(self, changes: Changes) -> Self:
         """The case with other values, validated as a file is.
@@ -277,10 +278,13 @@ def _validated(source: CaseSource, changes: Changes, default_name: str) -> CaseF
     fields = fields.model_copy(
         update={"description": described(fields.description, source), "initial": with_found(fields.initial, source)}
     )
-    names = [wall.name for wall in fields.walls]
-    for index, name in enumerate(names):
-        if name in names[:index]:
-            raise source.error(f"walls.{index}.name: two walls are called '{name}'; give each its own name")
+    places = [
+        (f"{field}.{i}", item.name) for field in ("walls", "bodies") for i, item in enumerate(getattr(fields, field))
+    ]
+    for index, (place, name) in enumerate(places):
+        if name in [other for _, other in places[:index]]:
+            what = "walls" if place.startswith("walls") else "walls or bodies"
+            raise source.error(f"{place}.name: two {what} are called '{name}'; give each its own name")
     if not fields.initial and fields.inflow is None:
         raise source.error("initial: there are no discs; give a column, a lattice, a list or a run, or give inflow")
     return fields

@@ -183,6 +183,11 @@ def check_engine(case: CaseFields, source: CaseSource) -> None:
             "engine.name: native, which both take the native engine"
         )
     if engine == "lammps" and kernel == "stock":
+        if case.bodies:
+            raise source.error(
+                "bodies: are not in stock LAMMPS, whose walls follow formulas; use engine.kernel: auto or engine.name: "
+                "native"
+            )
         law = case.contact.friction_law
         if case.contact.friction > 0 and not FRICTION_LAWS[law].in_stock:
             known = " or ".join(name for name, one in FRICTION_LAWS.items() if one.in_stock)

@@ -85,7 +85,7 @@ def _sentence(problem: dict[str, Any], path: PathKey, model: type[BaseModel]) ->
     if kind == "value_error":
         return str(context["error"])
     if kind == "string_pattern_mismatch":
-        letters = "letters, digits and _" if path[0] == "walls" else "letters, digits, _ . and -"
+        letters = "letters, digits and _" if path[0] in ("walls", "bodies") else "letters, digits, _ . and -"
         return f"{echoed(value)} is not a usable name; {letters} are allowed"
     if kind in ("tuple_type", "list_type") and isinstance(value, str | int | float):
         return f"{echoed(value)} is a single value; this field is a list: [{shortened(str(value))}]"

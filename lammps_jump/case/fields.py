@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from math import sqrt
+from math import cos, radians, sin, sqrt
 from operator import itemgetter
 from typing import Annotated, Any, Literal
 
@@ -14,6 +14,7 @@ from lammps_jump import units
 from lammps_jump.quoting import LONGEST_NAME, one_line
 from lammps_jump.scene.walls import KINDS, Coordinate, Extent, WallName, ordered
 
+from .bodies.fields import BodyField
 from .parts.base import (
     FINE_LENGTH,
     LEAST_GRAVITY,
@@ -332,6 +333,7 @@ class CaseFields(Strict):
     contact: Contact
     domain: Domain | None = None
     walls: tuple[WallField, ...] = ()
+    bodies: tuple[BodyField, ...] = ()
     initial: tuple[InitialField, ...] = ()
     inflow: InflowField | None = None
     outflow: tuple[Outflow, ...] = ()
@@ -339,6 +341,14 @@ class CaseFields(Strict):
     probes: Probes = Probes()
     analysis: Analysis = Analysis()
     engine: Engine = Engine()
+
+    @property
+    def acceleration(self) -> tuple[float, float]:
+        """Gravity along and across the slope, m/s^2."""
+        if self.slope == 0:
+            return 0.0, -self.gravity if self.gravity else 0.0
+        angle = radians(self.slope)
+        return self.gravity * sin(angle), -self.gravity * cos(angle)
 
     @property
     def seam(self) -> tuple[float, float] | None:

@@ -125,7 +125,7 @@ def _scene(case: CaseFields, source: CaseSource) -> Scene:
     walls.check_bends(source, given, begun.largest)
     laws = _own_laws(case, begun, given)
     notes = walls.check_own_laws(case, source, begun, laws, given, _integrator(case))
-    moving = [walls.moving(item, source, begun, laws) for item in given]
+    moving = [walls.moving(item, case, source, begun, laws) for item in given]
     notes += speeds.softness(case, begun)
     notes += walls.wall_doubts(moving, begun, laws, inlets) + heap_doubts(case, begun, moving)
     ways = [way(one, *walls.span(begun)) for one in moving]
@@ -162,7 +162,7 @@ def _scene(case: CaseFields, source: CaseSource) -> Scene:
         name=case.name,
         description=case.description,
         density=case.discs.density,
-        gravity=_gravity(case),
+        gravity=case.acceleration,
         friction_law=law.friction_law,
         springs=springs,
         contact_output=springs is not None and (case.engine.name != "lammps" or case.analysis.looks_at_contacts),
@@ -242,14 +242,6 @@ def _beginning(case: CaseFields, source: CaseSource) -> tuple[Beginning, list[st
         probe_steps=steps.probe,
         earlier=padded(taken, len(positions), beds.fixed),
     ), warnings
-
-
-def _gravity(case: CaseFields) -> tuple[float, float]:
-    """Acceleration along and across the slope, m/s^2."""
-    if case.slope == 0:
-        return 0.0, -case.gravity if case.gravity else 0.0
-    angle = math.radians(case.slope)
-    return case.gravity * math.sin(angle), -case.gravity * math.cos(angle)
 
 
 def _largest_speed(case: CaseFields, begun: Beginning, inlets: tuple[InletRow, ...]) -> float:

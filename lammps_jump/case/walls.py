@@ -20,6 +20,7 @@ from lammps_jump.scene.shapes import ArcTo, PlaceError, flush, open_ends, tight_
 from lammps_jump.scene.tracks import Translate
 from lammps_jump.scene.walls import Line
 
+from .bodies.fields import Body
 from .fields import CaseFields, Column
 from .parts.beds import RoughBed
 from .text import CaseSource, nearest
@@ -41,14 +42,15 @@ Laws = Mapping[str, contact.WallLaw]
 
 @dataclass(frozen=True)
 class CaseWall:
-    """A wall, and the field of the case that it comes from."""
+    """A wall, the field of the case that it comes from, and what it is as a body."""
 
     wall: Wall
     field: str
+    body: Body | None = None
 
 
 def joined(case: CaseFields, source: CaseSource) -> tuple[CaseWall, ...]:
-    """The walls of a case; lines of one join are one wall, in the place of the first."""
+    """The walls of a case, and behind them its bodies; lines of one join are one wall, in the place of the first."""
     found: list[CaseWall] = []
     done: set[str] = set()
     for index, wall in enumerate(case.walls):
@@ -60,6 +62,7 @@ def joined(case: CaseFields, source: CaseSource) -> tuple[CaseWall, ...]:
         elif join not in done:
             done.add(join)
             found.append(CaseWall(_joined(case, source, join), f"walls.{index}"))
+    found += [CaseWall(body.wall(), f"bodies.{index}", body) for index, body in enumerate(case.bodies)]
     for index, item in enumerate(found):
         if item.wall.name in [other.wall.name for other in found[:index]]:
             raise source.error(
@@ -200,9 +203,11 @@ def check_own_laws(
     return notes
 
 
-def moving(item: CaseWall, source: CaseSource, begun: Beginning, laws: Laws) -> MovingWall:
+def moving(item: CaseWall, case: CaseFields, source: CaseSource, begun: Beginning, laws: Laws) -> MovingWall:
     """A wall with its motion."""
     wall, kind = item.wall, item.wall.motion
+    if item.body is not None:
+        return item.body.moving(case.acceleration, begun)
     if kind is None:
         return MovingWall(wall)
     if kind.turns and not wall.finite:

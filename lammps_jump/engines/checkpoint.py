@@ -29,6 +29,7 @@ from pydantic import Field, FiniteFloat, NonNegativeInt, StringConstraints, Type
 from lammps_jump.errors import ResumeError
 from lammps_jump.files import (
     BINARY_PART,
+    BODIES,
     CONTACTS_FILE,
     DUMP_NAMES,
     POSES,
@@ -56,7 +57,7 @@ ANEW = "the same command with --force in place of --resume starts a new run"
 """What to do where a run cannot go on."""
 STATE_FILES = ("checkpoint-[0-9]*.npz", "checkpoint-[0-9]*.restart")
 """Patterns of the engines' own files."""
-_NAMES = map(re.escape, ("log.lammps", "forces.csv", CONTACTS_FILE, POSES, BINARY_PART, *DUMP_NAMES.values()))
+_NAMES = map(re.escape, ("log.lammps", "forces.csv", CONTACTS_FILE, POSES, BODIES, BINARY_PART, *DUMP_NAMES.values()))
 APPENDED = re.compile("|".join([*_NAMES, r"forces_\w+\.raw"]), re.ASCII)
 """Names of the files that a next part may append to."""
 SHARE = 0.01
@@ -326,7 +327,7 @@ def cut_back(folder: Path, checkpoint: Checkpoint) -> None:
         if name == DUMP_NAMES["gz"]:
             _end_gzip(folder / name)
     for path in folder.iterdir():
-        if APPENDED.fullmatch(path.name) and path.name not in (*checkpoint.outputs, "forces.csv"):
+        if APPENDED.fullmatch(path.name) and path.name not in (*checkpoint.outputs, "forces.csv", BODIES):
             delete(path)
 
 

@@ -419,8 +419,13 @@ class Scene(Measures):
 
     @property
     def permanent(self) -> tuple[Wall, ...]:
-        """The same where the case has them, without their motion, and the lines of rough beds."""
-        return (*(one.wall for one in self.standing), *self.beds)
+        """The same without bodies, where the case has them, without their motion, and the lines of rough beds."""
+        return (*(one.wall for one in self.standing if not one.motion.free), *self.beds)
+
+    @property
+    def bodies(self) -> tuple[MovingWall, ...]:
+        """Bodies, which stand among its walls."""
+        return tuple(one for one in self.walls if one.motion.free)
 
     @property
     def gates(self) -> tuple[MovingWall, ...]:

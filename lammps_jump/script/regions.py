@@ -309,6 +309,8 @@ def first_forces(scene: Scene, kernel: str) -> list[str]:
 def check_motion(moving: MovingWall) -> None:
     """NotInStock where no variables of LAMMPS give a motion."""
     wall, motion = moving
+    if motion.free is not None:
+        raise NotInStock(f"bodies (body '{wall.name}', field bodies)")
     if motion.load is not None:
         raise NotInStock(f"wall that discs push (wall '{wall.name}', field motion, kind load)")
     if motion.holding is not None:

@@ -168,7 +168,7 @@ def test_corner_on_corner_gains_no_energy():
     assert touched
 
 
-FAST = {"time_step_fraction": 0.1}
+FAST = {"time_step_fraction": 0.1, "probe_steps": 100_000}
 LAWS = {
     "frictionless": {"friction": 0.0},
     "viscous": {"friction": 0.3, "rotation": True},

@@ -38,6 +38,7 @@ STROKES: dict[str, dict[str, Any]] = {
     "outlet": {"color": BLACK, "ls": "-.", "lw": 1.0},
     "level": {"color": RED, "ls": (0, (5, 2)), "lw": 1.5},
     "leader": {"lw": 0.7},
+    "mark": {"lw": 1.6},
 }
 
 

@@ -10,6 +10,7 @@ from math import hypot
 import numpy as np
 
 from lammps_jump.analysis.flow import from_scene
+from lammps_jump.scene.bodies.free import Free
 from lammps_jump.scene.motion import MovingWall, Placed, Pose
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.walls import Interval, Wall, parts_of, rectangle, thin
@@ -28,6 +29,8 @@ SMALL = 200.0
 """Pixels of a wall that its label had better not cover unless it fits."""
 MOST_EDGES = 100
 """Edges of a wall that labels had better not cross."""
+CROSS = 6.0
+"""Pixels from a centre of mass to the ends of the cross there."""
 
 
 @dataclass(frozen=True)
@@ -303,12 +306,30 @@ def _name_wall(drawing: Drawing, one: MovingWall, scene: Scene) -> None:
             drawing.keep_free((begin[0] - thin_one, end[0] + thin_one), (begin[1] - thin_one, end[1] + thin_one))
     if not wall.hollow and (high - low).max() * drawing.scale < SMALL:
         drawing.keep_free((low[0], high[0]), (low[1], high[1]))
+    if motion.free is not None:
+        _draw_body(drawing, motion.free)
     on = None
     if not wall.hollow and float(wall.distance(*(0.5 * (low + high)))) < 0:
-        on = (float(low[0]), float(high[0])), (float(low[1]), float(high[1]))
+        above = float(motion.free.centre[1]) + CROSS / drawing.scale if motion.free else -np.inf  # not on the cross
+        on = (float(low[0]), float(high[0])), (max(float(low[1]), above), float(high[1]))
     edge = ends.mean(axis=0)
     place = edge[np.argmax(edge[:, 1])]  # the middle of the highest edge
     drawing.label(text, float(place[0]), float(place[1]), on=on)
     if motion.load is not None:
         force = np.array(motion.load.force) / (hypot(*motion.load.force) or 1.0)
         drawing.arrow(np.array([place, place + 0.04 * (drawing.x[1] - drawing.x[0]) * force]), "red")
+
+
+def _draw_body(drawing: Drawing, free: Free) -> None:
+    """The centre of mass of a body as a cross, its hinge as a ring, and an arrow where it is thrown."""
+    arm, centre = CROSS / drawing.scale, np.array(free.centre)
+    for x, y in ((1.0, 1.0), (1.0, -1.0)):
+        drawing.add(Stroke("mark", centre + arm * np.array([(-x, -y), (x, y)]), "red"))
+    drawing.keep_free((centre[0] - arm, centre[0] + arm), (centre[1] - arm, centre[1] + arm))
+    if free.hinge is not None:
+        turn = np.linspace(0.0, 2 * np.pi, 25)
+        ring = np.array(free.hinge) + arm * np.column_stack([np.cos(turn), np.sin(turn)])
+        drawing.add(Stroke("mark", ring, "red"))
+    if any(free.velocity):
+        way = np.array(free.velocity) / hypot(*free.velocity)
+        drawing.arrow(np.array([centre, centre + 0.04 * (drawing.x[1] - drawing.x[0]) * way]), "red")

@@ -35,6 +35,7 @@ LOOKS = {
     "outlet": 'fill="none" stroke="#1a1a1a" stroke-dasharray="7 3 1.5 3"',
     "level": 'fill="none" stroke="#b3263a" stroke-dasharray="6 3" stroke-width="2"',
     "leader": 'fill="none" stroke-width="0.9"',
+    "mark": 'fill="none" stroke-width="2"',
 }
 
 
@@ -68,7 +69,7 @@ def _shape(drawing: Drawing, shape: Shape) -> str:
         path = "".join(_path(drawing, ring, "Z") for ring in shape.rings)
         return f'<path class="{shape.look}" {LOOKS[shape.look]} d="{path}"/>'
     if isinstance(shape, Stroke):
-        tone = f' stroke="{TONES[shape.tone]}"' if shape.look == "leader" else ""
+        tone = f' stroke="{TONES[shape.tone]}"' if shape.look in ("leader", "mark") else ""
         look = f'class="{shape.look} {shape.tone}" {LOOKS[shape.look]}{tone}'
         return f'<path {look} d="{_path(drawing, shape.points)}"/>'
     if isinstance(shape, Discs):

@@ -25,6 +25,7 @@ def check_fields(case: CaseFields, source: CaseSource) -> None:
     if case.domain is None or case.domain.periodic is None:
         return
     refused = {
+        "bodies": (case.bodies, "what touches them is not looked for across the seam"),
         "inflow": (case.inflow, "discs that leave at one end enter at the other, so that nothing flows in"),
         "probes.stations": (case.probes.stations, "stations look at a flow from one end to the other"),
         "analysis.jump": (case.analysis.jump, "a jump needs a stream and a tail water, with ends"),

@@ -10,6 +10,7 @@ from pathlib import Path
 from time import perf_counter, process_time
 from typing import Any
 
+from lammps_jump.dump.beside.bodies import write_bodies
 from lammps_jump.dump.beside.contacts import ContactWriter
 from lammps_jump.dump.beside.ended import write_ended
 from lammps_jump.dump.beside.poses import PoseWriter
@@ -30,7 +31,7 @@ from lammps_jump.engines.result import (
 from lammps_jump.engines.setting import Setting
 from lammps_jump.engines.twin import Twin
 from lammps_jump.errors import RunError
-from lammps_jump.files import CONTACTS_FILE, DUMP_NAMES, END_FILE, POSES, delete
+from lammps_jump.files import BODIES, CONTACTS_FILE, DUMP_NAMES, END_FILE, POSES, delete
 from lammps_jump.provenance import versions
 from lammps_jump.scene.scene import Scene
 
@@ -170,7 +171,12 @@ class _Part:
         if scene.lids:
             self.poses = PoseWriter(self.folder / POSES, append=resume is not None)
         if setting.cell_size is None:
-            asked = {"forces.csv": scene.probes, CONTACTS_FILE: scene.contact_output, POSES: scene.lids}
+            asked = {
+                "forces.csv": scene.probes,
+                CONTACTS_FILE: scene.contact_output,
+                POSES: scene.lids,
+                BODIES: scene.bodies,
+            }
             outputs = (DUMP_NAMES[setting.dump_format], *(name for name, wanted in asked.items() if wanted))
             self.checkpoints = CheckpointWriter(scene, self.folder, outputs, setting.checkpoint_interval)
 
@@ -215,6 +221,8 @@ class _Part:
     def _write_forces(self) -> None:
         if self.scene.probes:
             write_forces(self.folder / "forces.csv", self.scene, self.simulation.forces)
+        if self.scene.bodies:
+            write_bodies(self.folder / BODIES, self.scene, self.simulation.windows.bodies)
 
     def save(self) -> None:
         """Write a checkpoint where there can be one; `reason` says why there is none."""

@@ -6,10 +6,11 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Callable, Mapping
 from math import inf, pi, sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from lammps_jump.dump.beside.bodies import Row
 from lammps_jump.physics.devices import Holding, gate_areas, gate_sees, gate_speed
 from lammps_jump.scene.motion import Pose
 from lammps_jump.scene.scene import Pour, Scene
@@ -219,7 +220,7 @@ def _next_look(holding: Holding, step: int) -> int:
 
 
 class Windows:
-    """Mean forces on the probed walls, a window of steps at a time.
+    """Mean forces on the probed walls and on bodies, a window of steps at a time.
 
     Attributes
     ----------
@@ -229,17 +230,21 @@ class Windows:
         What the window has collected on walls that have been laid anew since.
     forces : list of (step, wall name, fx, fy, moment[, power])
         Of the windows that are over; power where walls move.
+    bodies : list of (step, name, numbers)
+        Rows of ``bodies.csv``.
     """
 
     def __init__(self, scene: Scene):
+        self._bodies = tuple(wall.name for wall, _ in scene.bodies)
+        self.bodies: list[Row] = []
         self.probes, self.steps, self._columns = scene.probes, scene.probe_steps, 4 if scene.moves else 3
         self.begin = 0
         self.sums: dict[str, np.ndarray] = {}
         self.forces: list[tuple] = []
 
     def next_after(self, step: int) -> float:
-        """Step at which the open window ends; infinite without probes."""
-        return self.begin + self.steps if self.probes else inf
+        """Step at which the open window ends; infinite without probes and bodies."""
+        return self.begin + self.steps if self.probes or self._bodies else inf
 
     def take(self, walls) -> None:
         """Add the sums of walls, which begin anew."""
@@ -253,4 +258,9 @@ class Windows:
         for name in self.probes:
             mean = self.sums.get(name, np.zeros(4)) / (step - self.begin)
             self.forces.append((step, name, *(float(v) for v in mean[: self._columns])))
+        self.see_bodies(step, walls, {name: self.sums[name][:3] / (step - self.begin) for name in self._bodies})
         self.sums, self.begin = {}, step
+
+    def see_bodies(self, step: int, walls: Any, forces: Mapping[str, np.ndarray]) -> None:
+        """Add a row for each body, with these forces of the discs."""
+        self.bodies += [(step, name, row) for name, row in walls.body_rows(forces)]

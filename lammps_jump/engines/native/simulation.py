@@ -165,6 +165,7 @@ class NativeSimulation:
         self._start_half_step_back()
         if earlier is not None:
             d.keep_bits(self.scene)
+        self.windows.see_bodies(self.step, self.walls, dict(zip(self.walls.names, self.walls.sums[:, :3], strict=True)))
         self.walls.sums[:] = 0.0
         self.books.start, self.books.start_work = self.energy(), self.books.work[:3] + self._half_work()
         self.books.start_fallen = fallen(self.scene, self.discs)

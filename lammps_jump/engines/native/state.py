@@ -47,6 +47,7 @@ def save_state(simulation: NativeSimulation, path: Path) -> None:
         "start_fallen": books.start_fallen,
         "window_begin": windows.begin,
         "forces": windows.forces,
+        "bodies": windows.bodies,
         "window_sums": {name: list(row) for name, row in windows.sums.items()},
         "gates": simulation.gates.areas,
         "rows": [state.entered for state in boundaries.rows],
@@ -123,6 +124,7 @@ def _loaded(scene: Scene, path: Path, ledger: bool, loops: Loops | None) -> Nati
     windows.begin = plain["window_begin"]
     windows.sums = {name: np.array(row) for name, row in plain["window_sums"].items()}
     windows.forces = [(step, name, *values) for step, name, *values in plain["forces"]]
+    windows.bodies = [(step, name, tuple(values)) for step, name, values in plain["bodies"]]
     simulation.gates.areas = plain["gates"]
     boundaries = simulation.boundaries
     for states, counts in ((boundaries.rows, plain["rows"]), (boundaries.pours, plain["pours"])):

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from itertools import pairwise
 from math import inf
 
@@ -175,6 +175,15 @@ class Walls:
         x, y, c, s = self.moves.now[wall, [0, 1, 3, 4]].tolist()
         arm, about = self.moves.load[wall, 4:6].tolist(), self.moves.centre[wall].tolist()
         return about[0] + x + c * arm[0] - s * arm[1], about[1] + y + s * arm[0] + c * arm[1]
+
+    def body_rows(self, forces: Mapping[str, np.ndarray]) -> Iterator[tuple[str, tuple[float, ...]]]:
+        """Name of each body; centre of mass (m), turn (rad), velocities (m/s, rad/s), and the force given with it."""
+        for wall in self.bodies.numbers if self.bodies is not None else ():
+            name, now = self.names[wall], self.moves.now[wall].tolist()
+            x, y = self.centre_of(wall)
+            ax, ay = x - self.moves.centre[wall, 0] - now[0], y - self.moves.centre[wall, 1] - now[1]
+            vx, vy, spin = now[8:]
+            yield name, (x, y, now[2], vx - spin * float(ay), vy + spin * float(ax), spin, *forces[name].tolist())
 
     def body_state(self, constants: Constants, memory: Memory | None) -> BodyState | None:
         """Bodies as the loops take them; None where there are none."""
