@@ -25,6 +25,7 @@ from lammps_jump.scene.motion import largest_speed, way
 from lammps_jump.scene.schedule import Schedule, fitted_step, plan_stations, plan_steps
 
 from . import checks, walls
+from .bodies.checks import check_bodies
 from .derived import skipped
 from .design import tailgate
 from .fields import CaseFields, Column
@@ -142,6 +143,10 @@ def _scene(case: CaseFields, source: CaseSource) -> Scene:
     if case.seam:
         channel.check_walls(source, begun, moving, fields, domain)
         notes += channel.lid_doubts(moving, domain, begun.largest)
+    notes += check_bodies(
+        source, begun, (*moving, *gates), fields, laws, _integrator(case),
+        unstable=case.run.allow_unstable, ground=speeds.lowest_ground(case) if case.bodies else math.inf,
+    )  # fmt: skip
     checks.check_pour(case, source, domain, begun.largest)
     names = [wall.name for wall, _ in moving]
     probes, groups = _probes(case, source, names), walls.groups(case, source, moving, own_names)

@@ -2,6 +2,7 @@
 """Bodies of a case: what is read, derived and refused, and a run with them from file to numbers."""
 
 import json
+import re
 from math import pi, radians
 
 import numpy as np
@@ -12,8 +13,8 @@ from lammps_jump.case import load_case
 from lammps_jump.dump.beside.bodies import read_bodies
 from lammps_jump.engines.checkpoint import read_checkpoint
 from lammps_jump.engines.choice import choose
-from lammps_jump.engines.native import run_native
-from lammps_jump.errors import CaseError, DumpError, SetupError
+from lammps_jump.engines.native import NativeSimulation, run_native
+from lammps_jump.errors import CaseError, DumpError, RunError, SetupError
 from lammps_jump.script.stock import lacking, lacking_everywhere
 
 CASE = """
@@ -93,12 +94,69 @@ def test_a_case_with_bodies_is_written_and_read_again_and_one_without_keeps_its_
             r"bodies\[0\].rolling: wall 'caisson' has rolling friction, but contact.rolling is null",
         ),
         ("domain.periodic=x", "bodies: is not there with domain.periodic: x"),
+        (
+            "bodies.0.y=[-0.1, 5]",
+            r"bodies\[0\]: body 'caisson' lies 0.1 m deep in wall 'floor' .* allowed is d/n = 0.02 m",
+        ),
+        ("bodies.2.centre=[21, 3]", r"bodies\[\d\]: body '(caisson|buoy)' lies .* deep in body '(caisson|buoy)'"),
+        ("walls=[{name: rod, kind: block, x: [22, 22.1], y: [1, 2]}]", "body 'caisson' lies .* deep in wall 'rod'"),
+        (
+            "bodies.3.density=5",
+            r"bodies\[3\]: body 'flap' of 3.9 kg/m is lighter .* allowed is .* or more at run.time_step_fraction",
+        ),
         ("probes.forces=[flop]", "there is no wall 'flop'"),
     ],
 )
 def test_a_body_that_cannot_be_is_refused_with_its_place(case, change, message):
     with pytest.raises(CaseError, match=message):
         case.replace([change]).scene()
+
+
+def test_what_is_doubtful_is_told(case):
+    def told(*changes):
+        return [note for note in case.replace(list(changes)).scene().warnings if "body" in note]
+
+    assert told("bodies.1.stiffness=1.2e8") == []
+    assert (
+        "'boulder' of 1.14e+03 kg/m may meet a wall at 12.6 m/s" in told()[0] and "the run ends at 0.04 m" in told()[0]
+    )
+    far = told("bodies.1.stiffness=1.2e8", "bodies.3.hinge=[12.1, 9]")
+    assert far == [
+        "the hinge of body 'flap' is 5 m away from it, and the body is 3.91 m large: it swings on an arm without mass, "
+        "which pushes nothing"
+    ]
+    leaning = "bodies.0={name: caisson, kind: polygon, density: 2400, points: [[20, 0], [21, 0], [25, 5], [24, 5]]}"
+    (note,) = told("bodies.1.stiffness=1.2e8", leaning)
+    assert note == "body 'caisson' stands with its centre of mass 1.5 m beside its support: it tips at once"
+    heavy = told("bodies.1.stiffness=1.2e8", "bodies.0.density=24000")
+    assert "'caisson' of 4.8e+05 kg/m stands on its corners, with an overlap of 0.24 m" in heavy[0]
+
+
+def test_a_body_of_the_least_mass_is_stable_among_discs(case):
+    """Touched all round, with restitution 1 and no weight: its energy stays; with a quarter of that mass it grows."""
+    ring = 2 * pi * np.arange(9) / 9
+    places = [[float(9 + 0.398 * np.cos(a)), float(3 + 0.398 * np.sin(a))] for a in ring]
+    changes = [
+        "contact.restitution=1", "contact.friction=0", "gravity=0", "run.time_step_fraction=0.1", "probes={}",
+        "walls=[{name: around, kind: circle, centre: [9, 3], radius: 0.496, discs: inside}]", "run.duration=2",
+        f"initial=[{{kind: list, positions: {places}}}]", "contact.largest_overlap=0.02",
+    ]  # fmt: skip
+
+    def growth(mass):
+        body = f"bodies=[{{name: core, kind: circle, centre: [9, 3], radius: 0.3, mass: {mass}, velocity: [0.3, 0]}}]"
+        scene = case.replace([*changes, body]).scene()
+        simulation = NativeSimulation(scene)
+        start = simulation.energy().total
+        simulation.run(3000)
+        return simulation.energy().total / start
+
+    with pytest.raises(CaseError, match=r"allowed is ([\d.]+) kg/m") as caught:
+        growth(1e-3)
+    least = float(re.search(r"allowed is ([\d.]+) kg/m", str(caught.value))[1])
+    assert growth(1.01 * least) < 1.05
+    changes += ["run.allow_unstable=true"]
+    with pytest.raises(RunError, match="overlap"):
+        growth(least / 4)
 
 
 def test_lammps_refuses_bodies_and_auto_takes_the_native_engine(case):

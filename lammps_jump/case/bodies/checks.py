@@ -1,0 +1,216 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What is looked at before bodies move: step, places, hinges, what they stand on and how hard they fall."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import hypot, inf, sqrt
+
+import numpy as np
+
+from lammps_jump.case.text import CaseSource
+from lammps_jump.physics.contact import WallLaw, extrapolated_stable_h, lagged_stable_h
+from lammps_jump.scene import Beginning, MovingWall, Wall
+from lammps_jump.scene.bodies.corners import round_of
+from lammps_jump.scene.bodies.free import Free
+from lammps_jump.scene.shapes import open_ends
+
+SAMPLES = 400
+"""Points of an outline that are looked at, at most, beside its corners."""
+TOUCHES = 0.05
+"""Largest distance of what a body stands on, in diameters of the smallest disc."""
+LARGEST_OVERLAP = 1.5
+"""Overlap of a corner over its radius at which a run ends (`engines.native.bodies`)."""
+
+
+def check_bodies(
+    source: CaseSource, begun: Beginning, walls: Sequence[MovingWall], fields: Mapping[str, str],
+    laws: Mapping[str, WallLaw], integrator: str, *, unstable: bool, ground: float,
+) -> list[str]:  # fmt: skip
+    """Refuse bodies too light for the step, and such in walls or each other; sentences on what else is doubtful.
+
+    Parameters
+    ----------
+    source : CaseSource
+    begun : Beginning
+    walls : sequence of MovingWall
+        All walls at the start, bodies and gates among them.
+    fields : mapping of str to str
+        Where in the case each stands.
+    laws : mapping of str to WallLaw
+        Contacts that are not those of the scene.
+    integrator : str
+    unstable : bool
+        Whether the case allows a step that is too long.
+    ground : float
+        Lowest ground, m; infinite where there is none.
+    """
+    notes: list[str] = []
+    bodies = [one for one in walls if one.motion.free]
+    for one in bodies:
+        free, field = one.motion.free, fields[one.wall.name]
+        assert free is not None
+        law = laws.get(one.wall.name, begun.coefficients.wall_law)
+        if not unstable:
+            _check_step(source, begun, one.wall, free, law, integrator, field)
+        others = [
+            other for other in walls if other is not one and not (other.motion.free and _later(other, one, walls))
+        ]
+        _check_free_of(source, begun, one, others, field)
+        notes += [*_hinge(one.wall, free), *_support(begun, one, walls), *_falls(begun, one.wall, free, law, ground)]
+    return notes
+
+
+def _later(one: MovingWall, other: MovingWall, walls: Sequence[MovingWall]) -> bool:
+    """Whether a wall stands behind another in a list: each two bodies are looked at once."""
+    return walls.index(one) > walls.index(other)
+
+
+def points_of(wall: Wall) -> np.ndarray:
+    """Corners of an outline and points between them, shape (n, 2), m."""
+    corners = np.concatenate(wall.outline((0.0, 0.0), (0.0, 0.0)))
+    after = np.roll(corners, -1, axis=0)
+    length = np.hypot(*(after - corners).T)
+    counts = 1 + np.floor((SAMPLES - 1) * length / max(length.sum(), 1e-300)).astype(int)
+    parts = [
+        a + (b - a) * np.linspace(0, 1, n, endpoint=False)[:, None]
+        for a, b, n in zip(corners, after, counts, strict=True)
+    ]
+    return np.concatenate(parts)
+
+
+def shaken(wall: Wall, free: Free, spacing: float) -> float:
+    """Largest frequency of a body between springs of stiffness 1 all round it, squared, times its mass, 1.
+
+    The springs push along the normals of the outline, one each `spacing` (m).
+    """
+    points = points_of(wall)
+    after = np.roll(points, -1, axis=0)
+    length = np.hypot(*(after - points).T)
+    normal = (
+        np.column_stack([points[:, 1] - after[:, 1], after[:, 0] - points[:, 0]]) / np.maximum(length, 1e-300)[:, None]
+    )
+    arm = 0.5 * (points + after) - free.point
+    lever = arm[:, 0] * normal[:, 1] - arm[:, 1] * normal[:, 0]
+    ways = np.column_stack([normal, lever * sqrt(free.mass / free.inertia_there)]) * np.array(free.freedom)
+    return float(np.linalg.eigvalsh((ways * (length / spacing)[:, None]).T @ ways)[-1]) + 2.0  # two more at its ends
+
+
+def least_mass(begun: Beginning, wall: Wall, free: Free, law: WallLaw, integrator: str) -> float:
+    """Least mass of a body of this shape that discs all round it carry in a stable step, kg/m.
+
+    Bound: omega^2 <= (k_wall + 3 k)/m + k_wall a/M, with a as `shaken` gives it. A spring between a disc and the body
+    stores no more than (1 + 1/s) k u^2/2 and (1 + s) k w^2/2 of the displacements u and w of the two, for any s.
+    """
+    c, least = begun.coefficients, begun.smallest / begun.diameter
+    mass = c.mass * least**2
+    stiff = (law.stiffness + 3.0 * c.stiffness) / mass
+    rate = (law.gamma_normal * c.mass * least + 3.0 * c.correction * c.damping * least) / mass
+    limit = lagged_stable_h if integrator == "velocity_verlet" else extrapolated_stable_h
+    low, high = 0.0, 1e6  # of a m/M
+    for _ in range(60):
+        share = 0.5 * (low + high)
+        omega = sqrt(stiff + share * law.stiffness / mass)
+        xi = (rate + share * law.gamma_normal * c.mass * least / mass) / (2.0 * omega)
+        low, high = (share, high) if omega * begun.time_step < limit(xi) else (low, share)
+    return inf if low == 0.0 else shaken(wall, free, begun.smallest) * mass / low
+
+
+def _check_step(
+    source: CaseSource, begun: Beginning, wall: Wall, free: Free, law: WallLaw, integrator: str, field: str
+) -> None:
+    least = least_mass(begun, wall, free, law, integrator)
+    if free.mass < least:
+        raise source.error(
+            f"{field}: body '{wall.name}' of {free.mass:z.3g} kg/m is lighter than discs around it carry in a stable "
+            f"step; allowed is {least:z.3g} kg/m or more at run.time_step_fraction "
+            f"{begun.coefficients.time_step_fraction:z.3g}: lower it, make the body heavier, or set "
+            "run.allow_unstable: true"
+        )
+
+
+def _check_free_of(
+    source: CaseSource, begun: Beginning, one: MovingWall, others: Sequence[MovingWall], field: str
+) -> None:
+    """Refuse a body that lies in another wall or body at the start."""
+    allowed = 0.5 * begun.overlap_limit
+    own = points_of(one.wall)
+    for other in others:
+        wall = other.at(0)
+        if wall is None:
+            continue
+        depth = _depth(wall, own, begun)
+        if wall.finite:
+            depth = max(depth, _depth(one.wall, points_of(wall), begun) if not wall.hollow else -inf)
+        if depth > allowed * (1 + 1e-9):
+            what = "body" if other.motion.free else "wall"
+            raise source.error(
+                f"{field}: body '{one.wall.name}' lies {depth:z.3g} m deep in {what} '{wall.name}' at the start; "
+                f"allowed is d/n = {allowed:z.3g} m: move one of the two"
+            )
+
+
+def _depth(wall: Wall, points: np.ndarray, begun: Beginning) -> float:
+    """How deep the deepest of some points (m) lies in a wall, m; below 0 outside."""
+    gap = wall.distance(*points.T)
+    if open_ends(wall.faces):  # it pushes nothing that is far behind it
+        gap = np.where(gap < -begun.largest, inf, gap)
+    return -float(gap.min())
+
+
+def _hinge(wall: Wall, free: Free) -> list[str]:
+    """A hinge that is farther from its body than the body is large."""
+    if free.hinge is None:
+        return []
+    (x0, x1), (y0, y1) = wall.extent
+    size, apart = hypot(x1 - x0, y1 - y0), float(wall.distance(*np.array(free.hinge)))
+    if apart <= size:
+        return []
+    return [
+        f"the hinge of body '{wall.name}' is {apart:z.3g} m away from it, and the body is {size:z.3g} m large: it "
+        "swings on an arm without mass, which pushes nothing"
+    ]
+
+
+def _support(begun: Beginning, one: MovingWall, walls: Sequence[MovingWall]) -> list[str]:
+    """A body that stands on something, with its centre of mass beside what it stands on."""
+    free = one.motion.free
+    assert free is not None
+    weight, place = np.array(free.weight), np.array(free.centre)
+    if free.hinge is not None or not weight.any() or not all(free.axes):
+        return []
+    down, across = weight / np.hypot(*weight), np.array([-weight[1], weight[0]]) / np.hypot(*weight)
+    points = points_of(one.wall)
+    points = points[(points - place) @ down > 0]
+    near = np.zeros(len(points), bool)
+    for other in walls:
+        if other is not one and (wall := other.at(0)) is not None:
+            near |= np.abs(wall.distance(*points.T)) < TOUCHES * begun.smallest
+    if not near.any() or round_of(one.wall.faces, 0):
+        return []
+    places = (points[near] - place) @ across
+    if places.min() <= 0 <= places.max():
+        return []
+    off = float(min(abs(places.min()), abs(places.max())))
+    return [f"body '{one.wall.name}' stands with its centre of mass {off:z.3g} m beside its support: it tips at once"]
+
+
+def _falls(begun: Beginning, wall: Wall, free: Free, law: WallLaw, ground: float) -> list[str]:
+    """A body that is so heavy or may fall so fast that its contacts are too soft."""
+    limit = begun.overlap_limit
+    if not round_of(wall.faces, 0):
+        limit = min(limit, LARGEST_OVERLAP * free.corner_radius)
+    weight, k = hypot(*free.weight), law.stiffness
+    (_, _), (low, _) = wall.extent
+    fall = max(0.0, low - ground) if np.isfinite(ground) and free.freedom[1] else 0.0
+    speed = sqrt(hypot(*free.velocity) ** 2 + 2.0 * weight / free.mass * fall)
+    rests = 0.5 * weight / k  # on two corners
+    overlap = 0.5 * rests + sqrt((0.5 * rests) ** 2 + free.mass * speed**2 / k)
+    if overlap <= limit:
+        return []
+    enough = (0.5 * weight * limit + free.mass * speed**2) / limit**2
+    what = f"may meet a wall at {speed:z.3g} m/s" if speed else "stands on its corners"
+    return [
+        f"body '{wall.name}' of {free.mass:z.3g} kg/m {what}, with an overlap of {overlap:z.2g} m where no discs "
+        f"soften it; the run ends at {limit:z.2g} m: a stiffness of its own of {enough:z.2g} N/m is enough"
+    ]
