@@ -24,7 +24,7 @@ from lammps_jump.sweeps.members import Member, Start, plan, run_members, told
 from .model import Model, model_of
 from .posterior import Posterior, sample, sobol
 from .study import SPARE, Calibration
-from .words import named, ranged
+from .words import brief, short
 
 POINTS, ROUNDS_FILE = "points", "rounds.json"
 OVER, LIKELY, CHECK = "ranges", "posterior", "best"
@@ -158,9 +158,9 @@ class Fit:
             return ""
         numbers = np.array([[best, low, high] for best, (low, high) in zip(found.best, self.ranges, strict=True)]).T
         best, low, high = (study.bounds[:, 0] + row * np.ptp(study.bounds, axis=1) for row in numbers)
-        keys = ("best", "low", "high")
-        return "; ".join(
-            ranged(path, dict(zip(keys, (best[k], low[k], high[k]), strict=True))) for k, path in enumerate(study.paths)
+        return ", ".join(
+            f"{short(path)} {brief(best[k])} ({brief(low[k])} to {brief(high[k])})"
+            for k, path in enumerate(study.paths)
         )
 
 
@@ -319,7 +319,7 @@ class Search:
             total += float(np.mean((off / scale) ** 2))
         if total < self._least:
             self._least = total
-            values = ", ".join(f"{named(path)} {value:zg}" for path, value in self._values(member.point).items())
+            values = ", ".join(f"{short(path)} {brief(value)}" for path, value in self._values(member.point).items())
             self.now = replace(self.now, best=f"nearest run: {values}")
 
     def _values(self, place: int) -> dict[str, float]:

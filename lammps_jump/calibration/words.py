@@ -20,6 +20,11 @@ def named(path: str) -> str:
     return fields.words(path)
 
 
+def short(path: str) -> str:
+    """A varied number on a line of progress: its path without the first part."""
+    return path.partition(".")[2] or path
+
+
 def brief(value: float) -> str:
     """A number with three digits, without a power of ten."""
     return shown(float(f"{value:z.3g}"))

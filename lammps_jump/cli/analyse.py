@@ -131,10 +131,11 @@ def show(
     folder: Annotated[Path, typer.Argument(help=OR_STUDY, show_default=False)],
 ) -> None:
     """Open the page of a run or of a study in the browser; prints its path."""
-    pages = [folder / name for name in ("report.html", "sweep.html")]
+    pages = [folder / name for name in ("report.html", "sweep.html", "calibration.html")]
     path = next((page for page in pages if page.is_file()), pages[0])
     if (folder / "study.yaml").is_file() and path == pages[0]:
-        raise CaseError(f"{pages[1]}: there is no page; `lammps-jump sweep {folder}` makes it")
+        page, command = (pages[2], "calibrate") if (folder / "rounds.json").is_file() else (pages[1], "sweep")
+        raise CaseError(f"{page}: there is no page; `lammps-jump {command} {folder}` makes it")
     if not path.is_file():
         raise CaseError(f"{path}: there is no report; `lammps-jump analyze {folder}` makes the one of a run")
     _open(path)

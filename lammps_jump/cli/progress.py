@@ -146,6 +146,10 @@ class StudyLine(ProgressLine):
         )
 
 
+BESIDE_TEXT = 22
+"""Columns of the bar."""
+
+
 class CalibrationLine(ProgressLine):
     """Prints how far a calibration has come, as `StudyLine` does, with the best values so far and their ranges."""
 
@@ -159,7 +163,9 @@ class CalibrationLine(ProgressLine):
         if self._time_to_show(at_once=news):
             failed = f", {report.failed} failed" if report.failed else ""
             best = f"  {report.best}" if report.best else ""
-            self._show(report.share, f"{report.done} runs done of at most {report.budget}{failed}{best}")
+            text = f"{report.done} runs of at most {report.budget}{failed}{best}"
+            room = shutil.get_terminal_size().columns - BESIDE_TEXT
+            self._show(report.share, f"{text[: room - 1]}…" if self.live and len(text) > room else text)
 
 
 MOST_LINES = 12

@@ -243,6 +243,8 @@ def read_study(source: str | Path | Mapping[str, object] | ReadCase, **given: An
     if not isinstance(source, Mapping):
         file.options = {name: OPTIONS.get(name, f"--{name}") for name in given if name in StudyFields.model_fields}
     old_words.refuse(file, study=True)
+    if file.data.get("kind") == "calibrate":
+        raise file.error(f"kind: this study is a calibration; `lammps-jump calibrate {file.file}` runs it")
     try:
         fields = StudyFields.model_validate(file.data)
     except ValidationError as error:

@@ -9,6 +9,7 @@ from lammps_jump.units import POWERS
 
 FIELDS = {
     "contact.friction": ("friction coefficient", ""),
+    "contact.rolling.friction": ("rolling friction coefficient", ""),
     "contact.restitution": ("restitution coefficient", ""),
     "contact.largest_overlap": ("largest overlap over diameter", ""),
     "contact.stiffness": ("stiffness", "N/m"),

@@ -189,9 +189,9 @@ def test_real_runs_are_made_kept_and_told(real, monkeypatch, capsys):
     assert (
         heard[-1].done == 6
         and heard[-1].share == 1.0
-        and any(one.best.startswith("nearest run: restitution") for one in heard)
+        and any(one.best.startswith("nearest run: restitution 0.") for one in heard)
     )
-    assert "(95 %:" in heard[-1].best
+    assert heard[-1].best.startswith("restitution 0.") and " to " in heard[-1].best
     names = {path.name for path in found.folder.iterdir()}
     assert {
         "study.yaml",

@@ -118,6 +118,17 @@ def test_points_are_readable_numbers_inside_the_ranges():
     assert study.sweep(points.tolist()).points[1] == {FRICTION: 0.366667, DENSITY: 1666.67}
 
 
+def test_a_sweep_and_show_name_the_command_of_a_calibration(tmp_path, monkeypatch, capsys):
+    (tmp_path / "study.yaml").write_text(read().to_yaml())
+    status, _, err = call(monkeypatch, capsys, "sweep", tmp_path / "study.yaml")
+    assert (
+        status == 2 and f"this study is a calibration; `lammps-jump calibrate {tmp_path / 'study.yaml'}` runs it" in err
+    )
+    (tmp_path / "rounds.json").write_text("{}")
+    status, _, err = call(monkeypatch, capsys, "show", tmp_path)
+    assert status == 2 and f"calibration.html: there is no page; `lammps-jump calibrate {tmp_path}` makes it" in err
+
+
 def test_the_command_refuses_in_one_paragraph(tmp_path, monkeypatch, capsys):
     path = tmp_path / "case.yaml"
     path.write_text(yaml.safe_dump(CASE))

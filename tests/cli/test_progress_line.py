@@ -12,7 +12,8 @@ import termios
 
 import pytest
 
-from lammps_jump.cli.progress import ProgressLine, StudyLine
+from lammps_jump.calibration import Progress as CalibrationProgress
+from lammps_jump.cli.progress import CalibrationLine, ProgressLine, StudyLine
 from lammps_jump.cli.streams import PatientStream
 from lammps_jump.engines.result import Progress
 from lammps_jump.sweeps import SweepProgress
@@ -93,3 +94,13 @@ def test_a_study_has_one_line(terminal):
     line.finish()
     row, rest = terminal.lines()
     assert row.endswith("4 of 8 runs done, 1 failed  4.0 M disc-steps/s  20 s left") and len(row) <= WIDTH and not rest
+
+
+def test_a_calibration_has_one_line_with_the_best_values_so_far(terminal):
+    line = CalibrationLine(stream=terminal.stream)
+    ranges = "friction 0.41 (0.2 to 0.63), rolling.friction 0.2 (0.05 to 0.38)"
+    line(CalibrationProgress(4, 0, 40, 0.1, 0.0, "nearest run: friction 0.3"))
+    line(CalibrationProgress(20, 1, 40, 0.525, 0.0, ranges))
+    line.finish()
+    (shown,) = [one for one in terminal.lines() if one.strip()]
+    assert "20 runs of at most 40, 1 failed  friction 0.41 (0.2 to" in shown and shown.rstrip().endswith("…")

@@ -16,7 +16,7 @@ from made_up import BOX, STUDY, call
 
 import lammps_jump as lj
 from lammps_jump.folders import locked
-from lammps_jump.sweeps import Sweep, open_sweep, prepare, slurm, study_folder
+from lammps_jump.sweeps import Sweep, open_sweep, prepare, read_study, slurm, study_folder
 from lammps_jump.sweeps.members import run_member
 
 SMALL = {**STUDY, "axes": {"run.time_step_fraction": [0.05, 0.1]}, "members": 1}
@@ -233,3 +233,12 @@ def test_members_of_one_case(tmp_path, monkeypatch, capsys):
     assert call(monkeypatch, capsys, "build-and-run", path, "--members", "2", "--quiet") == (0, "", "")
     assert written(folder) == before
     assert "is for one run" in call(monkeypatch, capsys, "build-and-run", path, "--force")[2]
+
+
+def test_points_with_starts_of_their_own_share_no_seed(tmp_path):
+    def seeds(**fields):
+        return [(one.point, one.seed) for one in Sweep(read_study({**STUDY, **fields}), tmp_path).starts]
+
+    own = seeds(members="3-4", starts="own")
+    assert own == [(0, 3), (0, 4), (1, 7), (1, 8), (2, 11), (2, 12), (3, 15), (3, 16)]
+    assert seeds(members=1) == [(point, 1) for point in range(4)]
