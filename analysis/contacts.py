@@ -4,18 +4,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from ctypes import POINTER, Array
 from dataclasses import dataclass
 from functools import lru_cache, wraps
-from math import nan
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
 import numpy as np
 from numpy.ctypeslib import ndpointer
 
+from lammps_jump.core.law import jump_law
 from lammps_jump.core.library import INTEGER, INTEGERS, REAL, REALS, function
 from lammps_jump.dump.frame import Frame
 from lammps_jump.errors import DumpError
-from lammps_jump.physics.slip import FRICTION_LAWS
+from lammps_jump.scene.chains import FACE, records_of
 from lammps_jump.scene.motion import Placed
 from lammps_jump.scene.near import Grid, grid_of
 from lammps_jump.scene.walls import Wall
@@ -24,17 +25,15 @@ from .beds.images import fixed_discs
 from .cell_grid import close_pairs
 from .flow import Flow
 
-FACE = np.dtype([("codes", np.int64, 8), ("shape", float, 15)])
-"""A face as the core has it; see `lammps_jump.scene.chains.Faces`."""
-
 _touch_wall = function(
     "jump_touch_wall", INTEGER, REALS, REALS, REALS, ndpointer(FACE), INTEGER, REALS, INTEGERS, INTEGERS, INTEGERS,
     INTEGERS, REALS, INTEGER, result=INTEGER,
 )  # fmt: skip
-_normal_forces = function("jump_normal_forces", INTEGER, REALS, REALS, REALS, REALS, REAL, REAL, REALS)
-_elastic_sum = function("jump_elastic_sum", INTEGER, REALS, REALS, REAL, REAL, result=REAL)
+LAWS = POINTER(jump_law)
+_normal_forces = function("jump_normal_forces", INTEGER, LAWS, INTEGERS, REALS, REALS, REALS, REALS)
+_elastic_sum = function("jump_elastic_sum", INTEGER, LAWS, INTEGERS, REALS, result=REAL)
 _whole_forces = function(
-    "jump_whole_forces", INTEGER, INTEGERS, INTEGERS, REALS, INTEGER, REALS, INTEGER, REAL, REAL, REAL, REALS, REALS
+    "jump_whole_forces", INTEGER, LAWS, *[INTEGERS] * 3, REALS, INTEGER, REALS, INTEGER, REAL, REALS, REALS
 )
 _thrust = function("jump_thrust", INTEGER, REALS, INTEGERS, INTEGERS, REALS, REAL, REAL, INTEGER, REALS)
 
@@ -88,9 +87,9 @@ class Contacts:
 class Touching(NamedTuple):
     """What touches in a frame: indices of both discs; of a contact with a wall, `first` is the number of discs.
 
-    Unit vector from the first to the second, overlap (m), dashpot (N s/m), stiffness (N/m), slope of LAMMPS' viscous
-    friction (N s/m), friction coefficient, velocity of the wall at the contact (m/s; 0 for pairs), and id of the first
-    disc, or -1 - w for wall w of the scene.
+    Unit vector from the first to the second, overlap (m), dashpot and slope of LAMMPS' viscous friction (N s/m),
+    velocity of the wall at the contact (m/s; 0 for pairs), which of `Flow.laws` it has, and id of the first disc, or
+    -1 - w for wall w of the scene.
     """
 
     first: np.ndarray
@@ -99,11 +98,10 @@ class Touching(NamedTuple):
     ny: np.ndarray
     overlap: np.ndarray
     dashpot: np.ndarray
-    stiffness: np.ndarray
     ramp: np.ndarray
-    friction: np.ndarray
     wall_u: np.ndarray
     wall_v: np.ndarray
+    law: np.ndarray
     partner: np.ndarray
 
 
@@ -116,9 +114,7 @@ def _grid(wall: Wall, reach: float) -> Grid:
 @lru_cache
 def _faces(wall: Wall) -> np.ndarray:
     """Faces of a wall as the core has them."""
-    found = np.empty(len(wall.faces.codes), FACE)
-    found["codes"], found["shape"] = wall.faces.codes, wall.faces.shape
-    return found
+    return records_of(wall.faces)
 
 
 @once_a_frame
@@ -150,11 +146,10 @@ def wall_contacts(frame: Frame, wall: Wall, flow: Flow) -> Touching:
     if moving:
         nx, ny = moving.turned(nx, ny)
         rate = moving.velocity(frame.x[index] - distance * nx, frame.y[index] - distance * ny)
-    size = flow.scene.mass * np.sqrt(flow.relative_masses(frame)[index])
+    size, number = flow.scene.mass * np.sqrt(flow.relative_masses(frame)[index]), flow.number_of(wall)
     return Touching(
         np.full(count, frame.n), index, nx, ny, radius[index] - distance, law.gamma_normal * size,
-        np.full(count, law.stiffness), law.gamma_tangential * size, np.full(count, law.friction), *rate,
-        np.full(count, -1 - flow.number_of(wall)),
+        law.gamma_tangential * size, *rate, np.full(count, 1 + number), np.full(count, -1 - number),
     )  # fmt: skip
 
 
@@ -170,9 +165,9 @@ def touching_pairs(frame: Frame, flow: Flow) -> Touching:
         reach = radii[i] + radii[j]
         # a nominal pair has the effective mass 1/2
         size = np.sqrt(2.0 * mass[i] * mass[j] / (mass[i] + mass[j]))
-    stiffness, friction, still = (np.full(len(i), value) for value in (c.stiffness, c.friction, 0.0))
-    laws = flow.dashpots[0] * size, stiffness, 0.5 * c.mass * c.gamma_tangential * size, friction
-    found = i, j, dx / distance, dy / distance, reach - distance, *laws, still, still, frame.ids[i]
+    still, dashpots = np.zeros(len(i)), (flow.dashpots[0] * size, 0.5 * c.mass * c.gamma_tangential * size)
+    law = np.zeros(len(i), np.int64)
+    found = i, j, dx / distance, dy / distance, reach - distance, *dashpots, still, still, law, frame.ids[i]
     touch = distance < reach
     return Touching(*(part[touch] for part in found))
 
@@ -196,8 +191,8 @@ def bed_contacts(frame: Frame, flow: Flow) -> Touching:
     size, still = np.sqrt(2.0 * flow.relative_masses(frame)[disc]), np.zeros(len(disc))
     return Touching(
         np.full(len(disc), frame.n), disc, (dx / distance)[touch], (dy / distance)[touch], overlap[touch],
-        flow.dashpots[0] * size, np.full(len(disc), c.stiffness), 0.5 * c.mass * c.gamma_tangential * size,
-        np.full(len(disc), c.friction), still, still, fixed.ids[bed - frame.n],
+        flow.dashpots[0] * size, 0.5 * c.mass * c.gamma_tangential * size, still, still, np.zeros(len(disc), np.int64),
+        fixed.ids[bed - frame.n],
     )  # fmt: skip
 
 
@@ -231,34 +226,30 @@ def find_contacts(frame: Frame, flow: Flow, *, damping: bool = True) -> Contacts
     """
     if not flow.knows_contacts:
         raise DumpError(f"no contact forces: {flow.no_contacts}; analyse a bare dump with its case (--case).")
-    first, second, nx, ny, overlap, dashpot, stiffness, *_, wall_u, wall_v, _ = touching(frame, flow)
+    found = touching(frame, flow)
+    first, second, nx, ny, overlap, *_ = found
     points, normal, is_wall = np.column_stack([frame.x, frame.y]), np.column_stack([nx, ny]), first == frame.n
     opening = np.zeros_like(overlap)
     if damping and {"vx", "vy"} <= set(frame.columns):
         u, v = (np.append(np.nan_to_num(speed), 0.0) for speed in (frame.vx, frame.vy))
-        opening = (u[second] - u[first] - wall_u) * nx + (v[second] - v[first] - wall_v) * ny
-    force = normal_forces(overlap, opening, stiffness, dashpot, flow.touch_width, flow.scene.cohesion)
+        opening = (u[second] - u[first] - found.wall_u) * nx + (v[second] - v[first] - found.wall_v) * ny
+    force = normal_forces(flow, found, opening)
     start, end = points[second], points[np.where(is_wall, 0, first)]
     to_wall = (flow.radii(frame)[second] - overlap)[:, None] * normal
     return Contacts(start, np.where(is_wall[:, None], start - to_wall, end), normal, overlap, force, is_wall)
 
 
-def normal_forces(
-    overlap: np.ndarray,
-    opening: np.ndarray,
-    stiffness: np.ndarray,
-    dashpot: np.ndarray,
-    touch: float | None,
-    cohesion: float = 0.0,
-) -> np.ndarray:
-    """Normal force of each contact, N/m: spring and dashpot; `touch` is the width of a soft start, m.
-
-    Less the attraction of what touches, N/m.
-    """
-    force = np.empty(len(overlap))
-    arrays = (np.ascontiguousarray(values, float) for values in (overlap, opening, stiffness, dashpot))
-    _normal_forces(len(force), *arrays, nan if touch is None else touch, cohesion, force)
+def normal_forces(flow: Flow, contacts: Touching, opening: np.ndarray) -> np.ndarray:
+    """Normal force of each contact at these speeds of parting (m/s), N/m; shape (n,)."""
+    force = np.empty(len(opening))
+    arrays = (np.ascontiguousarray(values, float) for values in (contacts.overlap, opening, contacts.dashpot))
+    _normal_forces(len(force), *_laws(flow, contacts), *arrays, force)
     return force
+
+
+def _laws(flow: Flow, contacts: Touching) -> tuple[Array[jump_law], np.ndarray]:
+    """The laws of a flow, and which one each contact has."""
+    return flow.laws, np.ascontiguousarray(contacts.law, np.int64)
 
 
 def whole_forces(
@@ -288,17 +279,12 @@ def whole_forces(
     wall_u, wall_v = (contacts.wall_u, contacts.wall_v) if velocity else (still, still)
     if rubs and scene.rotation and "omegaz" in frame.columns:
         rim = np.append(frame.column("omegaz") * flow.radii(frame), 0.0)
-    slope = nan
-    ramp = FRICTION_LAWS[scene.friction_law].ramp
-    if rubs and ramp is not None:
-        slope = 1.0 / max(ramp * float(np.sqrt(np.max(u**2 + v**2))), 1e-300)
+    slope = 1.0 / max(flow.laws[0].sign_ramp * float(np.sqrt(np.max(u**2 + v**2))), 1e-300)
     ends = (contacts.first.astype(np.int64), contacts.second.astype(np.int64))
-    laws = np.array([*contacts[2:9], wall_u, wall_v], float)
+    numbers = np.array([*contacts[2:7], wall_u, wall_v], float)
     computed = np.empty_like(still), np.empty_like(still)
-    touch = nan if flow.touch_width is None else flow.touch_width
-    _whole_forces(
-        len(still), *ends, np.array([u, v, rim]), len(u), laws, rubs, slope, touch, flow.scene.cohesion, *computed
-    )
+    laws, state = _laws(flow, contacts), np.array([u, v, rim])
+    _whole_forces(len(still), *laws, *ends, state, len(u), numbers, rubs, slope, *computed)
     if flow.written is None or not velocity:
         return computed
     written = flow.written.forces(frame.step, frame.ids[contacts.second], contacts.partner)
@@ -309,9 +295,8 @@ def whole_forces(
 
 def elastic_energy(contacts: Touching, flow: Flow) -> float:
     """Elastic energy of contacts, J/m."""
-    touch = nan if flow.touch_width is None else flow.touch_width
-    overlap, stiffness = (np.ascontiguousarray(part, float) for part in (contacts.overlap, contacts.stiffness))
-    return _elastic_sum(len(overlap), overlap, stiffness, touch, flow.scene.cohesion)
+    overlap = np.ascontiguousarray(contacts.overlap, float)
+    return _elastic_sum(len(overlap), *_laws(flow, contacts), overlap)
 
 
 def thrust_of(x: np.ndarray, contacts: Touching, fx: np.ndarray, edges: np.ndarray) -> np.ndarray:

@@ -4,12 +4,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from ctypes import Array
 from dataclasses import dataclass, field
+from functools import cached_property
 from math import hypot, isfinite
 from pathlib import Path
 
 import numpy as np
 
+from lammps_jump.core.law import jump_law, laws_of
 from lammps_jump.core.library import core, why_absent
 from lammps_jump.dump.beside.contacts import ContactFile
 from lammps_jump.dump.beside.poses import PoseFile
@@ -145,10 +148,11 @@ class Flow:
         c = self.scene.coefficients
         return c.gamma_normal * 0.5 * c.mass, c.gamma_normal_wall * c.mass
 
-    @property
-    def touch_width(self) -> float | None:
-        """Width of the soft start of a contact, m; None where contacts start sharp."""
-        return self.scene.touch_width if self.scene.touch == "smooth" else None
+    @cached_property
+    def laws(self) -> Array[jump_law]:
+        """Numbers of the law of two discs and, behind it, of each wall of the scene, as the core has them."""
+        scene = self.scene
+        return laws_of(scene.law_numbers(), *(scene.law_numbers(wall.name) for wall, _ in scene.walls))
 
     def time(self, frame: Frame) -> float:
         """Simulated time of a frame, s: the file's own, else from the step, else the step number itself."""

@@ -1,11 +1,16 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The table "Where a change goes" of CONTRIBUTING.md: no file beside it knows a wall or a law by its name.
 
-A wall of a new shape and a new motion are made here, outside the program, and run through it.
+A wall of a new shape and a new motion are made here, outside the program, and run through it. A new number of the
+contact law is put into a copy of the program.
 """
 
 import ast
+import os
 import re
+import shutil
+import subprocess
+import sys
 from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
@@ -70,7 +75,7 @@ def nodes(words: set[str]):
 
 
 def test_the_files_of_the_table_are_there():
-    assert len(table()) == 7
+    assert len(table()) == 8
     for files in table().values():
         assert files and all((ROOT / file).exists() for file in files), files
 
@@ -101,6 +106,106 @@ def test_nothing_else_knows_a_friction_law_by_its_name():
     knowing |= {file for file, text in texts().items() if not file.endswith(".py") and quoted.search(text)}
     formulas = {"lammps_jump/physics/law.py", "lammps_jump/core/law.h"}
     assert knowing | formulas == law_files()
+
+
+def test_few_files_know_a_number_of_the_law_by_its_name():
+    """Formula and number of both engines, the scene, the key that leaves out what came later; the case has a field."""
+    knowing = {file for file, text in texts().items() if "cohesion" in text}
+    knowing = {file for file in knowing if not file.startswith("lammps_jump/case/")}
+    assert knowing == table()["a number of the contact law"] and len(knowing) <= 6
+
+
+def test_only_one_header_puts_the_slots_of_a_law_together():
+    """Another file that asks a slot for its force, energy or part would be a second contact."""
+    asks = re.compile(r"\b(normal|damping|tangential)\.(force|energy|pressing|against_rolling)\b")
+    assert {file for file, text in texts().items() if asks.search(text)} == {"lammps_jump/core/contact.h"}
+
+
+MADE_UP = {
+    "core/law.h": (
+        ("NUMBER(rolling_friction)", "NUMBER(rolling_friction) NUMBER(made_up)"),
+        ("return of.stiffness * overlap - of.cohesion;", "return (of.stiffness + of.made_up) * overlap - of.cohesion;"),
+        ("return of.stiffness * (0.5 * overlap", "return (of.stiffness + of.made_up) * (0.5 * overlap"),
+    ),
+    "core/law.py": (
+        ("    rolling_friction: float = 0.0", "    rolling_friction: float = 0.0\n    made_up: float = 0.0"),
+    ),
+    "physics/law.py": (
+        ("opening, of.stiffness, of.damping", "opening, of.stiffness + of.made_up, of.damping"),
+        ("return of.stiffness * stored_energy", "return (of.stiffness + of.made_up) * stored_energy"),
+    ),
+    "scene/scene.py": (
+        ("    cohesion: float = 0.0\n", "    cohesion: float = 0.0\n    made_up: float = 0.0\n"),
+        ("            cohesion=self.cohesion,\n", "            cohesion=self.cohesion, made_up=self.made_up,\n"),
+    ),
+}
+"""What puts one more number into the law, a stiffness beside that of the contact: file and its replaced lines."""
+RUN_OF_IT = """
+import importlib.util, sys, tempfile
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+tests = Path(sys.argv[1])
+sys.path.insert(0, str(tests))
+spec = importlib.util.spec_from_file_location("rig", tests / "contacts" / "conftest.py")
+rig = sys.modules["rig"] = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(rig)
+
+from made_up import disc_frame
+
+from lammps_jump.analysis.contacts import elastic_energy, touching
+from lammps_jump.analysis.flow import from_scene
+from lammps_jump.engines.native import NativeSimulation
+from lammps_jump.engines.twin import Twin
+from lammps_jump.scene import Plane, handmade_scene
+from lammps_jump.script.stock import lacking
+
+places, more = np.array([[0.0, 0.095], [0.19, 0.2], [0.05, 0.28]]), 2e6
+settings = {"friction": 0.3, "restitution": 0.5, "steps": 500, "output_steps": 500, "skin": 0.06}
+one = handmade_scene(places, 0 * places, (Plane("floor", "y", 0.0, "above"),), made_up=more, **settings)
+c = one.coefficients
+stiff = replace(c, stiffness=c.stiffness + more, stiffness_wall=c.stiffness_wall + more)
+stiffer = replace(one, made_up=0.0, coefficients=stiff)
+ends, energies = [], []
+for scene in (one, stiffer):
+    for loops in (None, Twin()):
+        simulation = NativeSimulation(scene, loops=loops)
+        energies.append(simulation.ledger["elastic"])
+        simulation.run(200)
+        ends.append(simulation.positions)
+    compiled = rig.start("compiled", scene, [], Path(tempfile.mkdtemp()))
+    compiled.run(200)
+    ends.append(compiled.positions)
+    compiled.close()
+    frame, flow = disc_frame(*places.T, box=[[0, 1], [0, 1]]), from_scene(scene)
+    energies.append(elastic_energy(touching(frame, flow), flow))
+np.testing.assert_allclose(ends, [ends[-1]] * len(ends), atol=1e-9)
+np.testing.assert_allclose(energies, energies[-1], rtol=1e-12)
+assert np.abs(ends[0] - places).max() > 1e-3 and lacking(one) == "'contact.made_up'" and not lacking(stiffer)
+"""
+
+
+@pytest.mark.long
+@pytest.mark.lammps
+def test_a_new_number_of_the_law_acts_on_all_engines(tmp_path):
+    """Put into a copy of the program, in as many files as the table says, it is compiled and runs."""
+    for folder in ("lammps_jump", "analysis"):
+        left = shutil.ignore_patterns("__pycache__", "carried")
+        shutil.copytree(ROOT / folder, tmp_path / folder, symlinks=True, ignore=left)
+    for name, lines in MADE_UP.items():
+        path = tmp_path / "lammps_jump" / name
+        text = path.read_text()
+        for before, after in lines:
+            assert text.count(before) == 1, (name, before)
+            text = text.replace(before, after)
+        path.write_text(text)
+    assert {f"lammps_jump/{name}" for name in MADE_UP} < table()["a number of the contact law"]
+    (tmp_path / "run.py").write_text(RUN_OF_IT)
+    where = {"PYTHONPATH": str(tmp_path), "LAMMPS_JUMP_CACHE": str(tmp_path / "cache")}
+    command = [sys.executable, "-P", str(tmp_path / "run.py"), str(ROOT / "tests")]
+    subprocess.run(command, check=True, env=os.environ | where)
 
 
 @dataclass(frozen=True)

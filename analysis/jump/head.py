@@ -7,6 +7,7 @@ the dashpots take (docs/theory.md).
 
 from __future__ import annotations
 
+from ctypes import POINTER
 from dataclasses import dataclass, replace
 from math import nan
 
@@ -17,6 +18,7 @@ from lammps_jump.analysis.contacts import touching
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.profiles import bin_edges
 from lammps_jump.analysis.statistics import Mean, as_fields, mean_of
+from lammps_jump.core.law import jump_law
 from lammps_jump.core.library import INTEGER, INTEGERS, REAL, REALS, function
 from lammps_jump.dump.frame import Frame
 from lammps_jump.units import Estimates, estimate, number
@@ -33,8 +35,8 @@ ODD = ("discharge", "flux", "power", "elastic_flux")
 
 
 _contact_fields = function(
-    "jump_contact_fields", INTEGER, INTEGERS, INTEGERS, REALS, REALS, INTEGER, REALS, REAL, REAL, INTEGER, REAL, REAL,
-    INTEGER, REALS,
+    "jump_contact_fields", INTEGER, POINTER(jump_law), *[INTEGERS] * 3, REALS, REALS, INTEGER, REALS, INTEGER, REAL,
+    REAL, INTEGER, REALS,
 )  # fmt: skip
 """Adds power, thrust, elastic energy, its flux and dissipation of contacts to rows 5 to 9 of the fields."""
 
@@ -73,12 +75,11 @@ class EnergyFluxes:
         # behind the discs stands one that never moves: the walls
         weight = np.multiply.outer(flow.scene.gravity, mass)
         state = np.pad([u, v, 0.5 * flow.time_step / mass, *weight], [(0, 0), (0, 1)])
-        first, second, *laws = touching(frame, flow)[:7]
-        ends, touch = (first.astype(np.int64), second.astype(np.int64)), flow.touch_width
+        found = touching(frame, flow)
+        which = (part.astype(np.int64) for part in (found.law, found.first, found.second))
         _contact_fields(
-            len(first), *ends, x, state, frame.n + 1, np.array(laws, float), nan if touch is None else touch,
-            flow.scene.cohesion,
-            self.rounds, low, width, bins, fields,
+            len(found.first), flow.laws, *which, x, state, frame.n + 1, np.array(found[2:6], float), self.rounds, low,
+            width, bins, fields,
         )  # fmt: skip
         self._times.append(time)
         self._kept.append(fields / (width * flow.scene.density))

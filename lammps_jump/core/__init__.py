@@ -7,7 +7,8 @@ include headers of this folder by ``#include "name.h"``; the plugin for LAMMPS f
 - A function that Python calls is declared ``JUMP_API`` (`api.h`). It takes numbers and pointers to contiguous arrays,
   throws nothing, and returns a number or nothing.
 - `library.function` binds it to Python with the kinds of its arguments.
-- A struct that both sides know has ``JUMP_SIZE(name)`` in C++; `library.Struct` compares the sizes at its first use.
+- A struct that both sides know has ``JUMP_SIZE(name)`` in C++; `library.Struct` compares the sizes at its first use,
+  and the names of the fields where C++ tells them: the numbers of the law (`law.LawNumbers`).
 - `library.core` is the library, or None where neither a compiler nor a library of the package is there. What cannot do
   without asks `library.require_core`.
 """

@@ -101,17 +101,15 @@ void body_forces(const jump_state &s, double slope)
 {
   const jump_state &c = *s.corners;
   s.deepest[0] = 0.0;
-  Choice choice = choice_of(s, slope);
-  choice.pull = 0.0;    // attraction is of discs
-  with_law(choice, false, true, [&](const auto &law, auto, auto spin) {
+  with_law(choice_of(s, slope), false, true, [&](const auto &law, auto, auto spin) {
     constexpr bool SPIN = decltype(spin)::value;
     each_body_contact(s, [&](const BodyContact &contact) {
       const Corner &corner = s.corner[contact.corner];
       const BodyLaw &of = law_between(s, contact);
       const double size = std::sqrt(contact.mass), overlap = corner.radius - contact.at.gap;
-      const Numbers<double> numbers{of.k, most(of.damping * size - of.lag, 0.0), of.ramp * size, of.friction};
+      const Numbers<double> numbers{of.law, most(of.law.damping * size - of.lag, 0.0), of.law.tangential * size};
       const WallForce<double> out = wall_contact<false, SPIN>(
-          law, numbers, Rolling{}, contact.at,
+          law, numbers, contact.at,
           WallMemory(c, contact.corner, contact.face, contact.px, contact.py, corner.radius));
       add(s, corner.wall, contact, out, 1.0);
       add(s, contact.wall, contact, out, -1.0);
@@ -127,10 +125,10 @@ void body_forces(const jump_state &s, double slope)
 double body_elastic(const jump_state &s)
 {
   double energy = 0.0;
-  with_touch(s.touch, 0.0, [&](const auto &normal, const auto &) {
+  with_normal(s.pair, [&](const auto &law) {
     each_body_contact(s, [&](const BodyContact &contact) {
       const double overlap = s.corner[contact.corner].radius - contact.at.gap;
-      energy += normal.energy(law_between(s, contact).k, overlap);
+      energy += stored_energy(law, law_between(s, contact).law, overlap);
     });
   });
   return energy;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /* One contact of two discs and one of a disc with a wall: lever, slip, force, torque, what is lost, memory.
 
-   Nothing else puts a contact together: forces, the ledger, the list of contacts and the plugin call these. */
+   Nothing else puts a contact together: forces, the ledger, the list of contacts, the analysis and the plugin call these. */
 
 #ifndef JUMP_CORE_CONTACT_H
 #define JUMP_CORE_CONTACT_H
@@ -13,6 +13,12 @@ namespace jump {
 /** Radius that stands for the mass of a fixed disc, m: its square is still a number. */
 constexpr double HUGE_RADIUS = 1e150;
 
+/** From the centre of a disc to the middle of the overlap, m. */
+template <class Number> inline Number way_to_middle(const Number &radius, const Number &overlap)
+{
+  return radius - 0.5 * overlap;
+}
+
 /** Root of the effective mass of two discs over that of a radius of 1 m (m). */
 template <class Number> inline Number pair_size(const Number &a, const Number &b) { return a * b / root(a * a + b * b); }
 
@@ -23,30 +29,58 @@ template <class Number> struct Force {
   Number resist;     // against rolling, along the rims
 };
 
-/** The force of a contact on a disc. Friction is bounded by what presses the two together: the normal force without the
-    attraction, which the spring holds (Derjaguin, Muller & Toporov 1975).
+/** What acts along the normal, N per m of width, positive where it pushes apart: all of it, and its lost part. */
+template <class Number> struct Push {
+  Number whole, dashpot;
+};
+
+/** opening: speed of parting, m/s. */
+template <class Law, class Number>
+inline Push<Number> normal_force(const Law &law, const Numbers<Number> &of, const Number &overlap, const Number &opening)
+{
+  const Number dashpot = law.damping.force(of, opening, overlap);
+  return {law.normal.force(of.law, overlap) + dashpot, dashpot};
+}
+
+/** What the contact has stored, J per m of width. */
+template <class Law, class Number>
+inline Number stored_energy(const Law &law, const LawNumbers &of, const Number &overlap)
+{
+  return law.normal.energy(of, overlap);
+}
+
+/** What dashpot and friction take while the centre of the disc moves at (vx, vy) against its partner, W per m of width; the
+    work of torques is left out. */
+template <class Number>
+inline Number taken(const Force<Number> &of, const Number &nx, const Number &ny, const Number &vx, const Number &vy)
+{
+  return -of.dashpot * (nx * vx + ny * vy) - of.rub * (nx * vy - ny * vx);
+}
+
+/** The force of a contact on a disc. Friction is bounded by what presses the two together (`pressing`).
 
     nx, ny: unit vector to the disc from what it touches; vx, vy: velocity of its centre against that of its partner;
     rim: speed of the rims, R_i omega_i + R_j omega_j; turn: speed of rolling; m/s. */
 template <class Law, class Number>
-inline Force<Number> contact_force(const Law &law, const Numbers<Number> &of, const Rolling &rolling, const Number &overlap,
-                                   const Number &nx, const Number &ny, const Number &vx, const Number &vy,
-                                   const Number &rim, const Number &turn, Stretch<Number> &held)
+inline Force<Number> contact_force(const Law &law, const Numbers<Number> &of, const Number &overlap, const Number &nx,
+                                   const Number &ny, const Number &vx, const Number &vy, const Number &rim,
+                                   const Number &turn, Stretch<Number> &held)
 {
   Force<Number> out;
-  out.dashpot = law.damping.force(of.damping, vx * nx + vy * ny, overlap);
-  const Number push = law.normal.force(of.k, overlap) + out.dashpot;
-  out.fx = push * nx;
-  out.fy = push * ny;
+  const Push<Number> push = normal_force(law, of, overlap, vx * nx + vy * ny);
+  out.dashpot = push.dashpot;
+  out.fx = push.whole * nx;
+  out.fy = push.whole * ny;
   out.rub = out.resist = spread(0.0, overlap);
   if constexpr (Law::Friction::RUBS) {
     const Number slip = vy * nx - vx * ny - rim;
     if constexpr (Law::Friction::REMEMBERS) {
-      const Number normal = out.fx * nx + out.fy * ny + law.normal.pull;    // as the components have it, to the last bit
+      const Number whole = out.fx * nx + out.fy * ny;    // as the components have it, to the last bit
+      const Number normal = law.normal.pressing(of.law, whole);
       out.rub = law.tangential.force(of, normal, slip, held);
-      out.resist = law.tangential.against_rolling(rolling, normal, turn, held);
+      out.resist = law.tangential.against_rolling(of.law, normal, turn, held);
     } else {
-      out.rub = law.tangential.force(of, push + law.normal.pull, slip);
+      out.rub = law.tangential.force(of, law.normal.pressing(of.law, push.whole), slip);
     }
     out.fx = out.fx - out.rub * ny;
     out.fy = out.fy + out.rub * nx;
@@ -74,8 +108,8 @@ template <class Number> struct PairForce : Force<Number> {
     The lever of friction is R of equal discs. It is R less half the overlap of others and of contacts with memory, as in
     LAMMPS' styles for each. */
 template <bool SIZES, bool SPIN, class Law, class Number>
-inline PairForce<Number> pair_contact(const Law &law, const Numbers<Number> &of, const Rolling &rolling,
-                                      const Pair<Number> &pair, Stretch<Number> &held)
+inline PairForce<Number> pair_contact(const Law &law, const Numbers<Number> &of, const Pair<Number> &pair,
+                                      Stretch<Number> &held)
 {
   constexpr bool MEMORY = Law::Friction::REMEMBERS;
   PairForce<Number> out;
@@ -97,10 +131,10 @@ inline PairForce<Number> pair_contact(const Law &law, const Numbers<Number> &of,
     turn = arm * (pair.spin_a - pair.spin_b);
   }
   static_cast<Force<Number> &>(out) =
-      contact_force(law, own, rolling, out.overlap, out.nx, out.ny, pair.vx, pair.vy, rim, turn, held);
+      contact_force(law, own, out.overlap, out.nx, out.ny, pair.vx, pair.vy, rim, turn, held);
   if constexpr (SPIN) {
-    out.lever_a = SIZES || MEMORY ? pair.a - 0.5 * out.overlap : pair.a;
-    out.lever_b = SIZES || MEMORY ? pair.b - 0.5 * out.overlap : pair.b;
+    out.lever_a = SIZES || MEMORY ? way_to_middle(pair.a, out.overlap) : pair.a;
+    out.lever_b = SIZES || MEMORY ? way_to_middle(pair.b, out.overlap) : pair.b;
     const Number rolls = arm * out.resist;
     out.on_a = -out.lever_a * out.rub + rolls;
     out.on_b = -out.lever_b * out.rub - rolls;
@@ -126,8 +160,8 @@ template <class Number> struct WallForce : Force<Number> {
 
     `memory(slip)` gives the stretch that the contact begins with, and where it goes on. */
 template <bool SIZES, bool SPIN, class Law, class Number, class Memory>
-inline WallForce<Number> wall_contact(const Law &law, const Numbers<Number> &of, const Rolling &rolling,
-                                      const AtWall<Number> &at, Memory &&memory)
+inline WallForce<Number> wall_contact(const Law &law, const Numbers<Number> &of, const AtWall<Number> &at,
+                                      Memory &&memory)
 {
   WallForce<Number> out;
   Numbers<Number> own = of;
@@ -140,7 +174,7 @@ inline WallForce<Number> wall_contact(const Law &law, const Numbers<Number> &of,
   Stretch<Number> held{};
   if constexpr (Law::Friction::REMEMBERS) held = memory.begin(at.vy * at.nx - at.vx * at.ny - rim);
   static_cast<Force<Number> &>(out) =
-      contact_force(law, own, rolling, at.radius - at.gap, at.nx, at.ny, at.vx, at.vy, rim, turn, held);
+      contact_force(law, own, at.radius - at.gap, at.nx, at.ny, at.vx, at.vy, rim, turn, held);
   if constexpr (Law::Friction::REMEMBERS) memory.end(held);
   out.torque = at.radius * (out.resist - out.rub);
   return out;

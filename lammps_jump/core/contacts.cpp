@@ -60,42 +60,46 @@ JUMP_API int64_t jump_touch_wall(int64_t n, const double *x, const double *y, co
   return number;
 }
 
-// Normal force of each contact, of spring and dashpot; opening: speed of parting. touch: width of a soft start, or NaN; pull: attraction, N/m.
-JUMP_API void jump_normal_forces(int64_t n, const double *overlap, const double *opening, const double *stiffness,
-                                 const double *damping, double touch, double pull, double *force)
+// Of the laws of a scene, that of two discs and those of its walls behind it, `which` is that of each contact. Its dashpot
+// and slope of the viscous ramp are its own.
+
+// Normal force of each contact; opening: speed of parting.
+JUMP_API void jump_normal_forces(int64_t n, const LawNumbers *laws, const int64_t *which, const double *overlap,
+                                 const double *opening, const double *damping, double *force)
 {
-  with_touch(touch, pull, [&](const auto &normal, const auto &dashpot) {
+  with_normal(*laws, [&](const auto &law) {
     for (int64_t k = 0; k < n; k++)
-      force[k] = normal.force(stiffness[k], overlap[k]) + dashpot.force(damping[k], opening[k], overlap[k]);
+      force[k] = normal_force(law, Numbers<double>{laws[which[k]], damping[k], 0.0}, overlap[k], opening[k]).whole;
   });
 }
 
 // Elastic energy of contacts, J per m of width.
-JUMP_API double jump_elastic_sum(int64_t n, const double *overlap, const double *stiffness, double touch, double pull)
+JUMP_API double jump_elastic_sum(int64_t n, const LawNumbers *laws, const int64_t *which, const double *overlap)
 {
   double energy = 0.0;
-  with_touch(touch, pull, [&](const auto &normal, const auto &) {
-    for (int64_t k = 0; k < n; k++) energy += normal.energy(stiffness[k], overlap[k]);
+  with_normal(*laws, [&](const auto &law) {
+    for (int64_t k = 0; k < n; k++) energy += stored_energy(law, laws[which[k]], overlap[k]);
   });
   return energy;
 }
 
 // Force of each contact on its second disc. state: u, v, rim (radius times spin) of each disc and, behind them, of what
-// never moves; contact: nx, ny, overlap, dashpot, stiffness, ramp, friction, velocity of the wall. n contacts each.
-JUMP_API void jump_whole_forces(int64_t n, const int64_t *first, const int64_t *second, const double *state, int64_t discs,
-                                const double *contact, int64_t rubs, double slope, double touch, double pull, double *fx,
-                                double *fy)
+// never moves; contact: nx, ny, overlap, dashpot, ramp, velocity of the wall. n contacts each. slope: 1/eps of the sign law,
+// s/m; rubs 0: without friction.
+JUMP_API void jump_whole_forces(int64_t n, const LawNumbers *laws, const int64_t *which, const int64_t *first,
+                                const int64_t *second, const double *state, int64_t discs, const double *contact,
+                                int64_t rubs, double slope, double *fx, double *fy)
 {
   const double *const u = state, *const v = state + discs, *const rim = state + 2 * discs;
-  const auto tangential = !rubs ? Choice::NONE : slope == slope ? Choice::SIGN : Choice::RAMP;
-  with_slots({tangential, touch, slope, {}, pull}, [&](const auto &law) {
+  const auto tangential = !rubs ? Choice::NONE : laws->sign_ramp > 0.0 ? Choice::SIGN : Choice::RAMP;
+  with_slots({tangential, laws->touch > 0.0, slope, 0.0}, [&](const auto &law) {
     for (int64_t k = 0; k < n; k++) {
       const int64_t i = first[k], j = second[k];
       const auto at = [&](int row) { return contact[row * n + k]; };
-      const Numbers<double> of{at(4), at(3), at(5), at(6)};
+      const Numbers<double> of{laws[which[k]], at(3), at(4)};
       Stretch<double> held{};
-      const Force<double> out = contact_force(law, of, Rolling{}, at(2), at(0), at(1), u[j] - u[i] - at(7),
-                                              v[j] - v[i] - at(8), rim[i] + rim[j], 0.0, held);
+      const Force<double> out = contact_force(law, of, at(2), at(0), at(1), u[j] - u[i] - at(5), v[j] - v[i] - at(6),
+                                              rim[i] + rim[j], 0.0, held);
       fx[k] = out.fx;
       fy[k] = out.fy;
     }
@@ -117,20 +121,22 @@ JUMP_API void jump_thrust(int64_t n, const double *x, const int64_t *first, cons
 
 // Adds power, thrust, elastic energy, its flux and dissipation of contacts to rows 5 to 9 of fields. A pair counts half
 // at either disc; its force acts through the planes between the centres. state: u, v, kick (half a step over the mass)
-// and weight along x and y of each disc, and of what never moves behind them; contact: nx, ny, overlap, dashpot,
-// stiffness. In each of `rounds` the velocities of the half step follow from the forces that they give.
-JUMP_API void jump_contact_fields(int64_t n, const int64_t *first, const int64_t *second, const double *x,
-                                  const double *state, int64_t discs, const double *contact, double touch, double pull,
-                                  int64_t rounds, double low, double width, int64_t bins, double *fields)
+// and weight along x and y of each disc, and of what never moves behind them; contact: nx, ny, overlap, dashpot.
+// In each of `rounds` the velocities of the half step follow from the forces that they give.
+JUMP_API void jump_contact_fields(int64_t n, const LawNumbers *laws, const int64_t *which, const int64_t *first,
+                                  const int64_t *second, const double *x, const double *state, int64_t discs,
+                                  const double *contact, int64_t rounds, double low, double width, int64_t bins,
+                                  double *fields)
 {
   const Bins over{low, width, bins};
   const double *const u = state, *const v = u + discs, *const kick = v + discs;
   const double *const weight_x = kick + discs, *const weight_y = weight_x + discs;
   const int64_t walls = discs - 1;
-  with_touch(touch, pull, [&](const auto &normal, const auto &damping) {
+  with_normal(*laws, [&](const auto &law) {
     const auto at = [&](int row, int64_t k) { return contact[row * n + k]; };
-    const auto dash_of = [&](int64_t k, double opening) { return damping.force(at(3, k), opening, at(2, k)); };
-    const auto force_of = [&](int64_t k, double dash) { return normal.force(at(4, k), at(2, k)) + dash; };
+    const auto push_of = [&](int64_t k, double opening) {
+      return normal_force(law, Numbers<double>{laws[which[k]], at(3, k), 0.0}, at(2, k), opening);
+    };
     const auto opening_of = [&](int64_t k, const double *a, const double *b) {
       const int64_t i = first[k], j = second[k];
       return (a[j] - a[i]) * at(0, k) + (b[j] - b[i]) * at(1, k);
@@ -140,7 +146,7 @@ JUMP_API void jump_contact_fields(int64_t n, const int64_t *first, const int64_t
       std::vector<double> fx(weight_x, weight_x + discs), fy(weight_y, weight_y + discs);
       for (int64_t k = 0; k < n; k++) {
         const int64_t i = first[k], j = second[k];
-        const double force = force_of(k, dash_of(k, opening_of(k, hu.data(), hv.data())));
+        const double force = push_of(k, opening_of(k, hu.data(), hv.data())).whole;
         fx[j] += force * at(0, k);
         fy[j] += force * at(1, k);
         fx[i] -= force * at(0, k);
@@ -154,9 +160,9 @@ JUMP_API void jump_contact_fields(int64_t n, const int64_t *first, const int64_t
     for (int64_t k = 0; k < n; k++) {
       const int64_t i = first[k], j = second[k];
       const double ex = at(0, k), ey = at(1, k);
-      const double dash = dash_of(k, opening_of(k, hu.data(), hv.data())), force = force_of(k, dash);
+      const auto [force, dash] = push_of(k, opening_of(k, hu.data(), hv.data()));
       const double opening = opening_of(k, u, v), share = i == walls ? 1.0 : 0.5;
-      const double energy = share * normal.energy(at(4, k), at(2, k));
+      const double energy = share * stored_energy(law, laws[which[k]], at(2, k));
       for (const int64_t disc : {i, j}) {
         const int64_t b = disc < walls ? over.of(x[disc]) : -1;
         if (b < 0 || b >= bins) continue;

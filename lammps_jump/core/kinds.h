@@ -17,7 +17,7 @@ inline Seen seen_by(const jump_state &s)
   return s.ux ? Seen{s.ux, s.uy, s.uomega} : Seen{s.vx, s.vy, s.omega};
 }
 
-/** 1/eps of the thesis' friction, eps = 0.01 v_max (4.20), of these velocities; s/m. */
+/** 1/eps of the thesis' friction, eps = 0.01 v_max (4.20), of these velocities, s/m; 0 of another friction. */
 double slope_of(const jump_state &s, const Seen &seen);
 
 inline bool has(double number) { return number == number; }
@@ -25,27 +25,17 @@ inline bool has(double number) { return number == number; }
 /** The law that a state asks for. */
 inline Choice choice_of(const jump_state &s, double slope)
 {
-  const auto tangential = s.partner          ? Choice::SLIDER
-                          : !has(s.friction) ? Choice::NONE
-                          : has(s.sign_ramp)      ? Choice::SIGN
-                                             : Choice::RAMP;
-  return {tangential, s.touch, slope, {s.spring_ratio, s.spring_damping, s.memory_step}, s.pull};
+  const auto tangential = s.partner                ? Choice::SLIDER
+                          : !has(s.pair.friction)  ? Choice::NONE
+                          : s.pair.sign_ramp > 0.0 ? Choice::SIGN
+                                                   : Choice::RAMP;
+  return {tangential, s.pair.touch > 0.0, slope, s.memory_step};
 }
 
 /** Calls run(law, sizes, spin) with the law of a state. */
 template <class Run> inline void with_law(const jump_state &s, double slope, const Run &run)
 {
   with_law(choice_of(s, slope), s.radius, s.omega, run);
-}
-
-/** Numbers of the contact of two discs. */
-inline Numbers<double> numbers_of_pair(const jump_state &s) { return {s.stiffness, s.damping, s.tangential, s.friction}; }
-
-/** Numbers of the contact with a wall. */
-inline Numbers<double> numbers_of_wall(const jump_state &s, int64_t wall)
-{
-  const double *const of = s.numbers[wall];
-  return {of[0], of[1], of[2], of[3]};
 }
 
 inline double radius_of(const jump_state &s, int64_t i) { return s.radius ? s.radius[i] : 0.5 * s.diameter; }

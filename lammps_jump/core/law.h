@@ -4,7 +4,7 @@
    delta overlap (m), k stiffness (N/m), c dashpot (N s/m), mu friction coefficient; forces in N, all per m of width.
 
    normal      `Spring`: k delta (thesis T-4359, 3.11); `SmoothSpring` of width s: k delta^2/(2 s) below delta = s and
-               k (delta - s/2) beyond; each less `pull`, a constant attraction of what touches
+               k (delta - s/2) beyond; each less `cohesion`, a constant attraction of what touches
    damping     `Dashpot`: -c v_n; `SmoothDashpot`: times F / sqrt(2 k E), F the spring's force and E its energy, so that
                the restitution is that of the linear law at every speed and width (derived in docs/kernels.md)
    tangential  `NoFriction`; `Ramp`: min(mu |F_n|, c_t |v_t|) against the slip (LAMMPS gran/hooke); `Sign`:
@@ -24,44 +24,80 @@
 
 namespace jump {
 
-// --- normal: force of spring and attraction, and their energy --------------------------------------------------
+// --- the numbers of a law -----------------------------------------------------------------------------------------
 
-struct Spring {
-  double pull;    // N per m of width
+/* Of two discs, or of a disc and a wall, in SI units and per m of width. core/law.py has the same names in the same order
+   and says what they are; they are compared where the core is loaded. `damping` and `tangential` are of a size of 1 m where
+   discs have radii of their own. */
+#define JUMP_LAW(NUMBER) \
+  NUMBER(stiffness) NUMBER(damping) NUMBER(tangential) NUMBER(friction) NUMBER(sign_ramp) NUMBER(touch) NUMBER(cohesion) \
+  NUMBER(spring_ratio) NUMBER(spring_damping) NUMBER(rolling) NUMBER(rolling_damping) NUMBER(rolling_friction)
 
-  template <class Number> Number force(double k, const Number &overlap) const { return k * overlap - pull; }
-  template <class Number> Number energy(double k, const Number &overlap) const
+struct LawNumbers {
+#define JUMP_NUMBER(name) double name = 0.0;
+  JUMP_LAW(JUMP_NUMBER)
+#undef JUMP_NUMBER
+};
+
+/** Numbers of one contact: those of its law, with its own dashpot and slope of the viscous ramp. */
+template <class Number> struct Numbers {
+  LawNumbers law;
+  Number damping, ramp;
+};
+
+/** Numbers of contacts of a size of 1 m, or of equal discs; as many as `like` has lanes. */
+template <class Number> inline Numbers<Number> numbers_of(const LawNumbers &law, const Number &like)
+{
+  return {law, spread(law.damping, like), spread(law.tangential, like)};
+}
+
+// --- normal: force of spring and attraction, their energy, and what of a push presses the two together ------------
+
+/** Friction is bounded by the normal force without the attraction, which the spring holds (Derjaguin, Muller & Toporov
+    1975). */
+struct Attraction {
+  template <class Number> Number pressing(const LawNumbers &of, const Number &push) const { return push + of.cohesion; }
+};
+
+struct Spring : Attraction {
+  template <class Number> Number force(const LawNumbers &of, const Number &overlap) const
   {
-    return k * (0.5 * overlap * overlap) - pull * overlap;
+    return of.stiffness * overlap - of.cohesion;
+  }
+  template <class Number> Number energy(const LawNumbers &of, const Number &overlap) const
+  {
+    return of.stiffness * (0.5 * overlap * overlap) - of.cohesion * overlap;
   }
 };
 
-struct SmoothSpring {
-  double width, pull;    // s, m; N per m of width
-
-  template <class Number> Number force(double k, const Number &overlap) const
+struct SmoothSpring : Attraction {
+  template <class Number> Number force(const LawNumbers &of, const Number &overlap) const
   {
-    return (overlap < width ? 0.5 * k * overlap * overlap / width : k * (overlap - 0.5 * width)) - pull;
+    const double k = of.stiffness, width = of.touch;
+    return (overlap < width ? 0.5 * k * overlap * overlap / width : k * (overlap - 0.5 * width)) - of.cohesion;
   }
-  template <class Number> Number energy(double k, const Number &overlap) const
+  template <class Number> Number energy(const LawNumbers &of, const Number &overlap) const
   {
+    const double k = of.stiffness, width = of.touch;
     return k * (overlap < width ? overlap * overlap * overlap / (6.0 * width)
-                                : 0.5 * (overlap * overlap - width * overlap + width * width / 3.0)) - pull * overlap;
+                                : 0.5 * (overlap * overlap - width * overlap + width * width / 3.0)) - of.cohesion * overlap;
   }
 };
 
 // --- damping: force of the dashpot at this speed of parting ----------------------------------------------------------
 
 struct Dashpot {
-  template <class Number> Number force(const Number &c, const Number &opening, const Number &) const { return -c * opening; }
+  template <class Number> Number force(const Numbers<Number> &of, const Number &opening, const Number &) const
+  {
+    return -of.damping * opening;
+  }
 };
 
 struct SmoothDashpot {
-  double width;
-
-  template <class Number> Number force(const Number &c, const Number &opening, const Number &overlap) const
+  template <class Number> Number force(const Numbers<Number> &of, const Number &opening, const Number &overlap) const
   {
-    const Number plain = -c * opening, beyond = overlap - 0.5 * width;
+    const double width = of.law.touch;
+    const Number plain = -of.damping * opening, beyond = overlap - 0.5 * width;
     return overlap < width ? plain * root(0.75 * overlap / width)
                            : plain * beyond / root(beyond * beyond + width * width / 12.0);
   }
@@ -74,13 +110,6 @@ template <class Number> struct Stretch {
   Number slide, roll;
 };
 
-/** Numbers of one contact: stiffness, dashpot, slope of the viscous ramp, friction coefficient. */
-template <class Number> struct Numbers {
-  double k;
-  Number damping, ramp;
-  double friction;
-};
-
 struct NoFriction {
   static constexpr bool RUBS = false, REMEMBERS = false;
 };
@@ -90,7 +119,7 @@ struct Ramp {
 
   template <class Number> Number force(const Numbers<Number> &of, const Number &normal, const Number &slip) const
   {
-    const Number bound = of.friction * magnitude(normal);
+    const Number bound = of.law.friction * magnitude(normal);
     return least(most(-of.ramp * slip, -bound), bound);
   }
 };
@@ -101,7 +130,7 @@ struct Sign {
 
   template <class Number> Number force(const Numbers<Number> &of, const Number &normal, const Number &slip) const
   {
-    const Number bound = of.friction * magnitude(normal), one = spread(1.0, slip);
+    const Number bound = of.law.friction * magnitude(normal), one = spread(1.0, slip);
     return -bound * least(most(slip * slope, -one), one);
   }
 };
@@ -118,30 +147,26 @@ inline Number slide(Number &stretch, const Number &slip, const Number &bound, do
   return over ? held : force;
 }
 
-/** The rolling spring of a contact: stiffness, dashpot, friction coefficient; stiffness 0: none. */
-struct Rolling {
-  double k = 0.0, damping = 0.0, friction = 0.0;
-};
-
 struct Slider {
   static constexpr bool RUBS = true, REMEMBERS = true;
-  double ratio, damping;    // stiffness and dashpot over those of the contact
-  double time_step;         // s; 0: springs stay as they are
+  double time_step;    // s; 0: springs stay as they are
 
   template <class Number>
   Number force(const Numbers<Number> &of, const Number &normal, const Number &slip, Stretch<Number> &held) const
   {
+    const LawNumbers &law = of.law;
     held.slide = held.slide + slip * time_step;
-    return slide(held.slide, slip, of.friction * magnitude(normal), ratio * of.k, damping * of.damping);
+    return slide(held.slide, slip, law.friction * magnitude(normal), law.spring_ratio * law.stiffness,
+                 law.spring_damping * of.damping);
   }
 
-  /** The force against rolling at this speed of the rims. */
+  /** The force against rolling at this speed of the rims; the spring of stiffness 0 gives none. */
   template <class Number>
-  Number against_rolling(const Rolling &of, const Number &normal, const Number &turn, Stretch<Number> &held) const
+  Number against_rolling(const LawNumbers &of, const Number &normal, const Number &turn, Stretch<Number> &held) const
   {
-    if (!(of.k > 0.0)) return spread(0.0, turn);
+    if (!(of.rolling > 0.0)) return spread(0.0, turn);
     held.roll = held.roll + turn * time_step;
-    return slide(held.roll, turn, of.friction * magnitude(normal), of.k, spread(of.damping, turn));
+    return slide(held.roll, turn, of.rolling_friction * magnitude(normal), of.rolling, spread(of.rolling_damping, turn));
   }
 };
 
@@ -153,36 +178,35 @@ template <class Normal, class Damping, class Tangential> struct Law {
   using Friction = Tangential;
 };
 
-/** Which struct of each slot, and its numbers beside those of a contact. */
+/** Which struct of each slot, and what of it is of a step. */
 struct Choice {
-  enum Tangential { NONE, RAMP, SIGN, SLIDER } tangential;
-  double width;     // of a smooth touch, m; not above 0: a sharp one
-  double slope;     // of the sign law, s/m
-  Slider slider;
-  double pull;      // attraction of what touches, N per m of width
+  enum Tangential { NONE, RAMP, SIGN, SLIDER } tangential = NONE;
+  bool smooth = false;        // touch
+  double slope = 0.0;         // of the sign law, s/m
+  double time_step = 0.0;     // of springs, s; 0: they stay as they are
 };
 
-/** Calls run(normal, damping) with a touch of this width, m (not above 0: a sharp one), and this attraction. */
-template <class Run> inline void with_touch(double width, double pull, const Run &run)
+/** Calls run(law) with this friction and a touch that is smooth or sharp. */
+template <class Tangential, class Run> inline void with_touch(bool smooth, const Tangential &tangential, const Run &run)
 {
-  if (width > 0.0) run(SmoothSpring{width, pull}, SmoothDashpot{width});
-  else run(Spring{pull}, Dashpot{});
+  if (smooth) run(Law<SmoothSpring, SmoothDashpot, Tangential>{{}, {}, tangential});
+  else run(Law<Spring, Dashpot, Tangential>{{}, {}, tangential});
+}
+
+/** Calls run(law) with the law of these numbers without its friction: what acts along the normal. */
+template <class Run> inline void with_normal(const LawNumbers &of, const Run &run)
+{
+  with_touch(of.touch > 0.0, NoFriction{}, run);
 }
 
 /** Calls run(law) with the law that is chosen. */
 template <class Run> inline void with_slots(const Choice &choice, const Run &run)
 {
-  const auto with = [&](const auto &tangential) {
-    with_touch(choice.width, choice.pull, [&](const auto &normal, const auto &damping) {
-      run(Law<std::decay_t<decltype(normal)>, std::decay_t<decltype(damping)>, std::decay_t<decltype(tangential)>>{
-          normal, damping, tangential});
-    });
-  };
   switch (choice.tangential) {
-    case Choice::NONE: return with(NoFriction{});
-    case Choice::RAMP: return with(Ramp{});
-    case Choice::SIGN: return with(Sign{choice.slope});
-    case Choice::SLIDER: return with(choice.slider);
+    case Choice::NONE: return with_touch(choice.smooth, NoFriction{}, run);
+    case Choice::RAMP: return with_touch(choice.smooth, Ramp{}, run);
+    case Choice::SIGN: return with_touch(choice.smooth, Sign{choice.slope}, run);
+    case Choice::SLIDER: return with_touch(choice.smooth, Slider{choice.time_step}, run);
   }
 }
 

@@ -15,7 +15,7 @@ from lammps_jump.compiling.build import library_path
 from lammps_jump.compiling.product import Product
 from lammps_jump.errors import SetupError
 
-VERSION = 1
+VERSION = 2
 """Of the interface, as in ``api.h``."""
 
 CORE = Product(
@@ -37,10 +37,19 @@ class Struct(ctypes.Structure):
 
     @classmethod
     def check(cls, library: ctypes.CDLL) -> None:
-        """SetupError where Python and C++ do not agree on the size."""
+        """SetupError where Python and C++ do not agree on the size, or on the names of fields that C++ tells."""
         there = getattr(library, f"{cls.__name__}_size")()
         if there != ctypes.sizeof(cls):
             raise SetupError(f"{cls.__name__} has {there} bytes in the core, {ctypes.sizeof(cls)} in Python")
+        tell = getattr(library, f"{cls.__name__}_fields", None)
+        if tell is not None:
+            tell.restype = ctypes.c_char_p
+            names = tell().decode().split()
+            if names != [name for name, *_ in cls._fields_]:
+                raise SetupError(f"{cls.__name__} has other fields in the core than in Python: {', '.join(names)}")
+        for _, kind, *_ in cls._fields_:
+            if isinstance(kind, type) and issubclass(kind, Struct):
+                kind.check(library)
 
 
 @lru_cache(maxsize=1)

@@ -16,7 +16,8 @@ namespace jump {
 
 double slope_of(const jump_state &s, double fastest)
 {
-  const double eps = s.sign_ramp * std::sqrt(fastest);
+  if (!(s.pair.sign_ramp > 0.0)) return 0.0;
+  const double eps = s.pair.sign_ramp * std::sqrt(fastest);
   return eps > 1e-300 ? 1.0 / eps : 1e300;    // nothing moves: the limit of the law, sat -> sign
 }
 
@@ -47,7 +48,7 @@ static void end_contacts(const jump_state &s, int64_t begin, int64_t end)
 /** Slope of the sign law in this step, or 0. */
 static double slope_now(const jump_state &s, Crew &crew)
 {
-  if (!has(s.sign_ramp)) return 0.0;
+  if (!(s.pair.sign_ramp > 0.0)) return 0.0;
   const Seen seen = seen_by(s);
   crew.each([&](Part &part) { part.fastest = fastest(seen, part.begin, part.end); });
   double found = 0.0;

@@ -29,10 +29,11 @@ struct Corner {
   }
 };
 
-/** Contact of a corner with a face: stiffness; dashpot and slope of the viscous ramp over the root of the effective mass; what
-    the dashpot is less, because it sees the half step; friction coefficient. */
+/** Contact of a corner with a face: its law, whose dashpot and slope of the viscous ramp are over the root of the effective
+    mass, and what the dashpot is less, because it sees the half step. */
 struct BodyLaw {
-  double k, damping, ramp, lag, friction;
+  LawNumbers law;
+  double lag;
 };
 
 /** Velocities of the discs, m/s, and spins, rad/s (NULL: none). */
@@ -68,7 +69,8 @@ struct jump_state {
   int64_t walls;
   const jump::Face *faces;
   const int64_t *deep;
-  const double (*numbers)[4], (*about)[2];
+  const jump::LawNumbers *at_wall;
+  const double (*about)[2];
   const int64_t *near_rows;
   const int32_t *near_discs;
   const int8_t *near_plain;
@@ -85,11 +87,10 @@ struct jump_state {
   jump::Pushed *pushed;
   jump::Taken *taken;
   const double *clock;
-  // law
-  double diameter, stiffness, damping, tangential;
+  // law of two discs; its friction is NaN where nothing rubs
+  double diameter;
+  jump::LawNumbers pair;
   double time_step, mass, inertia, weight_x, weight_y, reach2;
-  double friction, sign_ramp, touch;    // NaN: there is none
-  double pull;    // N per m of width
   // memory; partner NULL: none
   int64_t slots;
   int64_t *partner;
@@ -98,9 +99,7 @@ struct jump_state {
   const int64_t *chain;
   const double *around;
   int64_t *full;
-  double memory_step, spring_ratio, spring_damping;
-  jump::Rolling rolling;
-  const jump::Rolling *rolling_at;
+  double memory_step;
   double *work;    // ledger: work of dashpots, friction, walls, and the last step's part that is due to walls
   // bodies; corners NULL: there are none
   const double *bulk;             // of each wall: radius of a disc of its mass, m; 0 of a wall that is no body
@@ -133,7 +132,7 @@ JUMP_API int64_t jump_threads(const jump::Crew *crew);
 /** Step: see `advance` in native.cpp. */
 JUMP_API int64_t jump_advance(jump_state *state, jump::Crew *crew, int64_t steps, int64_t owed, int64_t *old);
 JUMP_API void jump_place_walls(const jump_state *state, int64_t step);
-/** 1/eps of the sign law by these velocities, s/m. */
+/** 1/eps of the sign law by these velocities, s/m; 0 of another law. */
 JUMP_API double jump_slope(const jump_state *state, const double *vx, const double *vy);
 
 /** Lists: see lists.cpp. */

@@ -80,7 +80,7 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
 
  public:
   PairSums(const jump_state &s, const Law &law, const Part &part)
-      : s(s), law(law), part(part), seen(seen_by(s)), pair(numbers_of_pair(s)), at(part.at)
+      : s(s), law(law), part(part), seen(seen_by(s)), at(part.at)
   {
   }
 
@@ -145,7 +145,6 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
   const Law &law;
   const Part &part;
   const Seen seen;
-  const Numbers<double> pair;
   const double (*const at)[4];
   size_t lent = 0;    // of the part's, those that are read
   Batch b;
@@ -183,8 +182,7 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
   void compute()
   {
     gather();
-    const Numbers<Lanes> of{pair.k, spread(pair.damping, Lanes{}), spread(pair.ramp, Lanes{}), pair.friction};
-    const Rolling rolling = s.rolling;
+    const Numbers<Lanes> of = numbers_of(s.pair, Lanes{});
     const Lanes half = spread(0.5 * s.diameter, Lanes{});
     for (int c = 0; c < b.n; c += LANES) {
       Lanes between[4];
@@ -210,7 +208,7 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
         held.slide = lanes(b.slide + c);
         held.roll = lanes(b.roll + c);
       }
-      const PairForce<Lanes> out = pair_contact<SIZES, SPIN>(law, of, rolling, two, held);
+      const PairForce<Lanes> out = pair_contact<SIZES, SPIN>(law, of, two, held);
       lanes(b.fx + c) = out.fx;
       lanes(b.fy + c) = out.fy;
       lanes(b.dash_x + c) = out.dashpot * out.nx;

@@ -11,14 +11,14 @@
 #include <numeric>
 #include <vector>
 
-/** Slots of the discs and numbers of their springs, as of `jump_state`. */
+/** Slots of the discs, as of `jump_state`. */
 struct jump_springs {
   int64_t slots;
   const int64_t *ids;
   int64_t *partner, *full;
   double *sigma, *spring, *roll;
   int8_t *used;
-  double time_step, ratio, damping, rolling_k, rolling_damping, rolling_friction;
+  double time_step;
 };
 
 JUMP_SIZE(jump_springs)
@@ -37,7 +37,7 @@ struct Box {
   double lx, ly, offset, strain, pressure;
 };
 struct Control {
-  double rate, pressure, gain, cap, time_step, skin, stiffness, damping, tangential, mass, turn;
+  double rate, pressure, gain, cap, time_step, skin, slope, mass, turn;
 };
 
 /** Two discs of the list, and the image of the second: boxes up, and along. */
@@ -92,14 +92,15 @@ int64_t list(const Swarm &s, const Box &box, double skin, Listed *pairs, int64_t
 }
 
 /** Forces and torques of all listed pairs; adds the contacts' part of the stress. `state` holds law and memory. */
-void forces(const Swarm &s, const Box &box, double rate, const jump_state &state, const Listed *pairs, int64_t count, Sums &sums)
+void forces(const Swarm &s, const Box &box, const Control &c, const jump_state &state, const Listed *pairs, int64_t count,
+            Sums &sums)
 {
   std::fill(s.fx, s.fx + s.n, 0.0);
   std::fill(s.fy, s.fy + s.n, 0.0);
   std::fill(s.torque, s.torque + s.n, 0.0);
-  const double speed = rate * box.ly;
+  const double speed = c.rate * box.ly;
   const Seen seen{s.vx, s.vy, s.omega};
-  with_law(state, state.sign_ramp, [&](const auto &law, auto sizes, auto spin) {
+  with_law(state, c.slope, [&](const auto &law, auto sizes, auto spin) {
     using Friction = typename std::decay_t<decltype(law)>::Friction;
     constexpr bool SPIN = decltype(spin)::value;
     if constexpr (decltype(sizes)::value && SPIN == Friction::RUBS) {
@@ -116,10 +117,10 @@ void forces(const Swarm &s, const Box &box, double rate, const jump_state &state
           const PairMemory of_pair(state, i, j);
           const Memory memory = of_pair.take(state);
           held = memory.begin(of_pair.way);
-          out = pair_contact<true, SPIN>(law, numbers_of_pair(state), state.rolling, pair, held);
+          out = pair_contact<true, SPIN>(law, numbers_of(state.pair, 0.0), pair, held);
           memory.end(held, of_pair.way);
         } else {
-          out = pair_contact<true, SPIN>(law, numbers_of_pair(state), Rolling{}, pair, held);
+          out = pair_contact<true, SPIN>(law, numbers_of(state.pair, 0.0), pair, held);
         }
         s.fx[i] += out.fx;
         s.fy[i] += out.fy;
@@ -187,18 +188,13 @@ double mode(const Swarm &s, const Box &box)
 }
 
 /** Law and memory of the discs, as the contacts of the core read them. */
-jump_state state_of(const Swarm &s, const Control &c, const double *law, const jump_springs *springs)
+jump_state state_of(const Swarm &s, const LawNumbers &law, const jump_springs *springs)
 {
   jump_state state{};
   state.n = s.n;
   state.radius = s.radius;
   state.omega = s.omega;
-  state.stiffness = c.stiffness;
-  state.damping = c.damping;
-  state.tangential = c.tangential;
-  state.friction = law[0];
-  state.sign_ramp = law[1];
-  state.touch = law[2];
+  state.pair = law;
   if (springs) {
     state.ids = springs->ids;
     state.slots = springs->slots;
@@ -209,9 +205,6 @@ jump_state state_of(const Swarm &s, const Control &c, const double *law, const j
     state.roll = springs->roll;
     state.used = springs->used;
     state.memory_step = springs->time_step;
-    state.spring_ratio = springs->ratio;
-    state.spring_damping = springs->damping;
-    state.rolling = {springs->rolling_k, springs->rolling_damping, springs->rolling_friction};
   }
   return state;
 }
@@ -224,17 +217,17 @@ using namespace jump;
 /** Steps of kick, drift and forces, `every` for each row of `record`, which takes their means: stress (Pa), area (m^2),
     energy of the motion against the shear (J per m), and the height of the first mode at its end (m/s).
 
-    discs: ten arrays of n, the last of 2 n, in the order of `Swarm`. law: friction, slope, touch, NaN where there is none.
+    discs: ten arrays of n, the last of 2 n, in the order of `Swarm`. law: that of two discs, of a size of 1 m.
     Returns 0 where there is no room for the pairs. */
-JUMP_API int64_t jump_shear(int64_t n, double *const *discs, double *box_numbers, const double *control, const double *law,
-                            const jump_springs *springs, int32_t *listed, int64_t room, double *record, int64_t rows,
+JUMP_API int64_t jump_shear(int64_t n, double *const *discs, double *box_numbers, const double *control,
+                            const LawNumbers *law, const jump_springs *springs, int32_t *listed, int64_t room, double *record, int64_t rows,
                             int64_t every)
 {
   const Swarm s{n, discs[0], discs[1], discs[2], discs[3], discs[4], discs[5], discs[6], discs[7], discs[8], discs[9]};
   Box &box = *reinterpret_cast<Box *>(box_numbers);
   const Control &c = *reinterpret_cast<const Control *>(control);
   Listed *const pairs = reinterpret_cast<Listed *>(listed);
-  const jump_state state = state_of(s, c, law, springs);
+  const jump_state state = state_of(s, *law, springs);
   const double dt = c.time_step, widest = 2.0 * *std::max_element(s.radius, s.radius + n) + c.skin;
   double bent = HUGE_VAL, grown = 0.0;    // the first step lists
   int64_t count = 0;
@@ -243,7 +236,7 @@ JUMP_API int64_t jump_shear(int64_t n, double *const *discs, double *box_numbers
     for (int64_t step = 0; step < every; step++) {
       const double ly = box.ly;
       double grow = 0.0;
-      if (c.gain > 0.0) grow = least(most(c.gain * (box.pressure - c.pressure) / c.stiffness, -c.cap), c.cap) * dt;
+      if (c.gain > 0.0) grow = least(most(c.gain * (box.pressure - c.pressure) / law->stiffness, -c.cap), c.cap) * dt;
       Sums sums;
       const double far = move(s, box, c, sums);
       const double kinetic = 0.5 * (sums.xx + sums.yy);
@@ -266,7 +259,7 @@ JUMP_API int64_t jump_shear(int64_t n, double *const *discs, double *box_numbers
         if (count < 0) return 0;
         bent = grown = 0.0;
       }
-      forces(s, box, c.rate, state, pairs, count, sums);
+      forces(s, box, c, state, pairs, count, sums);
       if (springs) end_step(*springs, n);
       const double area = box.lx * box.ly, parts = area * (double) every;
       box.pressure = 0.5 * (sums.xx + sums.yy) / area;

@@ -37,8 +37,8 @@ template <class Run> static void each_wall_contact(const jump_state &s, const Ru
   }
 }
 
-template <class Normal>
-static double elastic(const jump_state &s, const Normal &normal, int64_t begin, int64_t known, double *worst, int64_t *where)
+template <class Law>
+static double elastic(const jump_state &s, const Law &law, int64_t begin, int64_t known, double *worst, int64_t *where)
 {
   double pairs = 0.0, walls = 0.0;
   const auto note = [&](double overlap, int64_t disc, int64_t wall) {
@@ -51,13 +51,13 @@ static double elastic(const jump_state &s, const Normal &normal, int64_t begin, 
     if (known >= 0 && s.ids[i] <= known && s.ids[j] <= known) return;
     const double overlap = a + b - std::sqrt(r2);
     if (!(overlap > 0.0)) return;
-    pairs += normal.energy(s.stiffness, overlap);
+    pairs += stored_energy(law, s.pair, overlap);
     note(overlap, i, -1);
   });
   each_wall_contact(s, [&](const WallView &, int64_t wall, int64_t i, const FaceContact &found, double, double) {
     if (known >= 0 && s.ids[i] <= known) return;
     const double overlap = radius_of(s, i) - found.gap;
-    walls += normal.energy(s.numbers[wall][0], overlap);
+    walls += stored_energy(law, s.at_wall[wall], overlap);
     note(overlap, i, wall);
   });
   return pairs + walls;
@@ -99,8 +99,7 @@ static PairForce<double> contact_of(const jump_state &s, const Law &law, const S
     const PairMemory memory(s, i, j);
     held = memory.take(s).begin(memory.way);
   }
-  return pair_contact<SIZES, SPIN>(law, numbers_of_pair(s), s.rolling,
-                                   pair_of<SIZES, SPIN>(s, seen, i, j, dx, dy, r2, a, b), held);
+  return pair_contact<SIZES, SPIN>(law, numbers_of(s.pair, 0.0), pair_of<SIZES, SPIN>(s, seen, i, j, dx, dy, r2, a, b), held);
 }
 
 template <bool SIZES, bool SPIN, class Law>
@@ -108,21 +107,20 @@ static void list_contacts(const jump_state &s, const Law &law, const Seen &at_st
 {
   each_pair(s, 0, [&](double xi, int64_t i, int64_t j, double dx, double dy, double r2, double a, double b) {
     const PairForce<double> out = contact_of<SIZES, SPIN>(s, law, seen, i, j, dx, dy, r2, a, b);
-    const double way = a - 0.5 * out.overlap, sx = at_step.vx[i] - at_step.vx[j], sy = at_step.vy[i] - at_step.vy[j];
-    double power = -out.dashpot * (out.nx * sx + out.ny * sy) - out.rub * (out.nx * sy - out.ny * sx);
+    const double way = way_to_middle(a, out.overlap), sx = at_step.vx[i] - at_step.vx[j], sy = at_step.vy[i] - at_step.vy[j];
+    double power = taken(out, out.nx, out.ny, sx, sy);
     if constexpr (SPIN) power -= out.on_a * at_step.spin[i] + out.on_b * at_step.spin[j];
     record.add(s.ids[i], s.ids[j], xi - way * out.nx, s.y[i] - way * out.ny, out.fx, out.fy, power);
   });
   each_wall_contact(s, [&](const WallView &view, int64_t wall, int64_t i, const FaceContact &found, double px, double py) {
     const double own = radius_of(s, i), x = s.x[i], y = s.y[i];
     const AtWall<double> at = view.meet<SIZES, SPIN>(s, seen, i, found, x, y);
-    const Rolling rolling = Law::Friction::REMEMBERS ? s.rolling_at[wall] : Rolling{};
-    const WallForce<double> out = wall_contact<SIZES, SPIN>(law, numbers_of_wall(s, wall), rolling, at,
+    const WallForce<double> out = wall_contact<SIZES, SPIN>(law, numbers_of(s.at_wall[wall], 0.0), at,
                                                             WallMemory(s, i, found.face, px, py, own));
     const double at_x = x - at.gap * at.nx, at_y = y - at.gap * at.ny;
     const Pose wall_v = view.placed ? view.velocity(view.placed->centred, at_x, at_y) : Pose{0.0, 0.0, 0.0};
     const double sx = at_step.vx[i] - wall_v.x, sy = at_step.vy[i] - wall_v.y;
-    double power = -out.dashpot * (at.nx * sx + at.ny * sy) - out.rub * (at.nx * sy - at.ny * sx);
+    double power = taken(out, at.nx, at.ny, sx, sy);
     if constexpr (SPIN) power -= out.torque * at_step.spin[i];
     record.add(s.ids[i], -1 - wall, at_x, at_y, out.fx, out.fy, power);
   });
@@ -187,7 +185,7 @@ static void between(const jump_state &s, const jump_stations &at, double *sums)
   between_discs(s, at, sums, push, lost, slid);
   if (!at.pushed) return;
   const Seen seen = seen_by(s);
-  with_law(s, has(s.sign_ramp) ? slope_of(s, seen) : 0.0, [&](const auto &law, auto sizes, auto spin) {
+  with_law(s, slope_of(s, seen), [&](const auto &law, auto sizes, auto spin) {
     constexpr bool SIZES = decltype(sizes)::value, SPIN = decltype(spin)::value;
     each_pair(s, 0, [&](double, int64_t i, int64_t j, double, double, double r2, double, double) {
       const int64_t a = s.x[i] < s.x[j] ? i : j, b = a == i ? j : i;
@@ -267,9 +265,7 @@ double jump_elastic(const jump_state *state, int64_t begin, int64_t known, doubl
   *worst = 0.0;
   where[0] = where[1] = -1;
   double energy = 0.0;
-  with_touch(state->touch, state->pull, [&](const auto &normal, const auto &) {
-    energy = elastic(*state, normal, begin, known, worst, where);
-  });
+  with_normal(state->pair, [&](const auto &law) { energy = elastic(*state, law, begin, known, worst, where); });
   if (state->corners && known < 0) energy += body_elastic(*state);
   return energy;
 }
@@ -282,7 +278,7 @@ int64_t jump_contacts(const jump_state *state, const Seen *at_step, const Seen *
                       int64_t room)
 {
   Record record(who, found, room);
-  with_law(*state, has(state->sign_ramp) ? slope_of(*state, *seen) : 0.0, [&](const auto &law, auto sizes, auto spin) {
+  with_law(*state, slope_of(*state, *seen), [&](const auto &law, auto sizes, auto spin) {
     list_contacts<sizes.value, spin.value>(*state, law, *at_step, *seen, record);
   });
   return record.is_short ? -1 : record.count;

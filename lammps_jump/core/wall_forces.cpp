@@ -22,8 +22,7 @@ static void forces_of(const jump_state &s, const Law &law, int64_t wall, Part &p
 {
   const Seen seen = seen_by(s);
   const WallView view(s, wall);
-  const Numbers<double> of = numbers_of_wall(s, wall);
-  const Rolling rolling = Law::Friction::REMEMBERS ? s.rolling_at[wall] : Rolling{};
+  const Numbers<double> of = numbers_of(s.at_wall[wall], 0.0);
   const bool moves = view.placed, ledger = s.dash_x, slides = Law::Friction::RUBS && s.slide_x;
   double x_ref = s.about[wall][0], y_ref = s.about[wall][1];
   if (moves) {
@@ -42,7 +41,7 @@ static void forces_of(const jump_state &s, const Law &law, int64_t wall, Part &p
     for (int c = 0; c < count; c++) {
       const AtWall<double> at = view.meet<SIZES, SPIN>(s, seen, i, found[c], x, y);
       const WallForce<double> out =
-          wall_contact<SIZES, SPIN>(law, of, rolling, at, WallMemory(s, i, found[c].face, px, py, own));
+          wall_contact<SIZES, SPIN>(law, of, at, WallMemory(s, i, found[c].face, px, py, own));
       const double to = view.arm(at.gap, own), to_x = x - to * at.nx, to_y = y - to * at.ny;
       const double rolls = view.bulk > 0.0 ? own * out.resist : 0.0;    // of a body, which feels it too
       const Sum push{out.fx, out.fy, (to_x - x_ref) * out.fy - (to_y - y_ref) * out.fx + rolls};

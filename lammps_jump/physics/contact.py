@@ -300,6 +300,11 @@ class Coefficients:
         """The same at walls."""
         return self.gamma_tangential_wall / self.gamma_normal_wall if self.gamma_normal_wall else nan
 
+    @property
+    def pair_law(self) -> WallLaw:
+        """Contact of two nominal discs, as of one with a wall."""
+        return WallLaw(self.stiffness, self.gamma_normal, self.gamma_tangential, self.friction)
+
     @cached_property
     def wall_law(self) -> WallLaw:
         """Contact with a wall that has no numbers of its own."""

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Contact law of two discs, or of a disc and a wall: normal force, friction, stored energy (thesis 3.11, 4.18-4.21).
 
-Plain functions of one contact, which the twin calls. The core and the plugin hold their own copies (``core/law.h``,
-``core/law.h``), which tests compare with these.
+Plain functions of one contact, which the twin calls. The core and the plugin have them in ``core/law.h``; tests compare
+the two.
 
 `touch` is the width s (m) of a smooth touch, or None for a sharp one. With overlap delta and stiffness k, the spring of
 a smooth touch is k delta^2/(2 s) below delta = s and k (delta - s/2) beyond. Its dashpot is c F / sqrt(2 k E), where F
@@ -12,7 +12,9 @@ in docs/kernels.md).
 
 from __future__ import annotations
 
-from math import sqrt
+from math import isnan, sqrt
+
+from lammps_jump.core.law import LawNumbers
 
 
 def normal_force(overlap, opening, stiffness, damping, touch, cohesion=0.0):
@@ -100,7 +102,20 @@ def stored_energy(overlap, touch):
     return 0.5 * (overlap * overlap - touch * overlap + touch * touch / 3.0)
 
 
-def contact_force(overlap, normal, slip, rim, numbers, friction, slope, touch):
+def contact_energy(overlap: float, of: LawNumbers) -> float:
+    """What a contact has stored, J per m of width: that of its spring, less what the attraction has given."""
+    return of.stiffness * stored_energy(overlap, of.touch or None) - of.cohesion * overlap
+
+
+def pressing(push: float, of: LawNumbers) -> float:
+    """What of a normal force presses the two together, N per m of width: it bounds friction.
+
+    The spring holds the attraction (Derjaguin, Muller & Toporov 1975).
+    """
+    return push + of.cohesion
+
+
+def contact_force(overlap, normal, slip, rim, of: LawNumbers, slope):
     """The whole force of one contact on a disc: (fx, fy, tangential, dashpot), N per m of width.
 
     The tangential force acts along (-ny, nx); the dashpot is part of the normal force, along the normal.
@@ -115,22 +130,20 @@ def contact_force(overlap, normal, slip, rim, numbers, friction, slope, touch):
         Velocity of the disc's centre against that of its partner, m/s.
     rim : float
         Speed of the rims, R_i omega_i + R_j omega_j, m/s; 0 without spin.
-    numbers : (float, float, float, float)
-        Stiffness (N/m), dashpot of the normal force and slope of LAMMPS' viscous ramp (N s/m), and the constant
-        attraction (N), per m of width.
-    friction, slope, touch
-        As in `friction_force` and `normal_force`; friction None: there is none. Friction is bounded by the normal force
-        without the attraction (Derjaguin, Muller & Toporov 1975).
+    of : LawNumbers
+        `damping` and `tangential` are those of this contact. Friction NaN: there is none.
+    slope : float or None
+        As in `friction_force`. Friction is bounded by what presses the two together (`pressing`).
     """
     nx, ny = normal
     vx, vy = slip
-    k, damping, ramp, cohesion = numbers
-    push, dashpot = normal_force(overlap, vx * nx + vy * ny, k, damping, touch, cohesion)
+    opening = vx * nx + vy * ny
+    push, dashpot = normal_force(overlap, opening, of.stiffness, of.damping, of.touch or None, of.cohesion)
     fx = push * nx
     fy = push * ny
     rub = 0.0
-    if friction is not None:
-        rub = friction_force(push + cohesion, vy * nx - vx * ny - rim, friction, ramp, slope)
+    if not isnan(of.friction):
+        rub = friction_force(pressing(push, of), vy * nx - vx * ny - rim, of.friction, of.tangential, slope)
         fx -= rub * ny
         fy += rub * nx
     return fx, fy, rub, dashpot

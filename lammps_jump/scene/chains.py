@@ -93,6 +93,17 @@ class Faces(NamedTuple):
     deep: np.ndarray
 
 
+FACE = np.dtype([("codes", np.int64, 8), ("shape", float, 15)])
+"""A row of `Faces` as the core has it (``core/faces.h``)."""
+
+
+def records_of(faces: Faces) -> np.ndarray:
+    """Faces as the core has them, shape (faces,) of `FACE`."""
+    found = np.empty(len(faces.codes), FACE)
+    found["codes"], found["shape"] = faces.codes, faces.shape
+    return found
+
+
 def _straight(start: Point, end: Point) -> Face:
     dx, dy = end[0] - start[0], end[1] - start[1]
     length = hypot(dx, dy)

@@ -7,14 +7,15 @@ from bisect import bisect_right
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from hashlib import sha256
-from math import isinf, sqrt
+from math import isinf, nan, sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lammps_jump.core.law import LawNumbers
 from lammps_jump.physics.contact import Coefficients, WallLaw
 from lammps_jump.physics.hydrograph import Hydrograph
-from lammps_jump.physics.slip import Springs, slots_of
+from lammps_jump.physics.slip import FRICTION_LAWS, Springs, slots_of
 
 from .motion import STILL, MovingWall, Pose, arms
 from .sizes import Sizes
@@ -446,6 +447,35 @@ class Scene(Measures):
     def wall_law(self, name: str) -> WallLaw:
         """Contact with the wall of that name."""
         return self.own_laws.get(name, self.coefficients.wall_law)
+
+    def law_numbers(self, wall: str | None = None, *, sized: bool | None = None) -> LawNumbers:
+        """Numbers of the law of two discs or, with its name, of a disc and a wall.
+
+        Those of a size of 1 m where `sized`, which the scene's discs tell unless it is given.
+        """
+        c, mass = self.coefficients, self.mass
+        own, effective = self.wall_law(wall) if wall else c.pair_law, mass if wall else 0.5 * mass
+        damping, tangential = effective * own.gamma_normal, effective * own.gamma_tangential
+        if (self.sizes is not None) if sized is None else sized:
+            damping = sqrt(mass) / self.radius * (own.gamma_normal * sqrt(effective))
+            # without a dashpot springs with memory have none along the contact either; the other laws are refused
+            rubs = own.friction and own.gamma_normal
+            tangential = own.gamma_tangential / own.gamma_normal * damping if rubs else 0.0
+        springs, roll = self.springs, self.springs.rolling if self.springs else None
+        return LawNumbers(
+            stiffness=own.stiffness,
+            damping=damping,
+            tangential=tangential,
+            friction=own.friction if self.rubs else nan,
+            sign_ramp=FRICTION_LAWS[self.friction_law].ramp or 0.0 if self.rubs else 0.0,
+            touch=self.touch_width if self.touch == "smooth" else 0.0,
+            cohesion=self.cohesion,
+            spring_ratio=springs.tangential_ratio if springs else 0.0,
+            spring_damping=springs.tangential_damping_ratio if springs else 0.0,
+            rolling=roll.stiffness_ratio * own.stiffness if roll else 0.0,
+            rolling_damping=roll.damping * effective * own.gamma_normal if roll else 0.0,
+            rolling_friction=(roll.friction if own.rolling is None else own.rolling) if roll else 0.0,
+        )
 
     @property
     def rubs(self) -> bool:

@@ -54,8 +54,7 @@ def contact_law(scene: Scene) -> list[str]:
     ]
     if scene.touch == "smooth":
         words.append(f"smooth {number(scene.touch_width)}")
-    if scene.cohesion:
-        words.append(f"cohesion {number(scene.cohesion)}")
+    words += [f"{name} {number(value)}" for name, value in stock.more_numbers(scene).items()]
     if scene.rotation:
         words.append("spin yes")
     if springs is not None:

@@ -21,6 +21,11 @@ from .walls import fix_names, granular_law, spring_words, stock_gates, stock_wal
 
 DATA_FILE = "discs.data"
 MOLECULE_FILE = "disk.mol"
+WORDED = {
+    "stiffness", "damping", "tangential", "friction", "sign_ramp", "touch", "spring_ratio", "spring_damping", "rolling",
+    "rolling_damping", "rolling_friction",
+}  # fmt: skip
+"""Numbers of the law that scripts have in words of their own, or refuse by them (`lacking`)."""
 GUARDS_PER_FRAME = 2
 LOG_LINES_PER_FRAME = 5
 probes, gates = stock_probes, stock_gates
@@ -40,6 +45,11 @@ def _rolls(scene: Scene) -> bool:
     return scene.springs is not None and scene.springs.rolling is not None
 
 
+def more_numbers(scene: Scene) -> dict[str, float]:
+    """Numbers of the law that are not 0, but `WORDED`: LAMMPS' styles have none, the plugin takes them by name."""
+    return {name: value for name, value in scene.law_numbers()._asdict().items() if name not in WORDED and value}
+
+
 def lacking(scene: Scene) -> str:
     """What the styles of LAMMPS lack of a scene, with the field that asks for it; empty where they write all of it.
 
@@ -51,8 +61,8 @@ def lacking(scene: Scene) -> str:
         return missing
     if scene.touch == "smooth":
         return "'touch: smooth'"
-    if scene.cohesion:
-        return "'contact.cohesion'"
+    if more := more_numbers(scene):
+        return f"'contact.{next(iter(more))}'"
     if scene.rubs and not FRICTION_LAWS[scene.friction_law].in_stock:
         return f"'friction_law: {scene.friction_law}'"
     if _rolls(scene) and (scene.periodic or scene.outlets):

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from made_up import disc_frame, examples, flow_context
 
 from lammps_jump.analysis import fields as module
-from lammps_jump.analysis.contacts import find_contacts, normal_forces
+from lammps_jump.analysis.contacts import Touching, find_contacts, normal_forces
 from lammps_jump.analysis.fields import compute_fields, mean_fields
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.walls import Block, Box, Plane
@@ -131,11 +131,12 @@ def test_contacts_of_a_pair_and_a_wall_with_dashpots():
 def test_smooth_touch_is_the_derivative_of_its_potential():
     delta = np.linspace(0, 0.02, 2001)
     rest = np.zeros_like(delta)
-    force = normal_forces(delta, rest, rest + K, rest, 0.005)
+    contacts = Touching(*[rest] * len(Touching._fields))._replace(overlap=delta)
+    force = normal_forces(context(touch="smooth", touch_width=0.005), contacts, rest)
     assert force[0] == 0 and np.all(np.diff(force) > 0)
     np.testing.assert_allclose(force[delta >= 0.005], K * (delta[delta >= 0.005] - 0.0025), rtol=1e-12)
     np.testing.assert_allclose(force[delta < 0.005], K * delta[delta < 0.005] ** 2 / 0.01, rtol=1e-12)
-    np.testing.assert_array_equal(normal_forces(delta, rest, rest + K, rest, None), K * delta)
+    np.testing.assert_array_equal(normal_forces(context(), contacts, rest), K * delta)
 
 
 def test_the_balance_keeps_a_uniform_fluid_uniform_up_to_a_wall():

@@ -14,11 +14,11 @@ from laws import LAWS
 
 from lammps_jump.core.library import INTEGER, INTEGERS, REAL, REALS, function
 from lammps_jump.engines.native import NativeSimulation
-from lammps_jump.engines.native.bound import Core, records_of
+from lammps_jump.engines.native.bound import Core
 from lammps_jump.engines.native.cells import CellSimulation
 from lammps_jump.engines.twin import Twin
 from lammps_jump.scene import Block, Box, Motion, MovingWall, handmade_scene
-from lammps_jump.scene.chains import lay
+from lammps_jump.scene.chains import lay, records_of
 from lammps_jump.scene.faces import MOST, foot_at, touching
 from lammps_jump.scene.scene import Fixed, Stations
 from lammps_jump.scene.sizes import Sizes

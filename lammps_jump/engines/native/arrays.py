@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Arrays and numbers as the loops of the native engine take them, those of the core (`bound`) and of the twin.
 
-What a scene lacks is None: `omega` (no spin), `friction` (none), `sign` (LAMMPS' viscous ramp rather than the thesis'
-sign law), `touch` (sharp contact), `dash_x` (no energy ledger), `ux` (damping with the half-step velocity rather than
-the extrapolated one), `grid` and `owner` (neighbour list rather than the thesis' cells), `radius` (equal discs),
-`shift` (no periodic x), `fixed` (all discs move).
+What a scene lacks is None: `omega` (no spin), `dash_x` (no energy ledger), `ux` (damping with the half-step velocity
+rather than the extrapolated one), `grid` and `owner` (neighbour list rather than the thesis' cells), `radius` (equal
+discs), `shift` (no periodic x), `fixed` (all discs move).
 
-Where discs have radii of their own, the constants of `Law` and `Motion` are those of a radius of 1 m: mass and weight
-grow as R^2, the moment of inertia as R^4, the dashpot of a wall as R and that of a pair as its size,
-R_i R_j / sqrt(R_i^2 + R_j^2).
+Where discs have radii of their own, the constants of `LawNumbers` are those of a size of 1 m, and those of `Motion` of
+a radius of 1 m: mass and weight grow as R^2, the moment of inertia as R^4.
 
 Time levels. Between steps the arrays hold x_n, v_(n-1/2) and F_n, so that velocity Verlet and the thesis'
 leap-frog are the same loop: they differ in the velocity that dashpot and friction see, v_(n-1/2) in LAMMPS' order
@@ -23,22 +21,10 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
+from lammps_jump.core.law import LawNumbers
 from lammps_jump.physics.slots import Slots
 from lammps_jump.scene.chains import Faces
 from lammps_jump.scene.near import Grid as NearGrid
-
-
-class Law(NamedTuple):
-    """Contact law in the engines' units: force = stiffness overlap + damping (m_eff gamma) velocity.
-
-    `diameter` is that of equal discs. `damping` and `tangential` are of a pair, or of a size of 1 m. Those of walls
-    stand in `Near.numbers`.
-    """
-
-    diameter: float
-    stiffness: float
-    damping: float
-    tangential: float
 
 
 class Motion(NamedTuple):
@@ -86,8 +72,8 @@ class Near(NamedTuple):
 
     Attributes
     ----------
-    numbers : ndarray, shape (walls, 4)
-        Stiffness, dashpot, slope of the viscous ramp (as in `Law`) and friction coefficient of each wall.
+    laws : tuple of LawNumbers
+        Of each wall.
     about : ndarray, shape (walls, 2)
         Point that the moment on each wall is taken about, m.
     rows : ndarray of int64, shape (walls + 1,)
@@ -103,7 +89,7 @@ class Near(NamedTuple):
         Room for the contacts of one disc (`scene.faces.touching`).
     """
 
-    numbers: np.ndarray
+    laws: tuple[LawNumbers, ...]
     about: np.ndarray
     rows: np.ndarray
     discs: np.ndarray
@@ -160,7 +146,7 @@ class Moves(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """What contacts with springs need besides the law; of two discs the one with the larger id remembers.
+    """What contacts with springs remember; of two discs the one with the larger id does.
 
     Attributes
     ----------
@@ -175,12 +161,6 @@ class Memory(NamedTuple):
         Takes the id of a disc that has no slot left.
     time_step : float
         s; 0 where springs stay as they are.
-    ratio, damping : float
-        Stiffness and dashpot of the tangential spring over those of the contact.
-    rolling : tuple of float
-        Stiffness (N/m), dashpot (N s/m) and friction coefficient of the rolling spring of pairs; stiffness 0: none.
-    rolling_at : ndarray, shape (walls, 3)
-        The same of walls.
     """
 
     slots: Slots
@@ -189,10 +169,6 @@ class Memory(NamedTuple):
     around: np.ndarray
     full: np.ndarray
     time_step: float
-    ratio: float
-    damping: float
-    rolling: tuple[float, float, float]
-    rolling_at: np.ndarray
 
 
 class BodyState(NamedTuple):
@@ -204,9 +180,9 @@ class BodyState(NamedTuple):
         Radius of a disc of the mass of a body, m; 0 of a wall that is none.
     corner : ndarray, shape (corners,)
         Records `CORNER`, each in the frame in which its wall stands.
-    between : ndarray, shape (walls, walls, 5)
-        Contact of a corner of the first wall with a face of the second: stiffness; dashpot and slope of the viscous
-        ramp over the root of the effective mass; what the dashpot is less, as it sees the half step; friction.
+    between : ndarray, shape (walls, walls, numbers + 1)
+        Contact of a corner of the first wall with a face of the second: `LawNumbers` with dashpot and slope of the
+        viscous ramp over the root of the effective mass; what the dashpot is less, as it sees the half step.
     deepest : ndarray, shape (3,)
         Largest overlap since it was looked at (m), and the walls of its corner and of its face.
     corners : State
@@ -225,14 +201,11 @@ CORNER = np.dtype([*((name, float) for name in ("x", "y", "radius", "tx0", "ty0"
 
 
 class Constants(NamedTuple):
-    """Constants of a scene; None drops a term."""
+    """Constants of a scene: diameter of equal discs (m), law of two discs, motion. `Near.laws` has those of walls."""
 
-    law: Law
+    diameter: float
+    law: LawNumbers
     motion: Motion
-    friction: float | None
-    sign: float | None
-    touch: float | None
-    cohesion: float = 0.0
 
 
 class State(NamedTuple):

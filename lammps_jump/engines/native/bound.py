@@ -5,21 +5,18 @@ from __future__ import annotations
 
 import weakref
 from ctypes import POINTER, addressof, byref, c_char_p, c_double, c_int64, c_void_p
-from math import nan
 from typing import Any, ClassVar
 
 import numpy as np
 
+from lammps_jump.core.law import jump_law, laws_of
 from lammps_jump.core.library import INTEGER, INTEGERS, REAL, REALS, Struct, function
-from lammps_jump.scene.chains import Faces
+from lammps_jump.scene.chains import Faces, records_of
 from lammps_jump.scene.near import Grid as NearGrid
 
 from .arrays import BodyState, Box, Cells, Constants, Memory, Moves, Near, Seen, State, Stations
 
 ARRAY = c_void_p
-FACE = np.dtype([("codes", np.int64, 8), ("shape", float, 15)])
-"""A row of `Faces` as the core has it."""
-
 DISCS = "ids x y vx vy fx fy x0 y0 ux uy omega torque uomega dash_x dash_y slide_x slide_y radius fixed"
 MOVES = "track first moving centre now listed far load pushed taken clock"
 MEMORY = "chain around full"
@@ -43,15 +40,15 @@ class jump_state(Struct):
         *fields(c_int64, "grid_columns grid_rows"),
         *fields(c_void_p, "grid_first grid_used"),
         *fields(c_int64, "walls"),
-        *fields(c_void_p, "faces deep numbers about near_rows near_discs near_plain near_last near_faces wall_sum"),
+        *fields(c_void_p, "faces deep at_wall about near_rows near_discs near_plain near_last near_faces wall_sum"),
         *fields(c_void_p, "track track_first moving centre placed listed far load pushed taken clock"),
-        *fields(c_double, "diameter stiffness damping tangential"),
+        *fields(c_double, "diameter"),
+        ("pair", jump_law),
         *fields(c_double, "time_step mass inertia weight_x weight_y reach2"),
-        *fields(c_double, "friction sign_ramp touch pull"),
         *fields(c_int64, "slots"),
         *fields(c_void_p, "partner sigma spring roll used chain around full"),
-        *fields(c_double, "memory_step spring_ratio spring_damping rolling_k rolling_damping rolling_friction"),
-        *fields(c_void_p, "rolling_at work bulk corners corner between deepest"),
+        *fields(c_double, "memory_step"),
+        *fields(c_void_p, "work bulk corners corner between deepest"),
     ]
 
 
@@ -106,20 +103,6 @@ def address(array: np.ndarray | None) -> int | None:
     if not array.flags.c_contiguous:
         raise ValueError(f"the core reads contiguous arrays, not one of strides {array.strides}")
     return array.ctypes.data
-
-
-def records_of(faces: Faces) -> np.ndarray:
-    """Faces as the core has them."""
-    found = np.empty(len(faces.codes), FACE)
-    found["codes"], found["shape"] = faces.codes, faces.shape
-    return found
-
-
-def put_springs(state: jump_state, memory: Memory) -> None:
-    """Put the numbers of what contacts remember into a state."""
-    state.slots = memory.slots.partner.shape[1]
-    state.memory_step, state.spring_ratio, state.spring_damping = memory.time_step, memory.ratio, memory.damping
-    state.rolling_k, state.rolling_damping, state.rolling_friction = memory.rolling
 
 
 class Core:
@@ -184,10 +167,11 @@ class Core:
         put, near = self._put, walls.near
         self._state.walls = len(walls.faces.deep)
         put("faces", self._records(walls.faces))
+        self._held["at_wall"] = laws = laws_of(*near.laws)
+        self._state.at_wall = addressof(laws)
         for name, array in (
-            ("deep", walls.faces.deep), ("numbers", near.numbers), ("about", near.about), ("near_rows", near.rows),
-            ("near_discs", near.discs), ("near_plain", near.plain), ("near_last", near.last),
-            ("near_faces", near.faces),
+            ("deep", walls.faces.deep), ("about", near.about), ("near_rows", near.rows), ("near_discs", near.discs),
+            ("near_plain", near.plain), ("near_last", near.last), ("near_faces", near.faces),
         ):  # fmt: skip
             put(name, array)
         self._bind_moves(walls.moves)
@@ -210,12 +194,9 @@ class Core:
             self._put(there, None if moves is None else getattr(moves, name))
 
     def _bind_constants(self, constants: Constants) -> None:
-        law, motion, *terms = constants
-        for of in (law, motion):
-            for name, value in of._asdict().items():
-                setattr(self._state, name, value)
-        for name, term in zip(("friction", "sign_ramp", "touch", "pull"), terms, strict=True):
-            setattr(self._state, name, nan if term is None else term)
+        self._state.diameter, self._state.pair = constants.diameter, jump_law(*constants.law)
+        for name, value in constants.motion._asdict().items():
+            setattr(self._state, name, value)
         self._held["constants"] = constants
 
     def _bind_memory(self, memory: Memory | None) -> None:
@@ -223,14 +204,14 @@ class Core:
         slots = ("partner", "sigma", "spring", "roll", "used")
         self._held["memory"] = memory
         if memory is None:
-            for name in (*slots, *MEMORY.split(), "rolling_at"):
+            for name in (*slots, *MEMORY.split()):
                 put(name, None)
             return
         for name, array in zip(slots, memory.slots, strict=True):
             put(name, array)
-        for name in (*MEMORY.split(), "rolling_at"):
+        for name in MEMORY.split():
             put(name, getattr(memory, name))
-        put_springs(bound, memory)
+        bound.slots, bound.memory_step = memory.slots.partner.shape[1], memory.time_step
 
     # --- steps ------------------------------------------------------------------------------------------------------
 

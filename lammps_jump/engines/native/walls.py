@@ -18,8 +18,7 @@ from lammps_jump.scene.scene import Scene
 
 from .arrays import BodyState, Constants, Loops, Memory, Moves, Near
 from .bodies.corners import Bodies
-from .bodies.laws import share_of
-from .constants import wall_numbers
+from .bodies.laws import law_at
 
 FOLLOWS, LID, HELD, BODY = 1, 2, 3, 4
 """How a wall moves: along its track, pushed by the discs, at a speed that is set from time to time, or as a body
@@ -138,9 +137,9 @@ class Walls:
         about = [one.motion.about if one.motion.kind else one.wall.moment_point for one in there]
         rows, last = np.zeros(len(walls) + 1, np.int64), np.zeros(1, np.int64)
         self.near = Near(
-            np.array([wall_numbers(scene, one.wall.name, share_of(scene, one)) for one in there]).reshape(-1, 4),
-            np.array(about, float).reshape(-1, 2), rows, np.empty(0, np.int32), np.empty(0, np.int8), last,
-            np.empty(0, np.int64), np.empty((MOST, 4)), np.empty(MOST, np.int64),
+            tuple(law_at(scene, one) for one in there), np.array(about, float).reshape(-1, 2), rows,
+            np.empty(0, np.int32), np.empty(0, np.int8), last, np.empty(0, np.int64), np.empty((MOST, 4)),
+            np.empty(MOST, np.int64),
         )  # fmt: skip
         self.chain, self.around = _chains(scene, self.names, self.faces)
         free = any(one.motion.free for one in there)

@@ -21,30 +21,25 @@ inline double sign_slope(double largest_speed)
   return eps > 1e-300 ? 1.0 / eps : 1e300;
 }
 
-/** Springs with memory, over the stiffness and dashpot of a contact of nominal discs. */
-struct Springs {
-  bool there = false;
-  double ratio = 0.0, rolling = 0.0, rolling_damping = 0.0, rolling_friction = 0.0;
-};
-
 struct DiscLaw {
-  Numbers<double> of{};
-  Rolling rolling;
-  Choice choice{Choice::NONE, 0.0, 0.0, {}, 0.0};
+  LawNumbers of;
+  Choice choice;
 
   DiscLaw() = default;
 
-  /** `mass` is the effective one of nominal discs, `size` their size, or 1 m where discs are equal. */
-  DiscLaw(double k, double gamma, double gamma_t, double mu, double mass, double size, bool sign, double width,
-          double pull, const Springs &springs, double rolling_friction)
-      : of{k, mass * gamma / size, mass * gamma_t / size, mu},
-        rolling{springs.rolling * k, springs.rolling_damping * mass * gamma, rolling_friction}
+  /** `told`: the dashpots are rates, 1/s; stiffness and dashpot against rolling are over those of nominal discs. `mass` is
+      the effective one of nominal discs, `size` their size, or 1 m where discs are equal. */
+  DiscLaw(const LawNumbers &told, double mass, double size, bool sign, bool springs) : of(told)
   {
-    const bool rubs = mu > 0.0 && (sign || gamma_t > 0.0);
-    choice.tangential = springs.there ? Choice::SLIDER : !rubs ? Choice::NONE : sign ? Choice::SIGN : Choice::RAMP;
-    choice.width = width;
-    choice.pull = pull;
-    choice.slider = {springs.ratio, gamma > 0.0 ? gamma_t / gamma : 0.0, 0.0};
+    const double gamma = told.damping, gamma_t = told.tangential;
+    const bool rubs = told.friction > 0.0 && (sign || gamma_t > 0.0);
+    choice.tangential = springs ? Choice::SLIDER : !rubs ? Choice::NONE : sign ? Choice::SIGN : Choice::RAMP;
+    choice.smooth = told.touch > 0.0;
+    of.damping = mass * gamma / size;
+    of.tangential = mass * gamma_t / size;
+    of.spring_damping = gamma > 0.0 ? gamma_t / gamma : 0.0;
+    of.rolling = told.rolling * told.stiffness;
+    of.rolling_damping = told.rolling_damping * mass * gamma;
   }
 };
 

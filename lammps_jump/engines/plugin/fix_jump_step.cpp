@@ -132,12 +132,13 @@ void FixJumpStep::init()
   for (auto &wall : walls) {
     wall.near.prepare(wall.in_place().faces, (int) wall.faces.size(), 0.5 * pair->largest, near_margin, pair->diameter);
     if (!wall.own) wall.numbers[0] = k, wall.numbers[1] = gamma, wall.numbers[2] = gamma_t, wall.numbers[3] = mu;
-    const double *const of = wall.numbers;
-    const double rolling = wall.rolling < 0.0 ? pair->springs.rolling_friction : wall.rolling;
-    wall.law = {of[0], of[1], of[2], of[3], pair->mass, pair->sizes ? 0.5 * pair->diameter : 1.0, pair->sign, pair->width, pair->pull,
-                pair->springs, rolling};
+    jump::LawNumbers told = pair->told;
+    told.stiffness = wall.numbers[0], told.damping = wall.numbers[1], told.tangential = wall.numbers[2];
+    told.friction = wall.numbers[3];
+    if (!(wall.rolling < 0.0)) told.rolling_friction = wall.rolling;
+    wall.law = {told, pair->mass, pair->sizes ? 0.5 * pair->diameter : 1.0, pair->sign, pair->springs};
   }
-  if (pair->springs.there && !array_atom) error->all(FLERR, "fix jump/step needs slots for the law history");
+  if (pair->springs && !array_atom) error->all(FLERR, "fix jump/step needs slots for the law history");
   watch_others();
   pair->slots.rows = &array_atom;
   pair->slots.number = array_atom ? size_peratom_cols / SLOT : 0;

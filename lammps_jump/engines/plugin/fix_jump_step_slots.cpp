@@ -53,7 +53,7 @@ jump::Stretch<double> FixJumpStep::WallMemory::begin(double slip)
 {
   auto &slots = fix.pair->slots;
   const double foot = jump::foot_of(wall.faces[face], x, y);
-  const double limit = 0.5 * fix.pair->radius_of(i) + std::fabs(slip) * wall.law.choice.slider.time_step;
+  const double limit = 0.5 * fix.pair->radius_of(i) + std::fabs(slip) * wall.law.choice.time_step;
   slot = slots.of(i, wall.chain[face], foot, limit, wall.around[face]);
   if (slot != jump::FULL) return {*slots.spring(i, slot), *slots.roll(i, slot)};
   if (slots.full >= 0)
@@ -64,7 +64,7 @@ jump::Stretch<double> FixJumpStep::WallMemory::begin(double slip)
 
 void FixJumpStep::WallMemory::end(const jump::Stretch<double> &held) const
 {
-  if (slot == jump::FULL || !(wall.law.choice.slider.time_step > 0.0)) return;
+  if (slot == jump::FULL || !(wall.law.choice.time_step > 0.0)) return;
   *fix.pair->slots.spring(i, slot) = held.slide;
   *fix.pair->slots.roll(i, slot) = held.roll;
 }

@@ -201,7 +201,7 @@ void FixJumpStep::touch(const Wall &wall, const Law &law, int i, const jump::Fac
 {
   const auto &a = pair->disc[i];
   const auto at = wall.in_place().at(where, a.x, a.y, pair->radius_of(i), a.vx, a.vy, SPIN ? pair->spins[i] : 0.0);
-  const jump::WallForce<double> out = jump::wall_contact<SIZES, SPIN>(law, wall.law.of, wall.law.rolling, at,
+  const jump::WallForce<double> out = jump::wall_contact<SIZES, SPIN>(law, jump::numbers_of(wall.law.of, 0.0), at,
                                                                       WallMemory(*this, wall, i, (int) where.face, x, y));
   const double to_x = at.gap * at.nx, to_y = at.gap * at.ny;
   if (pair->record) {
@@ -282,7 +282,7 @@ void FixJumpStep::push(Wall &wall)
 {
   auto &choice = wall.law.choice;
   choice.slope = jump::sign_slope(pair->largest_speed);
-  choice.slider.time_step = pair->slots.grows ? update->dt : 0.0;
+  choice.time_step = pair->slots.grows ? update->dt : 0.0;
   jump::with_law(choice, pair->sizes, pair->spin, [&](const auto &law, auto own_sizes, auto turns) {
     push<own_sizes.value, turns.value>(wall, law);
   });

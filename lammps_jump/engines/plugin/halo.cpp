@@ -18,7 +18,7 @@ constexpr int DISCS = 7402;    // tag that LAMMPS does not use
 /** Numbers that stand for a disc in a message. */
 int words_of(const PairJumpDisc &pair)
 {
-  return 4 + pair.spin + pair.sizes * (1 + pair.any_fixed()) + pair.springs.there;
+  return 4 + pair.spin + pair.sizes * (1 + pair.any_fixed()) + pair.springs;
 }
 }
 
@@ -92,7 +92,7 @@ void JumpHalo::start(const PairJumpDisc &pair)
       if (pair.spin) to[4] = pair.spins[i];
       if (pair.sizes) to[words - 1] = pair.radii[i];
       if (pair.any_fixed()) to[words - 2] = pair.bulk[i];
-      if (pair.springs.there) to[4 + pair.spin] = pair.tags[i];
+      if (pair.springs) to[4 + pair.spin] = pair.tags[i];
       to += words;
     }
     requests.emplace_back();
@@ -114,7 +114,7 @@ void JumpHalo::finish(PairJumpDisc &pair)
     for (int n = 0; n < partner.incoming; n++, i++, from += words) {
       pair.disc[i] = {from[0], from[1], from[2], from[3]};
       if (pair.spin) pair.spins[i] = from[4];
-      if (pair.springs.there) pair.tags[i] = from[4 + pair.spin];
+      if (pair.springs) pair.tags[i] = from[4 + pair.spin];
       if (pair.any_fixed()) pair.bulk[i] = from[words - 2];
       if (pair.sizes) pair.radii[i] = from[words - 1];    // each step: inserted discs change theirs
     }

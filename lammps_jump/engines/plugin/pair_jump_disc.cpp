@@ -41,9 +41,12 @@ PairJumpDisc::~PairJumpDisc()
 
 void PairJumpDisc::settings(int narg, char **arg)
 {
-  const std::map<std::string, double *> numbers = {{"k", &k}, {"gamma", &gamma}, {"gammat", &gamma_t}, {"mu", &mu},
-                                                   {"mass", &mass}, {"diameter", &diameter}, {"skin", &skin},
-                                                   {"smooth", &width}, {"cohesion", &pull}};
+  std::map<std::string, double *> numbers = {
+      {"k", &told.stiffness}, {"gamma", &told.damping}, {"gammat", &told.tangential}, {"mu", &told.friction},
+      {"smooth", &told.touch}, {"springs", &told.spring_ratio}, {"mass", &mass}, {"diameter", &diameter}, {"skin", &skin}};
+#define JUMP_WORD(name) numbers.emplace(#name, &told.name);    // what has no word of its own goes by its name
+  JUMP_LAW(JUMP_WORD)
+#undef JUMP_WORD
   auto value = [&](int at) -> double {
     if (at >= narg) error->all(FLERR, "pair_style jump/disc: {} needs a value", arg[at - 1]);
     return utils::numeric(FLERR, arg[at], false, lmp);
@@ -54,13 +57,11 @@ void PairJumpDisc::settings(int narg, char **arg)
       if (name != "viscous" && name != "sign" && name != "history")
         error->all(FLERR, "pair_style jump/disc: law is viscous, sign or history, not '{}'", name);
       sign = name == "sign";
-      springs.there = name == "history";
-    } else if (key == "springs") {
-      springs.ratio = value(a + 1);
+      springs = name == "history";
     } else if (key == "rolling") {
-      springs.rolling = value(a + 1);
-      springs.rolling_damping = value(a + 2);
-      springs.rolling_friction = value(a + 3);
+      told.rolling = value(a + 1);
+      told.rolling_damping = value(a + 2);
+      told.rolling_friction = value(a + 3);
       a += 2;
     } else if (key == "fixed") {
       fixed[0] = (tagint) value(a + 1);
@@ -73,27 +74,24 @@ void PairJumpDisc::settings(int narg, char **arg)
       largest = value(a++ + 2);
     } else if (auto number = numbers.find(key); number != numbers.end()) {
       *number->second = value(a + 1);
-      if (key == "smooth" && !(width > 0.0))
+      if (key == "smooth" && !(told.touch > 0.0))
         error->all(FLERR, "pair_style jump/disc: the width of a smooth touch must be above 0");
     } else {
       error->all(FLERR,
                  "pair_style jump/disc: unknown keyword '{}'; there are law, k, gamma, gammat, mu, mass, diameter, skin, "
-                 "smooth, cohesion, spin, sizes, springs, rolling and fixed", key);
+                 "smooth, spin, sizes, springs, rolling, fixed and the numbers of core/law.h", key);
     }
   }
-  if (!(k > 0.0) || !(mass > 0.0) || !(diameter > 0.0) || !(skin > 0.0))
+  if (!(told.stiffness > 0.0) || !(mass > 0.0) || !(diameter > 0.0) || !(skin > 0.0))
     error->all(FLERR, "pair_style jump/disc needs k, mass, diameter and skin, and they must be above 0");
-  if (gamma < 0.0 || gamma_t < 0.0 || mu < 0.0 || pull < 0.0)
-    error->all(FLERR, "pair_style jump/disc: gamma, gammat, mu and cohesion must not be negative");
+  for (const auto &[key, number] : numbers)
+    if (*number < 0.0) error->all(FLERR, "pair_style jump/disc: {} must not be negative", key);
   if (sizes && !(0.0 < smallest && smallest <= largest))
     error->all(FLERR, "pair_style jump/disc: sizes are the smallest and the largest diameter, both above 0");
   if (any_fixed() && !sizes) error->all(FLERR, "pair_style jump/disc: fixed needs sizes");
   if (!sizes) smallest = largest = diameter;
-  if (springs.ratio < 0.0 || springs.rolling < 0.0 || springs.rolling_damping < 0.0 || springs.rolling_friction < 0.0)
-    error->all(FLERR, "pair_style jump/disc: numbers of springs and rolling must not be negative");
-  if (springs.there && width > 0.0) error->all(FLERR, "pair_style jump/disc: the law history has no smooth touch");
-  law = {k, gamma, gamma_t, mu, 0.5 * mass, sizes ? jump::pair_size(0.5 * diameter, 0.5 * diameter) : 1.0, sign, width,
-         pull, springs, springs.rolling_friction};
+  if (springs && told.touch > 0.0) error->all(FLERR, "pair_style jump/disc: the law history has no smooth touch");
+  law = {told, 0.5 * mass, sizes ? jump::pair_size(0.5 * diameter, 0.5 * diameter) : 1.0, sign, springs};
 }
 
 void PairJumpDisc::coeff(int narg, char **arg)
@@ -133,7 +131,7 @@ double PairJumpDisc::halo_cut() const
 {
   double most = largest_squared_speed();
   MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE, MPI_MAX, world);
-  const double speed = 2.0 * std::sqrt(most) + 0.05 * diameter * std::sqrt(2.0 * k / mass);
+  const double speed = 2.0 * std::sqrt(most) + 0.05 * diameter * std::sqrt(2.0 * told.stiffness / mass);
   const int steps = std::max(neighbor->every, neighbor->delay);
   return largest + neighbor->skin + 2.0 * steps * update->dt * speed;
 }
@@ -155,7 +153,7 @@ void PairJumpDisc::reserve(int n)
       radii.resize(disc.size());
       inverse_masses.resize(disc.size());
     }
-    if (springs.there) tags.resize(disc.size());
+    if (springs) tags.resize(disc.size());
     if (any_fixed()) bulk.resize(disc.size());
   }
 }
@@ -169,7 +167,7 @@ void PairJumpDisc::pack()
     disc[i] = {x[i][0], x[i][1], v[i][0], v[i][1]};
     if (sizes) pack_size(i);
     if (spin) spins[i] = atom->omega[i][2];
-    if (springs.there) tags[i] = (double) atom->tag[i];
+    if (springs) tags[i] = (double) atom->tag[i];
   }
   std::fill_n(pushes.begin(), 2 * (size_t) atom->nlocal, 0.0);
   if (spin) std::fill_n(turns.begin(), atom->nlocal, 0.0);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /* pair_style jump/disc law viscous|sign|history k K gamma GN gammat GT mu MU mass M diameter D skin L
                         [smooth S] [spin yes|no] [sizes SMALLEST LARGEST]
-                        [springs RATIO] [rolling RATIO DAMPING MUR] [fixed FIRST LAST]
+                        [springs RATIO] [rolling RATIO DAMPING MUR] [fixed FIRST LAST] [NAME NUMBER] ...
    pair_coeff * *
 
-   Contact forces between discs (laws: core/law.h). gamma in 1/s: the force is (M/2) GN v. Discs are equal: one of
-   another mass or diameter is an error. With sizes their diameters lie from SMALLEST to LARGEST and their masses are
+   Contact forces between discs (laws: core/law.h, whose numbers that have no word here go by their names). gamma in 1/s: the
+   force is (M/2) GN v. Discs are equal: one of another mass or diameter is an error. With sizes their diameters lie from SMALLEST to LARGEST and their masses are
    M (diameter/D)^2; M, D, GN and GT are then of nominal discs, and GN and GT of a pair are theirs times
    sqrt((M/2)/m_eff). Discs with ids from FIRST to LAST stay where they are (sizes are needed). The law history has a tangential spring of RATIO K, and GT is that of its dashpot; rolling has one
    of RATIO K with a dashpot of DAMPING (M/2) GN and the friction coefficient MUR. Fix jump/step keeps them in slots: of
@@ -58,11 +58,10 @@ class PairJumpDisc : public Pair {
 
   jump::Team team;
   jump::Pace pace;
-  double k = 0.0, gamma = 0.0, gamma_t = 0.0, mu = 0.0;
-  double mass = 0.0, diameter = 0.0, width = 0.0, pull = 0.0;    // of nominal discs, with sizes
+  jump::LawNumbers told;                  // the law as the words tell it (disc_law.h)
+  double mass = 0.0, diameter = 0.0;      // of nominal discs, with sizes
   double skin = 0.0, smallest = 0.0, largest = 0.0;  // diameters from smallest to largest
-  bool sign = false, sizes = false, spin = false;
-  jump::Springs springs;
+  bool sign = false, sizes = false, spin = false, springs = false;
   jump::DiscSlots slots;                                 // of the fix, with springs
   double largest_speed = 0.0;                        // all ranks, of the last force evaluation, m/s
   std::vector<Disc, jump::Lines<Disc>> disc;         // local discs, then those of other ranks

@@ -66,7 +66,7 @@ void PairJumpDisc::note(int i, int j, const double *push)
   if (across && tags[i] < tags[j]) return;
   const auto &a = disc[i], &b = disc[j];
   const double dx = a.x - b.x, dy = a.y - b.y, r = std::sqrt(dx * dx + dy * dy), overlap = reach_of(i, j) - r;
-  const double way = (radius_of(i) - 0.5 * overlap) / r;
+  const double way = jump::way_to_middle(radius_of(i), overlap) / r;
   record->push_back({(int32_t) tags[i], (int32_t) tags[j], (float) (a.x - way * dx), (float) (a.y - way * dy),
                      (float) push[0], (float) push[1], NAN});
 }
@@ -75,7 +75,7 @@ void PairJumpDisc::note(int i, int j, const double *push)
 void PairJumpDisc::list_contacts(std::vector<jump::ContactRow> &rows)
 {
   const bool grew = slots.grows;
-  double &goes_on = law.choice.slider.time_step;
+  double &goes_on = law.choice.time_step;
   const double dt = goes_on;
   slots.grows = false;
   goes_on = 0.0;
@@ -152,8 +152,7 @@ void PairJumpDisc::evaluate_list(const Law &rule, size_t from, size_t to, Part *
   double *const __restrict f = pushes.data();
   double *const __restrict torque = turns.data();
   const double *const __restrict omega = spins.data();
-  const jump::Rolling rolling = law.rolling;
-  const jump::Numbers<Lanes> of{law.of.k, spread(law.of.damping, Lanes{}), spread(law.of.ramp, Lanes{}), law.of.friction};
+  const jump::Numbers<Lanes> of = jump::numbers_of(law.of, Lanes{});
 
   // a batch of candidates at a time: differences of those that touch, then their forces, then the sums
   alignas(64) double between[BATCH][4];
@@ -254,7 +253,7 @@ void PairJumpDisc::evaluate_list(const Law &rule, size_t from, size_t to, Part *
         held.slide = lanes(stretch + c);
         if constexpr (SPIN) held.roll = lanes(bent + c);
       }
-      const auto out = jump::pair_contact<SIZES, SPIN>(rule, of, rolling, pair, held);
+      const auto out = jump::pair_contact<SIZES, SPIN>(rule, of, pair, held);
       jump::rows_of_two(out.fx, out.fy, force_on + c);
       if constexpr (SPRINGS) {
         lanes(stretch + c) = held.slide;
@@ -313,11 +312,11 @@ void PairJumpDisc::compute(int eflag, int vflag)
   if (fresh) pack();
   if (ranks) fresh ? ring.rebuild(*this, halo_cut()) : ring.start(*this);
   if (sign) find_largest_speed();
-  if (springs.there) {
+  if (springs) {
     slots.grows = !update->setupflag;
     slots.begin(atom->nlocal);
     if (ranks && update->setupflag) share_memory();
-    law.choice.slider.time_step = slots.grows ? update->dt : 0.0;
+    law.choice.time_step = slots.grows ? update->dt : 0.0;
   }
   travel(moved_here);
   const bool early = ranks && !fresh && !worn(moved_here);    // contacts of local discs, while the others travel
@@ -351,7 +350,7 @@ void PairJumpDisc::evaluate(size_t from, size_t to)
       for (auto &late : part.late) late.clear();
       evaluate_list(0, part.pairs, &part);
     });
-    if (springs.there) add_late();
+    if (springs) add_late();
     from = built;
   }
   evaluate_list(from, to, nullptr);

@@ -224,7 +224,7 @@ void PairJumpDisc::divide(int most)
     if (*ends.second - *ends.first == 1) std::fill_n(group, DISCS_A_LINE, home[i]);
   }
   parts.resize(count);
-  if (springs.there) beside.assign(disc.size(), 0);
+  if (springs) beside.assign(disc.size(), 0);
   team.run(count, [&](int c) { fill(parts[c], c); });
   int copies = nlocal + ring.count() + ROOM_FOR_NEW;
   room = copies;
@@ -268,12 +268,12 @@ void PairJumpDisc::fill(Part &part, int own)
   for (size_t p = 0; p < built; p++) {
     const int i = first[p], j = second[p];
     const bool has_i = of[i] == own, has_j = of[j] == own;
-    if (!has_i && (!has_j || springs.there)) continue;
+    if (!has_i && (!has_j || springs)) continue;
     one[pairs] = i;
     two[pairs] = j;
     if (!has_i || !has_j) {
       part.edge.push_back(has_i ? i : j);
-      if (springs.there) {
+      if (springs) {
         __atomic_store_n(&beside[j], (uint8_t) (std::min(own, (int) of[j]) + 1), __ATOMIC_RELAXED);
       } else {
         part.over.push_back(pairs);

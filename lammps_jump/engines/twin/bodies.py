@@ -4,13 +4,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import sqrt
+from math import nan, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
+from lammps_jump.core.law import LawNumbers
 from lammps_jump.engines.native.arrays import State
-from lammps_jump.physics.law import contact_force, stored_energy
+from lammps_jump.physics.law import contact_energy, contact_force, pressing
 from lammps_jump.scene.faces import foot_at, touching
 
 from . import contact
@@ -119,27 +120,22 @@ def _turned_back(state: State, wall: int, dx: float, dy: float) -> tuple[float, 
 
 def forces(state: State, slope: float | None) -> None:
     """Add the forces of all contacts to the walls that feel them."""
-    of, own = state.constants, state.bodies
+    own = state.bodies
     memory = own.corners.memory
     for found in touches(state):
-        k, damping, ramp, lag, friction = own.between[found.walls].tolist()
-        radius, size = float(own.corner["radius"][found.corner]), sqrt(found.mass)
-        numbers = k, max(damping * size - lag, 0.0), ramp * size
+        *numbers, lag = own.between[found.walls].tolist()
+        radius, size, law = float(own.corner["radius"][found.corner]), sqrt(found.mass), LawNumbers(*numbers)
+        of = law._replace(damping=max(law.damping * size - lag, 0.0), tangential=law.tangential * size)
         (ax, ay), (bx, by) = (contact.wall_velocity(state.walls.moves, wall, 5, *found.point) for wall in found.walls)
         slip, (nx, ny) = (ax - bx, ay - by), found.normal
-        rubs = None if of.friction is None or memory is not None else friction
-        fx, fy, rub, dashpot = contact_force(
-            found.overlap, found.normal, slip, 0.0, (*numbers, 0.0), rubs, slope, of.touch
-        )
+        plain = of if memory is None else of._replace(friction=nan)
+        fx, fy, rub, dashpot = contact_force(found.overlap, found.normal, slip, 0.0, plain, slope)
         if memory is not None:
             faces, walls = state.walls.faces, own.corners.walls
             foot = foot_at(faces.codes, faces.shape, found.face, *found.inner)
             where = int(walls.chain[found.face]), foot, float(walls.around[found.face])
-            springs = memory.ratio * numbers[0], memory.damping * numbers[1], friction
-            slips = slip[1] * nx - slip[0] * ny, 0.0
-            rub, _ = contact.spring_forces(
-                memory, found.corner, where, radius, slips, fx * nx + fy * ny, springs, (0.0, 0.0, 0.0)
-            )
+            slips, push = (slip[1] * nx - slip[0] * ny, 0.0), pressing(fx * nx + fy * ny, of)
+            rub, _ = contact.spring_forces(memory, found.corner, where, radius, slips, push, of)
             fx, fy = fx - rub * ny, fy + rub * nx
         for wall, sense in zip(found.walls, (1.0, -1.0), strict=True):
             parts = (fx, fy), (-dashpot * nx, -dashpot * ny), (rub * ny, -rub * nx)
@@ -161,5 +157,6 @@ def _add(state: State, wall: int, point, parts) -> None:
 
 def elastic(state: State) -> float:
     """Elastic energy of the contacts of bodies, J per m of width."""
-    own, touch = state.bodies, state.constants.touch
-    return float(sum(own.between[found.walls][0] * stored_energy(found.overlap, touch) for found in touches(state)))
+    between = state.bodies.between
+    laws = ((found.overlap, LawNumbers(*between[found.walls][:-1].tolist())) for found in touches(state))
+    return float(sum(contact_energy(*one) for one in laws))

@@ -7,13 +7,14 @@ Every sum of the twin takes its contacts from here.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import cos, sin, sqrt
+from math import cos, nan, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
+from lammps_jump.core.law import LawNumbers
 from lammps_jump.engines.native.arrays import Memory, Moves, Seen, State
-from lammps_jump.physics.law import contact_force, slider
+from lammps_jump.physics.law import contact_force, pressing, slider
 from lammps_jump.physics.slots import FULL, held, slot_of
 from lammps_jump.scene.faces import foot_at, touching
 from lammps_jump.scene.tracks import pose_py
@@ -60,8 +61,8 @@ def seen_by(state: State) -> Seen:
 
 def slope_of(state: State, seen: Seen) -> float | None:
     """1 / eps of the thesis' friction, eps = 0.01 v_max (4.20) of this step; None for another law."""
-    sign, n = state.constants.sign, state.discs.n
-    if sign is None:
+    sign, n = state.constants.law.sign_ramp, state.discs.n
+    if not sign:
         return None
     eps = sign * sqrt(np.max(seen[0][:n] ** 2 + seen[1][:n] ** 2, initial=0.0))
     return 1.0 / eps if eps > 1e-300 else 1e300  # nothing moves: the limit of the law, sat -> sign
@@ -69,7 +70,7 @@ def slope_of(state: State, seen: Seen) -> float | None:
 
 def radius_of(state: State, i: int) -> float:
     """Radius of a disc, m."""
-    return 0.5 * state.constants.law.diameter if state.discs.radius is None else float(state.discs.radius[i])
+    return 0.5 * state.constants.diameter if state.discs.radius is None else float(state.discs.radius[i])
 
 
 def is_fixed(state: State, i: int) -> bool:
@@ -85,12 +86,12 @@ def pair_size(state: State, i: int, j: int) -> float:
     return a * b / sqrt(a * a + b * b)
 
 
-def spring_forces(memory: Memory, i: int, where, radius: float, slips, push: float, numbers, rolling):
+def spring_forces(memory: Memory, i: int, where, radius: float, slips, push: float, of: LawNumbers):
     """Tangential and rolling force of a contact of disc i, N per m of width; its springs go on by a step.
 
     `where` holds the partner, the arc length of the foot on its chain and the chain's length (m); `slips` the
-    tangential speed and that of rolling (m/s); `push` is the normal force; `numbers` are stiffness and dashpot of the
-    tangential spring and the friction coefficient, `rolling` those of the rolling spring.
+    tangential speed and that of rolling (m/s); `push` is what presses the two together; `of` has the dashpot of this
+    contact.
     """
     partner, foot, around = where
     slip, turn = slips
@@ -102,12 +103,19 @@ def spring_forces(memory: Memory, i: int, where, radius: float, slips, push: flo
         stretch, bent = slots.spring[i, slot], slots.roll[i, slot]
     elif dt > 0.0:
         memory.full[0] = memory.ids[i]
-    force, stretch = slider(stretch + slip * dt, slip, numbers[2] * abs(push), numbers[0], numbers[1])
-    if rolling[0] > 0.0:
-        resists, bent = slider(bent + turn * dt, turn, rolling[2] * abs(push), rolling[0], rolling[1])
+    spring, dashpot = of.spring_ratio * of.stiffness, of.spring_damping * of.damping
+    force, stretch = slider(stretch + slip * dt, slip, of.friction * abs(push), spring, dashpot)
+    if of.rolling > 0.0:
+        bound = of.rolling_friction * abs(push)
+        resists, bent = slider(bent + turn * dt, turn, bound, of.rolling, of.rolling_damping)
     if slot != FULL and dt > 0.0:
         slots.spring[i, slot], slots.roll[i, slot] = stretch, bent
     return force, resists
+
+
+def _of_size(law: LawNumbers, size: float) -> LawNumbers:
+    """The law with the dashpots of a contact of this size; 1 where discs are equal."""
+    return law._replace(damping=law.damping * size, tangential=law.tangential * size)
 
 
 def _with_friction(force, normal, rub):
@@ -121,7 +129,7 @@ def pair_contact(state: State, i: int, j: int, shift: float, seen: Seen, slope: 
     `seen` are the velocities that dashpots and friction see. The lever of friction is R of equal discs. It is R less
     half the overlap of others and of contacts with memory, as in LAMMPS' styles for each.
     """
-    d, of, memory = state.discs, state.constants, state.memory
+    d, memory = state.discs, state.memory
     a, b = radius_of(state, i), radius_of(state, j)
     dx, dy = d.x[i] + shift - d.x[j], d.y[i] - d.y[j]
     apart = sqrt(dx * dx + dy * dy)
@@ -131,20 +139,16 @@ def pair_contact(state: State, i: int, j: int, shift: float, seen: Seen, slope: 
     vx, vy, spin = seen
     spins = (0.0, 0.0) if spin is None else (spin[i], spin[j])
     slip, rim = (vx[i] - vx[j], vy[i] - vy[j]), a * spins[0] + b * spins[1]
-    size = pair_size(state, i, j)
-    numbers = of.law.stiffness, of.law.damping * size, of.law.tangential * size
-    own = of.friction if memory is None else None
-    fx, fy, rub, dashpot = contact_force(overlap, (nx, ny), slip, rim, (*numbers, of.cohesion), own, slope, of.touch)
+    of = _of_size(state.constants.law, pair_size(state, i, j))
+    plain = of if memory is None else of._replace(friction=nan)
+    fx, fy, rub, dashpot = contact_force(overlap, (nx, ny), slip, rim, plain, slope)
     rolls = 0.0
     if memory is not None:
         one, other, sense = (i, j, 1.0) if memory.ids[i] > memory.ids[j] else (j, i, -1.0)
         arm = a * b / (a + b)
         slips = slip[1] * nx - slip[0] * ny - rim, sense * arm * (spins[0] - spins[1])
-        springs = memory.ratio * numbers[0], memory.damping * numbers[1], of.friction
         where = int(memory.ids[other]), 0.0, 0.0
-        rub, resists = spring_forces(
-            memory, one, where, a, slips, fx * nx + fy * ny + of.cohesion, springs, memory.rolling
-        )
+        rub, resists = spring_forces(memory, one, where, a, slips, pressing(fx * nx + fy * ny, of), of)
         fx, fy = _with_friction((fx, fy), (nx, ny), rub)
         rolls = sense * arm * resists
     dent = 0.5 * overlap if d.radius is not None or memory is not None else 0.0
@@ -262,12 +266,10 @@ def wall_contact(
 
     A body feels it at the rim of the disc, and turns with it where the disc rolls.
     """
-    d, of, memory, walls = state.discs, state.constants, state.memory, state.walls
+    d, memory, walls = state.discs, state.memory, state.walls
     i, face, gap, (nx, ny) = touched
     own = radius_of(state, i)
-    k, damping, ramp, friction = walls.near.numbers[wall].tolist()
-    size = 1.0 if d.radius is None else wall_size(state, i, wall)
-    numbers = k, damping * size, ramp * size
+    of = _of_size(walls.near.laws[wall], 1.0 if d.radius is None else wall_size(state, i, wall))
     body = is_body(state, wall)
     to = own if body else gap
     at = d.x[i] - to * nx, d.y[i] - to * ny
@@ -275,17 +277,16 @@ def wall_contact(
     vx, vy, spins = seen
     slip, spin = (vx[i] - wx, vy[i] - wy), 0.0 if spins is None else spins[i]
     rim = own * spin
-    rubs = None if of.friction is None or memory is not None else friction
-    fx, fy, rub, dashpot = contact_force(own - gap, (nx, ny), slip, rim, (*numbers, of.cohesion), rubs, slope, of.touch)
+    plain = of if memory is None else of._replace(friction=nan)
+    fx, fy, rub, dashpot = contact_force(own - gap, (nx, ny), slip, rim, plain, slope)
     resists = 0.0
     if memory is not None:
         inner = inward(walls.moves, wall, float(d.x[i]), float(d.y[i]))
         foot = foot_at(walls.faces.codes, walls.faces.shape, face, *inner)
         where = int(walls.chain[face]), foot, float(walls.around[face])
-        springs = memory.ratio * numbers[0], memory.damping * numbers[1], friction
         turn = own * (spin - walls.moves.now[wall, 7]) if body and spins is not None else rim
-        slips, rolling = (slip[1] * nx - slip[0] * ny - rim, turn), memory.rolling_at[wall]
-        rub, resists = spring_forces(memory, i, where, own, slips, fx * nx + fy * ny + of.cohesion, springs, rolling)
+        slips = slip[1] * nx - slip[0] * ny - rim, turn
+        rub, resists = spring_forces(memory, i, where, own, slips, pressing(fx * nx + fy * ny, of), of)
         fx, fy = _with_friction((fx, fy), (nx, ny), rub)
     rolls = own * resists if body else 0.0
     return Contact((nx, ny), at, own - gap, (fx, fy), rub, dashpot, (own * (resists - rub), -rolls))

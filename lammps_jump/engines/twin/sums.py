@@ -3,32 +3,33 @@
 
 from __future__ import annotations
 
+from math import nan
+
 import numpy as np
 
 from lammps_jump.engines.native.arrays import Seen, State, Stations
 from lammps_jump.engines.native.ledger import CARRIED, CONTACTS, DASHPOTS, FRICTION, HELD, MASS_LEFT, MASS_RIGHT, WALLS
-from lammps_jump.physics.law import stored_energy
+from lammps_jump.physics.law import contact_energy
 
 from . import bodies, contact
 
 
 def elastic(state: State, begin: int, known: int) -> tuple[float, float, int, int]:
     """Elastic energy and the largest overlap; see `Loops.elastic`."""
-    ids, law, touch = state.discs.ids, state.constants.law, state.constants.touch
-    pull = state.constants.cohesion
+    ids, law = state.discs.ids, state.constants.law
     energy, worst = 0.0, (0.0, -1, -1)
     still = _stored(state)
     for i, j, found in contact.pair_contacts(still, contact.seen_by(state), None, begin):
         if known >= 0 and ids[i] <= known and ids[j] <= known:
             continue
-        energy += law.stiffness * stored_energy(found.overlap, touch) - pull * found.overlap
+        energy += contact_energy(found.overlap, law)
         worst = max(worst, (found.overlap, i, -1), key=lambda one: one[0])
-    for wall, numbers in enumerate(state.walls.near.numbers):
+    for wall, law in enumerate(state.walls.near.laws):
         for i, _, gap, _ in contact.touched_faces(state, wall):
             if known >= 0 and ids[i] <= known:
                 continue
             overlap = contact.radius_of(state, i) - gap
-            energy += numbers[0] * stored_energy(overlap, touch) - pull * overlap
+            energy += contact_energy(overlap, law)
             worst = max(worst, (overlap, i, wall), key=lambda one: one[0])
     if state.bodies is not None and known < 0:
         energy += bodies.elastic(state)
@@ -37,7 +38,8 @@ def elastic(state: State, begin: int, known: int) -> tuple[float, float, int, in
 
 def _stored(state: State) -> State:
     """The same without friction and memory: what springs along the normal store."""
-    return state._replace(memory=None, constants=state.constants._replace(friction=None))
+    constants = state.constants
+    return state._replace(memory=None, constants=constants._replace(law=constants.law._replace(friction=nan)))
 
 
 def contacts(state: State, at_step: Seen, seen: Seen, who: np.ndarray, found: np.ndarray) -> int:

@@ -125,22 +125,19 @@ class Cell:
         """
         discs, c = self.discs, self.discs.coefficients
         unit = discs.root_time
-        dashpot = sqrt(c.mass) / (0.5 * discs.diameter) * c.damping_by_root_mass
         square = (0.5 * discs.diameter) ** 2
         spins = discs.rotation and c.friction > 0
         gain = 0.0
         if pressure is not None:
             gain = FOLLOW * abs(rate) * c.stiffness / pressure if rate else haste / (SLOWNESS * unit)
         control = loops.Control(
-            rate, pressure or 0.0, gain, CAP / unit, c.time_step,
-            SKIN * discs.diameter, c.stiffness, dashpot, c.tangential_ratio * dashpot if c.friction else 0.0,
-            c.mass / square, square**2 / (c.inertia * square) if spins else 0.0,
+            rate, pressure or 0.0, gain, CAP / unit, c.time_step, SKIN * discs.diameter,
+            1.0 / discs.slip_speed if discs.slip_speed else 0.0, c.mass / square,
+            square**2 / (c.inertia * square) if spins else 0.0,
         )  # fmt: skip
         record = np.empty((rows, 6))
-        slope = 1.0 / discs.slip_speed if discs.slip_speed else None
         every = max(1, round(time / rows / c.time_step))
-        friction = c.friction if c.friction else None
-        law = friction, slope, discs.touch
+        law = discs.scene.law_numbers(sized=True)
         fits = loops.advance(self.swarm, self.box, control, self._pairs, record, every, law, self._memory)
         if not fits or not np.isfinite(record).all():
             raise RunError(
@@ -150,18 +147,10 @@ class Cell:
         return record
 
     def _springs(self, count: int) -> Memory | None:
-        springs, c = self.discs.springs, self.discs.coefficients
-        if springs is None:
+        if self.discs.springs is None:
             return None
         room = slots_of(2.0 * self.swarm.radius.min(), 2.0 * self.swarm.radius.max())
         partner, used = np.zeros((count, room), np.int64), np.zeros((count, room), np.int8)
         slots = Slots(partner, *np.zeros((3, count, room)), used)
-        roll = springs.rolling
-        numbers = (0.0, 0.0, 0.0)
-        if roll is not None:
-            numbers = roll.stiffness_ratio * c.stiffness, roll.damping * 0.5 * c.mass * c.gamma_normal, roll.friction
-        nothing = np.zeros((0, 3))
-        return Memory(
-            slots, np.arange(1, count + 1), np.zeros(0, np.int64), np.zeros(0), np.zeros(1, np.int64), c.time_step,
-            springs.tangential_ratio, springs.tangential_damping_ratio, numbers, nothing,
-        )  # fmt: skip
+        none, full = (np.zeros(0, np.int64), np.zeros(0)), np.zeros(1, np.int64)
+        return Memory(slots, np.arange(1, count + 1), *none, full, self.discs.coefficients.time_step)

@@ -13,6 +13,7 @@ from lammps_jump.case.packing import disc_sizes
 from lammps_jump.case.to_scene import TOUCH_STEPS, contact_of
 from lammps_jump.physics.contact import Coefficients, derive
 from lammps_jump.physics.slip import FRICTION_LAWS, Springs
+from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.sizes import Sizes
 
 
@@ -59,6 +60,18 @@ class Discs:
     def signal_speed(self) -> float:
         """Speed along a row of touching discs, d sqrt(k/m) = n v0, m/s."""
         return self.diameter / self.root_time
+
+    @property
+    def scene(self) -> Scene:
+        """A scene without discs, in which such ones would be."""
+        diameter, nothing = self.diameter, np.zeros((0, 2))
+        return Scene(
+            name="discs", description="", diameter=diameter, density=self.density, gravity=(0.0, 0.0),
+            coefficients=self.coefficients, friction_law=self.friction_law, rotation=self.rotation,
+            integrator="velocity_verlet", domain=((0.0, diameter), (0.0, diameter)), positions=nothing,
+            velocities=nothing, walls=(), sizes=self.sizes, touch="sharp" if self.touch is None else "smooth",
+            touch_width=self.touch or 0.0, springs=self.springs, overlap_limit=diameter,
+        )  # fmt: skip
 
     def radii(self, count: int) -> np.ndarray:
         """Radii of a number of discs, m."""

@@ -17,11 +17,11 @@ while velocities stay. The stress is, over the area A of the box (Irving & Kirkw
 from __future__ import annotations
 
 from ctypes import POINTER, byref, c_double, c_int64, c_void_p
-from math import nan
 from typing import ClassVar, NamedTuple
 
 import numpy as np
 
+from lammps_jump.core.law import LawNumbers, jump_law
 from lammps_jump.core.library import INTEGER, REALS, SHORTS, Struct, function
 from lammps_jump.engines.native.arrays import Memory
 
@@ -57,8 +57,8 @@ class Control(NamedTuple):
         Of (1), Pa and 1/s; gain 0: the box stays.
     time_step, skin : float
         s, m.
-    stiffness, damping, tangential : float
-        N/m, and N s/m of a size of 1 m: the root of the effective mass of two discs over that of a radius of 1 m.
+    slope : float
+        1/eps of the thesis' friction, s/m; 0 of another.
     mass, turn : float
         Mass of a radius of 1 m (kg/m), and 1/inertia of one; `turn` is 0 where discs do not spin.
     """
@@ -69,26 +69,24 @@ class Control(NamedTuple):
     cap: float
     time_step: float
     skin: float
-    stiffness: float
-    damping: float
-    tangential: float
+    slope: float
     mass: float
     turn: float
 
 
 class jump_springs(Struct):
-    """Slots of the discs and numbers of their springs (``core/shear.cpp``)."""
+    """Slots of the discs (``core/shear.cpp``)."""
 
     _fields_: ClassVar = [
         ("slots", c_int64),
         *((name, c_void_p) for name in ("ids", "partner", "full", "sigma", "spring", "roll", "used")),
-        *((name, c_double) for name in ("time_step", "ratio", "damping", "rolling_k", "rolling_damping", "friction")),
+        ("time_step", c_double),
     ]
 
 
 _shear = function(
-    "jump_shear", INTEGER, POINTER(c_void_p), REALS, REALS, REALS, POINTER(jump_springs), SHORTS, INTEGER, REALS,
-    INTEGER, INTEGER, result=INTEGER,
+    "jump_shear", INTEGER, POINTER(c_void_p), REALS, REALS, POINTER(jump_law), POINTER(jump_springs), SHORTS, INTEGER,
+    REALS, INTEGER, INTEGER, result=INTEGER,
 )  # fmt: skip
 
 
@@ -102,12 +100,12 @@ def _at(array: np.ndarray) -> int:
 def _springs(memory: Memory) -> jump_springs:
     slots, m = memory.slots, memory
     arrays = (m.ids, slots.partner, m.full, slots.sigma, slots.spring, slots.roll, slots.used)
-    return jump_springs(slots.partner.shape[1], *map(_at, arrays), m.time_step, m.ratio, m.damping, *m.rolling)
+    return jump_springs(slots.partner.shape[1], *map(_at, arrays), m.time_step)
 
 
 def advance(
     swarm: Swarm, box: np.ndarray, control: Control, pairs: np.ndarray, record: np.ndarray, every: int,
-    law: tuple[float | None, ...], memory: Memory | None,
+    law: LawNumbers, memory: Memory | None,
 ) -> bool:  # fmt: skip
     """Steps of kick, drift and forces, `every` for each row of `record`, which takes their means; needs the core.
 
@@ -121,8 +119,8 @@ def advance(
         Room for the list.
     record : ndarray, shape (rows, 6)
     every : int
-    law : (float or None, float or None, float or None)
-        Friction coefficient; 1/eps of the thesis' friction, s/m; width of a soft start, m.
+    law : LawNumbers
+        Of two discs, of a size of 1 m.
     memory : Memory or None
         Of contacts with springs.
 
@@ -132,7 +130,7 @@ def advance(
         False where `pairs` is short.
     """
     discs = (c_void_p * len(swarm))(*map(_at, swarm))
-    numbers = (np.array(values, float) for values in (control, [nan if term is None else term for term in law]))
     springs = None if memory is None else byref(_springs(memory))
     number, rows = len(swarm.x), len(record)
-    return bool(_shear(number, discs, box, *numbers, springs, pairs, len(pairs), record, rows, every))
+    imposed = np.array(control, float)
+    return bool(_shear(number, discs, box, imposed, jump_law(*law), springs, pairs, len(pairs), record, rows, every))

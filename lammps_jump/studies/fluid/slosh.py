@@ -89,15 +89,17 @@ def box_of(discs: Discs, depth: float, gravity: float, seed: int) -> Scene:
     y = (row + 0.5) * pitch + random.uniform(-0.009, 0.009, count) * pitch
     tilt = atan(SLOPE)
     walls = (Plane("floor", "y", 0.0, "above"), Plane("left", "x", 0.0, "above"), Plane("right", "x", length, "below"))
-    return Scene(
-        name="slosh", description="", diameter=discs.diameter, density=discs.density,
-        gravity=(-gravity * sin(tilt), -gravity * cos(tilt)), coefficients=discs.coefficients,
-        friction_law=discs.friction_law, rotation=discs.rotation, integrator="velocity_verlet",
+    return replace(
+        discs.scene,
+        name="slosh",
+        gravity=(-gravity * sin(tilt), -gravity * cos(tilt)),
         domain=((-1.0 * discs.diameter, length + discs.diameter), (-discs.diameter, 4.0 * float(y.max()) + depth)),
-        positions=np.column_stack([x, y]), velocities=np.zeros((count, 2)), walls=walls, sizes=sizes,
-        overlap_limit=discs.diameter, touch="sharp" if discs.touch is None else "smooth",
-        touch_width=discs.touch or 0.0, springs=discs.springs, skin=2.0 * SKIN * discs.diameter,
-    )  # fmt: skip
+        positions=np.column_stack([x, y]),
+        velocities=np.zeros((count, 2)),
+        walls=walls,
+        sizes=sizes,
+        skin=2.0 * SKIN * discs.diameter,
+    )
 
 
 def swing_of(discs: Discs, depth: float, gravity: float, seed: int) -> tuple[np.ndarray, np.ndarray, float]:

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from lammps_jump.core.law import LawNumbers
 from lammps_jump.engines.native.arrays import CORNER, BodyState, Constants, Loops, Memory, Near, Pairs, State
 from lammps_jump.physics.slots import Slots
 from lammps_jump.scene.bodies.corners import corners_of, round_of
@@ -85,7 +86,7 @@ class Bodies:
         rows, last = np.zeros(len(there) + 1, np.int64), np.zeros(1, np.int64)
         empty = np.empty(0, np.int64)
         self.near = Near(
-            np.zeros((len(there), 4)), np.zeros((len(there), 2)), rows, np.empty(0, np.int32), np.empty(0, np.int8),
+            (LawNumbers(*[0.0] * 4),) * len(there), np.zeros((len(there), 2)), rows, np.empty(0, np.int32), np.empty(0, np.int8),
             last, empty, np.empty((MOST, 4)), np.empty(MOST, np.int64),
         )  # fmt: skip
         self.bulk = np.array([bulk_of(scene, one) for one in there])
@@ -111,8 +112,7 @@ class Bodies:
             own, d = None, self.discs
             if memory is not None:
                 slots = Slots(d.partner, d.sigma, d.spring, d.roll, d.touched)
-                rolling = np.zeros((len(self.bulk), 3))
-                own = memory._replace(slots=slots, ids=d.ids, full=self._full, rolling_at=rolling)
+                own = memory._replace(slots=slots, ids=d.ids, full=self._full)
             beside = Beside(self._faces, self.near, walls.moves, walls.chain, walls.around, self._sums)
             corners = State(d, self._pairs, beside, constants, own, self._work)
             bodies = BodyState(self.bulk, self.corner, self.between, self.deepest, corners)

@@ -4,10 +4,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import sqrt
+from math import nan, sqrt
 
 import numpy as np
 
+from lammps_jump.core.law import LawNumbers
 from lammps_jump.physics.contact import SMOOTH_SHARE, damping
 from lammps_jump.scene.motion import MovingWall
 from lammps_jump.scene.scene import Scene
@@ -17,6 +18,15 @@ def share_of(scene: Scene, one: MovingWall) -> float:
     """Root of the effective mass of a nominal disc and a wall over that of the disc: sqrt(M/(m + M)); 1 of no body."""
     free = one.motion.free
     return 1.0 if free is None else sqrt(free.mass / (scene.mass + free.mass))
+
+
+def law_at(scene: Scene, one: MovingWall) -> LawNumbers:
+    """Numbers of the law of a disc and a wall; of a body with the effective mass, where no contact has its own."""
+    law = scene.law_numbers(one.wall.name)
+    if one.motion.free is None or scene.sizes is not None:
+        return law
+    share = share_of(scene, one)
+    return law._replace(damping=share * law.damping, tangential=share * law.tangential)
 
 
 def bulk_of(scene: Scene, one: MovingWall) -> float:
@@ -30,7 +40,7 @@ def laws_between(scene: Scene, walls: Sequence[MovingWall]) -> np.ndarray:
 
     Where both have a number of their own, the smaller one counts; where neither has, that of the scene.
     """
-    found = np.zeros((len(walls), len(walls), 5))
+    found = np.zeros((len(walls), len(walls), len(LawNumbers._fields) + 1))
     for i, one in enumerate(walls):
         for j, two in enumerate(walls[: i + 1]):
             if one.motion.free or two.motion.free:
@@ -50,4 +60,10 @@ def _between(scene: Scene, one: MovingWall, two: MovingWall) -> tuple[float, ...
     ramp = max(law.gamma_tangential * sqrt(scene.mass * stiffness / law.stiffness) for law in laws)
     # of second order in the step: `lagged_correction` is 1 - xi omega dt / 2
     lag = share * by_root_mass**2 * scene.time_step / 4.0
-    return stiffness, by_root_mass, ramp, lag, friction
+    of = scene.law_numbers()
+    # attraction and rolling are of discs
+    law = LawNumbers(
+        stiffness, by_root_mass, ramp, friction if scene.rubs else nan, of.sign_ramp, of.touch,
+        spring_ratio=of.spring_ratio, spring_damping=of.spring_damping,
+    )  # fmt: skip
+    return *law, lag
