@@ -17,6 +17,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <map>
+#include <set>
 #include <unordered_map>
 #include <vector>
 
@@ -44,7 +45,10 @@ void PairJumpDisc::settings(int narg, char **arg)
   std::map<std::string, double *> numbers = {
       {"k", &told.stiffness}, {"gamma", &told.damping}, {"gammat", &told.tangential}, {"mu", &told.friction},
       {"smooth", &told.touch}, {"springs", &told.spring_ratio}, {"mass", &mass}, {"diameter", &diameter}, {"skin", &skin}};
-#define JUMP_WORD(name) numbers.emplace(#name, &told.name);    // what has no word of its own goes by its name
+  const std::set<const double *> worded = {
+      &told.stiffness, &told.damping, &told.tangential, &told.friction, &told.sign_ramp, &told.touch, &told.spring_ratio,
+      &told.spring_damping, &told.rolling, &told.rolling_damping, &told.rolling_friction};
+#define JUMP_WORD(name) if (!worded.count(&told.name)) numbers.emplace(#name, &told.name);    // others go by their names
   JUMP_LAW(JUMP_WORD)
 #undef JUMP_WORD
   auto value = [&](int at) -> double {
@@ -79,13 +83,14 @@ void PairJumpDisc::settings(int narg, char **arg)
     } else {
       error->all(FLERR,
                  "pair_style jump/disc: unknown keyword '{}'; there are law, k, gamma, gammat, mu, mass, diameter, skin, "
-                 "smooth, spin, sizes, springs, rolling, fixed and the numbers of core/law.h", key);
+                 "smooth, spin, sizes, springs, rolling, fixed and further numbers of core/law.h", key);
     }
   }
   if (!(told.stiffness > 0.0) || !(mass > 0.0) || !(diameter > 0.0) || !(skin > 0.0))
     error->all(FLERR, "pair_style jump/disc needs k, mass, diameter and skin, and they must be above 0");
-  for (const auto &[key, number] : numbers)
-    if (*number < 0.0) error->all(FLERR, "pair_style jump/disc: {} must not be negative", key);
+#define JUMP_CHECK(name) if (told.name < 0.0) error->all(FLERR, "pair_style jump/disc: " #name " must not be negative");
+  JUMP_LAW(JUMP_CHECK)
+#undef JUMP_CHECK
   if (sizes && !(0.0 < smallest && smallest <= largest))
     error->all(FLERR, "pair_style jump/disc: sizes are the smallest and the largest diameter, both above 0");
   if (any_fixed() && !sizes) error->all(FLERR, "pair_style jump/disc: fixed needs sizes");
