@@ -86,8 +86,8 @@ class Bodies:
         rows, last = np.zeros(len(there) + 1, np.int64), np.zeros(1, np.int64)
         empty = np.empty(0, np.int64)
         self.near = Near(
-            (LawNumbers(*[0.0] * 4),) * len(there), np.zeros((len(there), 2)), rows, np.empty(0, np.int32), np.empty(0, np.int8),
-            last, empty, np.empty((MOST, 4)), np.empty(MOST, np.int64),
+            (LawNumbers(*[0.0] * 4),) * len(there), np.zeros((len(there), 2)), rows, np.empty(0, np.int32),
+            np.empty(0, np.int8), last, empty, np.empty((MOST, 4)), np.empty(MOST, np.int64),
         )  # fmt: skip
         self.bulk = np.array([bulk_of(scene, one) for one in there])
         self.between, self.deepest = laws_between(scene, there), np.zeros(3)
