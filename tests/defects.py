@@ -43,7 +43,7 @@ CORE_LAW, CORE_CONTACT, CORE_FACES, CORE_NEAR, CORE_SLOTS, CORE_MOTION, CORE_WAL
 CORE_DRIFT, CORE_PAIRS, CORE_LISTS, CORE_SUMS = (
     f"lammps_jump/core/{name}.cpp" for name in ("drift", "pair_forces", "lists", "sums")
 )
-CORE_PARTS, CORE_CREW = (f"lammps_jump/core/{name}.h" for name in ("parts", "crew"))
+CORE_CREW = "lammps_jump/core/crew.h"
 TWIN_TESTS = "engines/test_twin.py"
 THREAD_TESTS = "engines/test_native_threads.py"
 CHECKPOINT = "lammps_jump/engines/checkpoint.py"
@@ -69,10 +69,10 @@ DEFECTS = [
     Defect("power", JUMP, "1.0 + 8.0 * froude_1**2) - 1.0", "1.0 + 8.0 * froude_1) - 1.0", "physics"),
     Defect("sign", LAW, "return -bound * min(max(slip", "return bound * min(max(slip", "physics/test_law.py"),
     Defect("factor", LAW, "+ touch * touch / 3.0)", "+ touch * touch / 2.0)", "physics/test_law.py"),
-    Defect("time level", CORE_DRIFT, "uy[i] = 1.5 * new_y - 0.5 * old_y", "uy[i] = 1.5 * new_y - 0.5 * new_y",
+    Defect("time level", CORE_DRIFT, "seen_y = 1.5 * new_y - 0.5 * old_y", "seen_y = 1.5 * new_y - 0.5 * new_y",
            TWIN_TESTS),
     Defect("sign", CORE_CONTACT, "-out.lever_b * out.rub - rolls", "-out.lever_b * out.rub + rolls", TWIN_TESTS),
-    Defect("sign", CORE_PAIRS, "s.fy[j] -= b.fy[c];", "s.fy[j] += b.fy[c];", TWIN_TESTS),
+    Defect("sign", CORE_PAIRS, "s.fy[j] -= b.given[c][1];", "s.fy[j] += b.given[c][1];", TWIN_TESTS),
     Defect("off by one", CORE_CREW, "part.before = std::max<int64_t>(own - reach, 0);", "part.before = own;",
            THREAD_TESTS),
     Defect("left out", CORE_CREW, "? part.behind - reach : part.behind;", "? part.behind : part.behind;", THREAD_TESTS),
@@ -168,7 +168,7 @@ DEFECTS = [
     Defect("factor", PROGRESS, "* (report.steps - report.step) / here", "* report.steps / here",
            "runs/test_while_running.py"),
     Defect("sign", CORE_WALL, "{rate.x - rate.angle * (y", "{rate.x + rate.angle * (y", TWIN_TESTS),
-    Defect("sign", CORE_PARTS, "y * rate.y + moment * rate.angle", "y * rate.y - moment * rate.angle", TWIN_TESTS),
+    Defect("sign", CORE_MOTION, "y * rate.y + moment * rate.angle", "y * rate.y - moment * rate.angle", TWIN_TESTS),
     Defect("derivative", TRACKS, "3 * a * s + 6 * b * s**2, a +", "3 * a * s + 4 * b * s**2, a +",
            f"scene {MOVING_TESTS}"),
     Defect("off by one", MOTION, "if step >= self.gone:", "if step > self.gone:", f"scene {MOVING_TESTS} golden"),

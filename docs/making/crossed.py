@@ -54,7 +54,9 @@ def table(data: Data) -> str:
     kernels = dict.fromkeys(row["kernel"] for row in data["rows"])
     first = markdown({"scene": "", **{f"{kernel}:": _of(kernel) for kernel in kernels}}, scenes.values())
     times = [f"{1000 / rate:.1f} ms" if rate else "no growth" for rate in data["rates"].values()]
-    parting = f"Then the distance grows by e in {times[0]}; between the native engine and its twin in {times[1]}."
+    parting = (
+        f"Then the distance grows by e in {times[0]}; of the native engine and a perturbed run of it in {times[1]}."
+    )
     lines = [
         {"quantity": row["name"], "mean": f"{row['mean_1']:.4g} {row['unit']}", "native - LAMMPS": share(row)}
         | {law: _law(found, row["name"]) for law, found in data["laws"].items()}

@@ -159,7 +159,7 @@ def check_time(case: CaseFields, source: CaseSource, scene: Scene) -> None:
     if case.engine.name == "twin" and hours > MOST_TWIN_HOURS:
         raise source.error(
             f"engine.name: twin: {scene.steps} steps of up to {scene.expected_discs} discs take about "
-            f"{hours:z.0f} h in plain Python; allowed are {MOST_TWIN_HOURS}: lower run.duration or the number "
+            f"{hours:z.3g} h in plain Python; allowed are {MOST_TWIN_HOURS}: lower run.duration or the number "
             "of discs, or use engine.name: native"
         )
 

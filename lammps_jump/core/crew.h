@@ -21,22 +21,24 @@ class Crew {
   {
     const int64_t blocks = (s.n + BLOCK - 1) / BLOCK;
     const int64_t count = std::max<int64_t>(1, std::min<int64_t>(s.grid_first ? 1 : pace.threads(), blocks));
-    if (s.listed_as != listed_as) know(s);
+    if (s.listed_as == listed_as && s.n == n && s.sorted == sorted && count == team.size()) return;
+    if (s.listed_as != listed_as || s.sorted != sorted) know(s);
+    n = s.n;
     taken.resize((size_t) blocks);
-    at.resize((size_t) s.n);
+    at.resize((size_t) n);
     team.resize((int) count);
     parts.resize((size_t) count);
     int64_t block = 0;
     for (int64_t k = 0; k < count; k++) {
       Part &part = parts[(size_t) k];
-      part.begin = std::min(block * BLOCK, s.n);
+      part.begin = std::min(block * BLOCK, n);
       while (block < blocks && weight(s, block) * count < weight(s, blocks) * (k + 1)) block++;
-      part.end = k + 1 == count ? s.n : std::min(block * BLOCK, s.n);
-      part.sorted = s.sorted;
+      part.end = k + 1 == count ? n : std::min(block * BLOCK, n);
+      part.sorted = sorted;
       part.first = first.data();
-      part.at = reinterpret_cast<const double (*)[4]>(at.data());
-      part.behind = std::min(part.end, s.sorted);
-      const int64_t own = std::min(part.begin, s.sorted), inside = part.end < s.n ? part.behind - reach : part.behind;
+      part.at = rows();
+      part.behind = std::min(part.end, sorted);
+      const int64_t own = std::min(part.begin, sorted), inside = part.end < n ? part.behind - reach : part.behind;
       part.before = std::max<int64_t>(own - reach, 0);
       cut(s, own, std::max(own, inside), part.blocks);
     }
@@ -48,19 +50,8 @@ class Crew {
     team.run((int) parts.size(), [&](int part) { run(parts[(size_t) part]); });
   }
 
-  /** Put the discs of a part where contacts see them. */
-  void show(const jump_state &s, int64_t begin, int64_t end)
-  {
-    const double *const __restrict x = s.x, *const __restrict y = s.y;
-    const double *const __restrict vx = s.ux ? s.ux : s.vx, *const __restrict vy = s.ux ? s.uy : s.vy;
-    double (*const __restrict to)[4] = reinterpret_cast<double (*)[4]>(at.data());
-    for (int64_t i = begin; i < end; i++) {
-      to[i][0] = x[i];
-      to[i][1] = y[i];
-      to[i][2] = vx[i];
-      to[i][3] = vy[i];
-    }
-  }
+  /** Place and velocity of each disc, as contacts see them. */
+  double (*rows())[4] { return reinterpret_cast<double (*)[4]>(at.data()); }
 
  private:
   struct alignas(32) Disc {
@@ -68,7 +59,7 @@ class Crew {
   };
 
   Team team;
-  int64_t listed_as = -1;        // number of the list that is known
+  int64_t listed_as = -1, sorted = -1, n = -1;    // the list that is known, and the discs that are divided
   int64_t reach = 0;             // a pair of a sorted row has its second disc at most so far behind the first
   std::vector<int32_t> first;    // first disc of each pair of sorted rows
   std::vector<Disc, Lines<Disc>> at;
@@ -77,6 +68,7 @@ class Crew {
   void know(const jump_state &s)
   {
     listed_as = s.listed_as;
+    sorted = s.sorted;
     reach = 0;
     first.resize((size_t) (s.sorted > 0 ? s.start[s.sorted] : 0));
     for (int64_t row = 0; row < s.sorted; row++) {

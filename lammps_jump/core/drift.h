@@ -18,9 +18,12 @@ struct Dissipated {
 
 /** Of discs `begin` to `end`: v += dt F/m, x += dt v, F = weight.
 
-    `taken` has a place for each block of all discs; without a ledger it is not used. Returns the number of discs further
+    `taken` has a place for each block of all discs; without a ledger it is not used. `rows` is as of `show`. Returns the number of discs further
     than half the skin from their place in the list. A NaN counts as moved. */
-int64_t drift(const jump_state &s, int64_t begin, int64_t end, Dissipated *taken);
+int64_t drift(const jump_state &s, int64_t begin, int64_t end, Dissipated *taken, double (*rows)[4]);
+
+/** Put place and velocity of these discs, as contacts see them, into a row of each. */
+void show(const jump_state &s, int64_t begin, int64_t end, double (*rows)[4]);
 
 /** Largest square of the velocities that contacts see. */
 double fastest(const Seen &seen, int64_t begin, int64_t end);

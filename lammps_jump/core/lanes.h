@@ -59,12 +59,11 @@ inline Lanes magnitude(const Lanes &x) { return x < 0.0 ? -x : x; }
 typedef double Four __attribute__((vector_size(32), may_alias));
 typedef int FourInts __attribute__((vector_size(16), aligned(4), may_alias));
 
+/** Four at any place. */
+typedef double AnyFour __attribute__((vector_size(32), aligned(8), may_alias));
+
 /** Four that follow each other, from any place. */
-inline Four four(const double *from)
-{
-  typedef double Anywhere __attribute__((vector_size(32), aligned(8), may_alias));
-  return *reinterpret_cast<const Anywhere *>(from);
-}
+inline Four four(const double *from) { return *reinterpret_cast<const AnyFour *>(from); }
 
 inline FourInts four(const int *from) { return *reinterpret_cast<const FourInts *>(from); }
 
@@ -98,6 +97,18 @@ inline FourInts first_of(const FourInts &four, int mask)
 #else
   return FourInts{four[at[0]], four[at[1]], four[at[2]], four[at[3]]};
 #endif
+}
+
+/** Four vectors as four rows of four numbers: rows[r][c] = column c [r]. */
+inline void rows_of_four(const Four &a, const Four &b, const Four &c, const Four &d, double (*rows)[4])
+{
+  AnyFour *const to = reinterpret_cast<AnyFour *>(rows);
+  const Four ab0 = JUMP_PICK(a, b, 0, 4, 2, 6), ab1 = JUMP_PICK(a, b, 1, 5, 3, 7);
+  const Four cd0 = JUMP_PICK(c, d, 0, 4, 2, 6), cd1 = JUMP_PICK(c, d, 1, 5, 3, 7);
+  to[0] = JUMP_PICK(ab0, cd0, 0, 1, 4, 5);
+  to[1] = JUMP_PICK(ab1, cd1, 0, 1, 4, 5);
+  to[2] = JUMP_PICK(ab0, cd0, 2, 3, 6, 7);
+  to[3] = JUMP_PICK(ab1, cd1, 2, 3, 6, 7);
 }
 
 /** Rows of four numbers, one for each lane, as four vectors: column[c][row] = rows[row][c].

@@ -99,14 +99,7 @@ static void forces(const jump_state &s, Crew &crew)
 /** Drift all discs; the number of those that have gone further than the list allows. */
 static int64_t drift(const jump_state &s, Crew &crew)
 {
-  crew.each([&](Part &part) {
-    part.moved = 0;
-    for (int64_t at = part.begin; at < part.end; at += BLOCK) {
-      const int64_t end = std::min(at + BLOCK, part.end);
-      part.moved += drift(s, at, end, crew.taken.data());
-      crew.show(s, at, end);    // while they are in the cache
-    }
-  });
+  crew.each([&](Part &part) { part.moved = drift(s, part.begin, part.end, crew.taken.data(), crew.rows()); });
   int64_t moved = 0;
   for (const Part &part : crew.parts) moved += part.moved;
   if (!s.dash_x) return moved;
@@ -155,7 +148,7 @@ static int64_t advance(jump_state &s, Crew &crew, int64_t steps, bool owed, bool
   int64_t done = 0;
   old = false;
   crew.divide(s);
-  if (owed) crew.each([&](Part &part) { crew.show(s, part.begin, part.end); });
+  if (owed) crew.each([&](Part &part) { show(s, part.begin, part.end, crew.rows()); });
   while (true) {
     crew.pace.begin_step((int) s.n);
     const bool whole = owed && steps > 0;

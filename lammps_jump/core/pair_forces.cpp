@@ -25,7 +25,8 @@ struct Batch {
   int64_t row[BATCH];
   alignas(64) double between[BATCH][4];    // from the second disc to the first: x, y, vx, vy
   alignas(64) Column radius_i, radius_j, bulk_i, bulk_j, spin_i, spin_j, slide, roll;
-  alignas(64) Column fx, fy, on_i, on_j, dash_x, dash_y, slid_x, slid_y;
+  alignas(64) Column fx, fy, dash_x, dash_y, on_i, on_j, slid_x, slid_y;
+  alignas(64) double given[BATCH][4];      // force and its lost part
   int64_t slot[BATCH];    // of the springs; FULL: none, or another part's
   double way[BATCH];      // of rolling, from the disc that remembers to the first of the pair
 };
@@ -43,7 +44,8 @@ inline Four square(const Four &a) { return a * a; }
 
 /** What pairs add to one disc. */
 struct Added {
-  double fx = 0.0, fy = 0.0, dash_x = 0.0, dash_y = 0.0, slid_x = 0.0, slid_y = 0.0, torque = 0.0;
+  Four given{};    // force and its lost part
+  double slid_x = 0.0, slid_y = 0.0, torque = 0.0;
 };
 
 /** Calls run(row, i, j, dx, dy) for the pairs of some rows that touch and have a disc of the part, in their order. */
@@ -226,6 +228,8 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
         lanes(b.roll + c) = held.roll;
       }
     }
+    for (int c = 0; c < b.n; c += 4)
+      rows_of_four(four(b.fx + c), four(b.fy + c), four(b.dash_x + c), four(b.dash_y + c), b.given + c);
     if constexpr (MEMORY) remember();
   }
 
@@ -249,7 +253,7 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
       }
       if constexpr (MEMORY) recall(c, i, j);
     }
-    for (int c = b.n; c % LANES != 0; c++) {
+    for (int c = b.n; c % LANES != 0 || c % 4 != 0; c++) {
       difference(c) = Four{0.5 * s.diameter, 0.5 * s.diameter, 0.0, 0.0};
       b.spin_i[c] = b.spin_j[c] = b.slide[c] = b.roll[c] = 0.0;
       b.radius_i[c] = b.radius_j[c] = b.bulk_i[c] = b.bulk_j[c] = 0.5 * s.diameter;
@@ -286,12 +290,12 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
   /** Take the force of a contact off its second disc. */
   template <bool LEDGER> void take_off(int c, int64_t j) const
   {
-    s.fx[j] -= b.fx[c];
-    s.fy[j] -= b.fy[c];
+    s.fx[j] -= b.given[c][0];
+    s.fy[j] -= b.given[c][1];
     if constexpr (SPIN) s.torque[j] += b.on_j[c];
     if constexpr (LEDGER) {
-      s.dash_x[j] -= b.dash_x[c];
-      s.dash_y[j] -= b.dash_y[c];
+      s.dash_x[j] -= b.given[c][2];
+      s.dash_y[j] -= b.given[c][3];
       if constexpr (RUBS) {
         s.slide_x[j] += b.slid_x[c];
         s.slide_y[j] -= b.slid_y[c];
@@ -302,27 +306,22 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
   /** Add it to the sum of its first disc. */
   template <bool LEDGER> void put_on(int c, Added &sum) const
   {
-    sum.fx += b.fx[c];
-    sum.fy += b.fy[c];
+    sum.given += *reinterpret_cast<const Four *>(b.given[c]);
     if constexpr (SPIN) sum.torque += b.on_i[c];
-    if constexpr (LEDGER) {
-      sum.dash_x += b.dash_x[c];
-      sum.dash_y += b.dash_y[c];
-      if constexpr (RUBS) {
-        sum.slid_x -= b.slid_x[c];
-        sum.slid_y += b.slid_y[c];
-      }
+    if constexpr (LEDGER && RUBS) {
+      sum.slid_x -= b.slid_x[c];
+      sum.slid_y += b.slid_y[c];
     }
   }
 
   void add(int64_t i, const Added &sum) const
   {
-    s.fx[i] += sum.fx;
-    s.fy[i] += sum.fy;
+    s.fx[i] += sum.given[0];
+    s.fy[i] += sum.given[1];
     if constexpr (SPIN) s.torque[i] += sum.torque;
     if (!s.dash_x) return;
-    s.dash_x[i] += sum.dash_x;
-    s.dash_y[i] += sum.dash_y;
+    s.dash_x[i] += sum.given[2];
+    s.dash_y[i] += sum.given[3];
     if constexpr (RUBS) {
       s.slide_x[i] += sum.slid_x;
       s.slide_y[i] += sum.slid_y;

@@ -122,6 +122,19 @@ def test_compiled_and_native_begin_alike(bed, place):
     assert np.abs(last(case.run(place / "on"), 2) - last(other, 2)).max() < 1e-9 * D
 
 
+def test_a_run_goes_from_engine_to_engine_and_back(bed, place):
+    """Native, compiled, native: springs come along each time, and the end is that of the native engine alone."""
+    plugin_or_skip()
+    short = {"run.duration": 0.05, "run.output_interval": 0.05}
+    compiled = {"engine": {"name": "lammps", "kernel": "compiled"}}
+    between = lj.load_case(BED, short).replace(compiled).after(bed).run(place / "there")
+    back = lj.load_case(BED, short).after(between).run(place / "back")
+    alone = lj.load_case(BED, {**short, "run.duration": 0.1}).after(bed).run(place / "alone")
+    assert back.result.engine == "native" and between.result.kernel == "compiled"
+    assert np.abs(last(alone) - last(bed)).max() > 0.01 * D  # it moves
+    assert np.abs(last(back) - last(alone)).max() < 1e-9 * D
+
+
 def test_stock_styles_say_that_springs_begin_at_zero(bed, place):
     changes = {"engine": {"name": "lammps", "kernel": "stock"}, "contact": {**LAW, "rolling": None}}
     run = lj.load_case(BED, changes).after(bed).run(place / "stock")

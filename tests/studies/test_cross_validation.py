@@ -314,7 +314,7 @@ def test_expected_differences_excuse_only_small_ones():
     check = DeterministicCheck("gate", "stock", 24, 180, 1180, 1e-5, False)
     assert check.explain(lambda: 1e-4).passed
     assert "1.0e-04 d" in check.explain(lambda: 1e-4).expected_difference
-    assert not check.explain(lambda: 1e-9).passed  # its twin does not part as far
+    assert not check.explain(lambda: 1e-9).passed  # a perturbed run does not part as far
     assert not replace(check, worst=1e-2).explain(lambda: 1.0).passed
     assert not replace(check, note="the engines hold different discs at step 10").explain(lambda: 1.0).passed
     assert replace(check, agrees=True).explain(lambda: 1.0).expected_difference is None
@@ -332,7 +332,7 @@ def test_one_member_and_poured_discs_are_refused(tmp_path):
     assert not (tmp_path / "out").exists()
 
 
-def test_growth_of_a_twin_is_the_growth_of_a_collision():
+def test_growth_of_a_perturbed_run_is_the_growth_of_a_collision():
     """Two discs that meet off-centre: a shift across the line of centres grows as geometry says, not otherwise."""
     scene = next(scene for scene in micro_scenes() if scene.name == "pair")
     short = replace(scene, steps=1200, output_steps=20)

@@ -62,11 +62,11 @@ def draw_all(chart: Chart, found: Comparison, choices: Laws, folder: Path) -> di
 
 
 def divergence(scene: Scene, checks: Sequence[DeterministicCheck], part: Divergence) -> Chart:
-    """Describe separation against time, with its twin, and the stretch in which the engines must agree."""
+    """Describe separation against time, with the perturbed run, and the stretch in which the engines must agree."""
     found = part.found
     rows = (
         (part.engines, found["growth"], "first", f"LAMMPS ({found['kernel']}) from native"),
-        (part.twin, found["twin_growth"], "second", "native from native, start off by the last digits"),
+        (part.perturbed, found["twin_growth"], "second", "native from native, start off by the last digits"),
     )
     lines = [
         Line(f"{label}{_rate(growth)}", scene.time(0) + run.steps * scene.time_step,

@@ -273,14 +273,14 @@ def _disc_by_disc(study: Study, work: float) -> Divergence:
     for scene, kernel in [*scenes, *product(own, kernels)]:
         check = trajectories.check_scene(scene, kernel=kernel)
         if scene in own:
-            check = check.explain(partial(trajectories.twin_separation, scene, check.last_step))
+            check = check.explain(partial(trajectories.perturbed_separation, scene, check.last_step))
         study.checks.append(check)
         word = "agrees" if check.agrees else ("differs as expected" if check.passed else "DIFFERS")
         apart = f"{check.worst:z.1e} d over {CONTACT_STEPS} steps with contacts"
         study.say(f"disc by disc: {check.name} ({kernel}): {apart}, {word}")
     divergence = trajectories.measure_divergence(study.scene, kernels[0], work)
-    growth, twin = (_per(divergence.found[name]) for name in ("growth", "twin_growth"))
-    study.say(f"divergence: grows by e every {growth} s, a native twin every {twin} s")
+    growth, own = (_per(divergence.found[name]) for name in ("growth", "twin_growth"))
+    study.say(f"divergence: grows by e every {growth} s, a perturbed native run every {own} s")
     return divergence
 
 

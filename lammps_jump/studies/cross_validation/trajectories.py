@@ -33,11 +33,11 @@ KNOWN_LIMIT = 1e-3
 """A difference that chaos explains is still a failure beyond this many diameters."""
 CHAOS_SHARE = 0.1
 CHAOS = "the native engine, started a few last digits off, parts from itself by {:z.1e} d in these steps"
-"""Why a case may part within the steps compared: where its twin has parted by at least this share of it."""
+"""Why a case may part within the steps compared: where a perturbed run has parted by at least this share of it."""
 
 FRAMES = 400
-TWIN_JITTER = 1e-15
-"""The twin of the native run starts this far off (diameters, and shares of speeds): a few last digits."""
+JITTER = 1e-15
+"""The perturbed run starts this far off (diameters, and shares of speeds): a few last digits."""
 LEVELS = (1e-12, AGREEMENT, 1e-6, 1e-3, 1e-1)
 
 Trajectory = dict[int, tuple[np.ndarray, np.ndarray]]
@@ -119,8 +119,8 @@ def separation(one: Trajectory, other: Trajectory, diameter: float) -> Separatio
     return Separation(np.array(same, int), np.array(apart, float), next(iter(shared[len(same) :]), None))
 
 
-def perturbed(scene: Scene, seed: int = 1, jitter: float = TWIN_JITTER) -> Scene:
-    """Return a twin of the scene: its start is shifted by at most `jitter` diameters, row speeds by that share."""
+def perturbed(scene: Scene, seed: int = 1, jitter: float = JITTER) -> Scene:
+    """Return the scene perturbed: its start is shifted by at most `jitter` diameters, row speeds by that share."""
     rng = np.random.default_rng(seed)
     positions = scene.positions + rng.uniform(-jitter, jitter, scene.positions.shape) * scene.diameter
     positions.setflags(write=False)
@@ -209,7 +209,8 @@ class DeterministicCheck:
         Parameters
         ----------
         own : callable
-            Separation (d) of the native engine from a twin that starts a few last digits off, over the same steps.
+            Separation (d) of the native engine from a perturbed run, a few last digits off at its start, over the same
+            steps.
         """
         if self.agrees or self.note or not self.worst <= KNOWN_LIMIT:
             return self
@@ -217,8 +218,8 @@ class DeterministicCheck:
         return replace(self, expected_difference=CHAOS.format(apart)) if apart >= CHAOS_SHARE * self.worst else self
 
 
-def twin_separation(scene: Scene, steps: int) -> float:
-    """Return the largest separation (d) of native runs of a scene and its twin; infinite where the discs differ."""
+def perturbed_separation(scene: Scene, steps: int) -> float:
+    """Return the largest separation (d) of a native run and a perturbed one; infinite where the discs differ."""
     runs = [trajectory(plain_scene(one, steps, EVERY), "native") for one in (scene, perturbed(scene))]
     return separation(*runs, scene.diameter).farthest
 
@@ -294,33 +295,33 @@ class Divergence:
 
     Attributes
     ----------
-    engines, twin : Separation
+    engines, perturbed : Separation
         LAMMPS from native; native from native with a start a few last digits off.
     found : dict
         What is stored: `Growth` of both, first step beyond each of `LEVELS` (None for never), kernel and others.
     """
 
     engines: Separation
-    twin: Separation
+    perturbed: Separation
     found: Results
 
 
 def measure_divergence(scene: Scene, kernel: str, work: float) -> Divergence:
-    """Compare both engines, and the native engine with its twin, until discs have parted or `work` is done."""
+    """Compare both engines, and the native engine with a perturbed run, until discs have parted or `work` is done."""
     bare = replace(scene, probes=())
     steps = parting_step(bare, work)
     interval = max(1, steps // FRAMES)
     long = plain_scene(scene, max(interval, steps // interval * interval), interval)
     native = trajectory(long, "native")
     part = separation(native, trajectory(long, kernel), scene.diameter)
-    twin = separation(native, trajectory(perturbed(long), "native"), scene.diameter)
+    own = separation(native, trajectory(perturbed(long), "native"), scene.diameter)
     dt = scene.time_step
-    return Divergence(part, twin, {
+    return Divergence(part, own, {
         "kernel": kernel,
         "time_step": dt,
         "steps": int(part.steps[-1]) if len(part.steps) else 0,
         "growth": fit_growth(part.steps, part.largest, dt),
-        "twin_growth": fit_growth(twin.steps, twin.largest, dt),
+        "twin_growth": fit_growth(own.steps, own.largest, dt),
         "first_step_beyond": {f"{level:zg}": crossing_step(part, level) for level in LEVELS},
         "other_discs_from_step": part.other_discs,
         "largest_separation": float(part.largest.max(initial=0.0)),
@@ -328,7 +329,7 @@ def measure_divergence(scene: Scene, kernel: str, work: float) -> Divergence:
 
 
 def parting_step(scene: Scene, work: float) -> int:
-    """Return a step soon after the native engine and its twin have parted by 1 d; at most `work` disc-steps."""
+    """Return a step soon after the native engine and a perturbed run have parted by 1 d; at most `work` disc-steps."""
     one, two = (NativeSimulation(s, ledger=False) for s in (scene, perturbed(scene)))
     while one.step < scene.steps and one.disc_steps < work:
         chunk = min(200, scene.steps - one.step)
