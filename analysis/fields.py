@@ -170,7 +170,7 @@ def _described(name: str, values: np.ndarray, of: str = "") -> tuple[Any, ...]:
     return ("y", "x"), values, {"units": units, "long_name": f"{of}{long_name}"}
 
 
-def mean_fields(frames: Iterable[Frame], flow: Flow, *, x: Interval, y: Interval, **options) -> xr.Dataset:
+def mean_fields(frames: Iterable[Frame], flow: Flow, *, x: Interval, y: Interval, **options: Any) -> xr.Dataset:
     """Time mean of `compute_fields` over frames: what a bed pressure needs, for contact forces ring.
 
     Velocities are means by mass; stresses are means of each frame's (kinetic stress about each frame's own velocity).
@@ -201,11 +201,11 @@ def mean_fields(frames: Iterable[Frame], flow: Flow, *, x: Interval, y: Interval
         raise DumpError("there is no frame to make fields of.")
     mean = total / count
     mean.update(mean[told] / mean["density"].where(mean["density"] > 0))
-    mean = mean.assign({name: _described(name, values.values, "time mean of ") for name, values in mean.items()})
+    mean = mean.assign({name: _described(str(name), values.values, "time mean of ") for name, values in mean.items()})
     return mean.assign_attrs(fields.attrs, frames=count)
 
 
-def write_fields(flow: Flow, profiles: xr.Dataset, dump: Dump, out: Path) -> tuple[dict[str, object], Drawings]:
+def write_fields(flow: Flow, profiles: xr.Dataset, dump: Dump, out: Path) -> tuple[dict[str, Any], Drawings]:
     """Mean fields of the window of the profiles: ``fields.nc``, pressure at the bed.
 
     Returns
@@ -232,7 +232,7 @@ def write_fields(flow: Flow, profiles: xr.Dataset, dump: Dump, out: Path) -> tup
     stress = "pressure" in fields
     named = ("density", "pressure") if stress else ("density",)
     figures: Drawings = {f"field_{name}": field_map(fields, flow, name) for name in named}
-    summary: dict[str, object] = {"file": "fields.nc", "frames": len(indices), "reach": float(fields.attrs["reach"])}
+    summary: dict[str, Any] = {"file": "fields.nc", "frames": len(indices), "reach": float(fields.attrs["reach"])}
     if stress:
         figures["bed_pressure"] = bed_pressure_chart(fields)
         bottom = bed_pressure(fields)

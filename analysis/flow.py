@@ -93,7 +93,7 @@ class Flow:
         radii = radii_of(frame, self.diameters) if self.sized else self.scene.radius
         if radii is None:
             radii = 0.5 * self.scene.diameters(frame.ids)
-        return radii if np.ndim(radii) else np.broadcast_to(radii, frame.n)
+        return np.broadcast_to(radii, frame.n)
 
     def relative_masses(self, frame: Frame) -> np.ndarray:
         """Mass of each disc over the nominal mass, shape (n,); 1 seen n times where discs are equal."""

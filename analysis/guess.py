@@ -8,6 +8,7 @@ from dataclasses import fields
 from itertools import pairwise
 from math import ceil, nan
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -72,7 +73,7 @@ def from_dump(
         A dump without any disc, one of three dimensions, a value that is not positive, masses that fit no body.
     """
     types = dict(diameter) if isinstance(diameter, Mapping) else {}
-    given = [("density", density), ("time_step", time_step), ("bin_width", bin_width)]
+    given: list[tuple[str, Any]] = [("density", density), ("time_step", time_step), ("bin_width", bin_width)]
     given += [*(("diameter", value) for value in (types.values() if types else [diameter]))]
     for what, value in given:
         if value is not None and not (np.isfinite(value) and value > 0):
@@ -84,10 +85,14 @@ def from_dump(
     _require_a_plane(frames, nominal, dump.path)
     if diameter is not None and not types:
         _require_touch(frame, nominal, dump.path)
-    diameters = 2 * radii_of(frame, types) if sized else np.full(frame.n, nominal)
+
+    def own_radii(one: Frame) -> Any:
+        return radii_of(one, types) if sized else 0.5 * nominal
+
+    diameters = np.broadcast_to(2 * own_radii(frame), frame.n)
     mass = _mass(frame, diameters, density, kind, notes)
     notes.append("Gravity taken as 9.81 m/s2.")
-    edges = [_edges(f, radii_of(f, types) if sized else 0.5 * nominal) for f in frames if f.n]
+    edges = [_edges(f, own_radii(f)) for f in frames if f.n]
     left, low, right = (np.concatenate(part) for part in zip(*edges, strict=True))
     floor = _floor(left, low, right, 5 * nominal, 0.5 * nominal, notes)
     reach, width = _bins((float(left.min()), float(right.max())), floor, bin_width, 5 * nominal)
@@ -103,7 +108,7 @@ def from_dump(
         friction_law="viscous",
         rotation=False,
         integrator="velocity_verlet",
-        domain=tuple((float(low), float(high)) for low, high in frame.box[:2]),
+        domain=((float(frame.box[0, 0]), float(frame.box[0, 1])), (float(frame.box[1, 0]), float(frame.box[1, 1]))),
         positions=np.empty((0, 2)),
         velocities=np.empty((0, 2)),
         walls=(MovingWall(floor),),
@@ -143,7 +148,9 @@ def _edges(frame: Frame, radius: np.ndarray | float) -> tuple[np.ndarray, np.nda
 
 def _require_a_plane(frames: Sequence[Frame], diameter: float, path: Path) -> None:
     """DumpError where the discs of a frame lie further apart in z than a diameter, m."""
-    for frame in (frame for frame in frames if frame.n and frame.z is not None):
+    for frame in frames:
+        if not frame.n or frame.z is None:
+            continue
         low, high = float(frame.z.min()), float(frame.z.max())
         if high - low > diameter:
             raise DumpError(
@@ -275,8 +282,10 @@ def _bodies(
 
 def _diameter(frame: Frame, diameter: float | Mapping[int, float] | None, notes: list[str]) -> tuple[float, bool]:
     """Nominal diameter, m, and whether discs differ in size."""
-    types = diameter if isinstance(diameter, Mapping) else {}
-    if diameter is not None and not types:
+    types: Mapping[int, float] = {}
+    if isinstance(diameter, Mapping):
+        types = diameter
+    elif diameter is not None:
         return float(diameter), False
     radii = radii_of(frame, types)
     if radii is None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 import xarray as xr
@@ -24,11 +24,15 @@ Tables = dict[str, Mapping[str, np.ndarray]]
 """Columns of CSV files by the name of the file."""
 
 
-class Collector(Protocol):
-    """What takes in one frame after the other, and gives its history at the end."""
+class Watcher(Protocol):
+    """What takes in one frame after the other."""
 
     def add(self, frame: Frame, time: float) -> None:
         """Take in a frame at a time, s."""
+
+
+class Collector(Watcher, Protocol):
+    """What takes in one frame after the other, and gives its history at the end."""
 
     def result(self) -> object:
         """The history of all frames taken in."""
@@ -57,7 +61,7 @@ class Gathered:
     flow: Flow
     profiles: xr.Dataset
     contacts: ContactSeries | None
-    histories: Mapping[str, object]
+    histories: Mapping[str, Any]
     forces: Mapping[str, ForceHistory]
     warnings: tuple[str, ...] = ()
     along: Gathered | None = None
@@ -68,7 +72,7 @@ class Gathered:
         return self.profiles.isel(time=slice(None, None, max(1, self.profiles.sizes["time"] // 600)))
 
 
-def gather(dump: Dump, flow: Flow, collectors: Iterable[Collector], warnings: list[str]) -> xr.Dataset:
+def gather(dump: Dump, flow: Flow, collectors: Iterable[Watcher], warnings: list[str]) -> xr.Dataset:
     """Profiles of a dump; every collector is shown every frame on the way.
 
     Memory holds one frame and what is kept of it (sums over bins), so dumps of any size can be read.
@@ -77,7 +81,7 @@ def gather(dump: Dump, flow: Flow, collectors: Iterable[Collector], warnings: li
     ----------
     dump : Dump
     flow : Flow
-    collectors : iterable of Collector
+    collectors : iterable of Watcher
         Fed in this order.
     warnings : list of str
         Notes of the pass are added to it.
@@ -99,7 +103,7 @@ def gather(dump: Dump, flow: Flow, collectors: Iterable[Collector], warnings: li
     return made
 
 
-def feed(frames: Iterable[Frame], flow: Flow, collectors: Iterable[Collector]) -> Iterator[Frame]:
+def feed(frames: Iterable[Frame], flow: Flow, collectors: Iterable[Watcher]) -> Iterator[Frame]:
     """The same frames, shown to every collector on the way.
 
     Collectors see the discs that move, those with `sees` "all" the fixed ones too, and those with "images" images

@@ -7,7 +7,7 @@ discharge and momentum over all bins and what lies outside add up to the discs' 
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -144,7 +144,9 @@ class Binner:
         return _dataset(values, times, steps, discs, masses, self.edges, self.bed, self.flow)
 
 
-def _values(sums, surface, top_speed, bed, width, flow) -> dict[str, np.ndarray]:
+def _values(
+    sums: np.ndarray, surface: np.ndarray, top_speed: np.ndarray, bed: np.ndarray, width: float, flow: Flow
+) -> dict[str, np.ndarray]:
     """The `VARIABLES` of all frames, shape (frames, bins), of their sums over the bins, shape (frames, 6, bins)."""
     mass, speed, momentum, energy, height, count = sums.transpose(1, 0, 2)
     some, wet = mass > 1e-12, surface > 0
@@ -167,8 +169,11 @@ def _values(sums, surface, top_speed, bed, width, flow) -> dict[str, np.ndarray]
     return values
 
 
-def _dataset(values, times, steps, discs, masses, edges, bed, flow) -> xr.Dataset:
-    def described(array, units, long_name, dims=("time",)):
+def _dataset(
+    values: Mapping[str, np.ndarray], times: np.ndarray, steps: np.ndarray, discs: np.ndarray,
+    masses: Iterable[np.ndarray], edges: np.ndarray, bed: np.ndarray, flow: Flow,
+) -> xr.Dataset:  # fmt: skip
+    def described(array: np.ndarray, units: str, long_name: str, dims: tuple[str, ...] = ("time",)) -> Any:
         return dims, array, {"units": units, "long_name": long_name}
 
     total, left, right = masses

@@ -37,7 +37,7 @@ from .grains import heap, layers, rest, state
 from .jump import head
 from .jump import section as jump
 from .jump.summary import Jump
-from .passes import Collector, Gathered, Tables, gather
+from .passes import Collector, Gathered, Tables, Watcher, gather
 from .profiles import bin_edges, window_of
 from .report.headline import belongs
 from .report.page import Section
@@ -145,7 +145,7 @@ def analyse(
     wanted: Collection[str],
     *,
     pictures: Pictures = DEFAULT_PICTURES,
-    watch: Sequence[Collector] = (),
+    watch: Sequence[Watcher] = (),
     gathered: Gathered | None = None,
     told: Callable[[str], None] | None = None,
 ) -> dict[str, object]:
@@ -162,7 +162,7 @@ def analyse(
     wanted : collection of str
         Of `QUANTITIES`, and 'fields' for mean fields on a grid. Profiles are always made, and `ALWAYS`.
     pictures : Pictures
-    watch : sequence of Collector
+    watch : sequence of Watcher
         Are also shown every frame.
     gathered : Gathered, optional
         Of `collect` for the same quantities, where the frames were read before.
@@ -251,7 +251,7 @@ def without_core(flow: Flow) -> list[str]:
 
 
 def collect(
-    flow: Flow, dump: Dump, places: Sequence[Path], wanted: Collection[str], watch: Sequence[Collector] = ()
+    flow: Flow, dump: Dump, places: Sequence[Path], wanted: Collection[str], watch: Sequence[Watcher] = ()
 ) -> Gathered:
     """One pass over a dump with the collectors of the wanted quantities.
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import nan
+from typing import Any
 
 import numpy as np
 
@@ -78,7 +79,7 @@ class Mean:
         return cls(getattr(found, key), getattr(found, f"{key}_error"))
 
 
-def as_fields(**means: Mean) -> dict[str, float]:
+def as_fields(**means: Mean) -> dict[str, Any]:
     """Fields of a result of `Estimates`: each number under its name, its error under ``<name>_error``."""
     values = {name: mean.value for name, mean in means.items()}
     return values | {f"{name}_error": mean.error for name, mean in means.items()}

@@ -177,7 +177,7 @@ _QUANTITY = re.compile(
 
 
 @lru_cache(maxsize=1)
-def _registry():
+def _registry() -> Any:
     import pint  # 0.14 s, so only where a string with a unit is met
 
     return pint.UnitRegistry()

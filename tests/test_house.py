@@ -43,14 +43,8 @@ MOST_FILES = 12
 
 LARGE_FILES: dict[str, int] = {}
 """Files over `LARGEST_FILE`, with their lines of code today."""
-LONG_CALLS = {
-    "lammps_jump/scene/faces.py:_behind": 10,
-    "lammps_jump/scene/faces.py:_select": 10,
-    "lammps_jump/scene/faces.py:touching": 11,
-    "lammps_jump/scene/near.py:list_near": 14,
-    "lammps_jump/scene/near.py:_mark_cells": 11,
-}
-"""Loops of the twin over `MOST_PARAMETERS`, with their parameters today."""
+LONG_CALLS: dict[str, int] = {}
+"""Functions over `MOST_PARAMETERS`, with their parameters today."""
 FULL_FOLDERS: dict[str, int] = {}
 """Folders over `MOST_FILES`, with their files today."""
 PRIVATE_NAMES: set[tuple[str, str]] = set()

@@ -17,7 +17,7 @@ from lammps_jump.analysis.contacts import ContactCollector
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.jump.head import EnergyFluxes
 from lammps_jump.analysis.jump.summary import Jump
-from lammps_jump.analysis.passes import Gathered
+from lammps_jump.analysis.passes import Gathered, Watcher
 from lammps_jump.analysis.profiles import Binner, add_means, bin_edges
 from lammps_jump.dump.beside.contacts import ContactFile
 from lammps_jump.dump.frame import Frame, make_frame
@@ -163,7 +163,8 @@ class AlongBed:
     def add(self, frame: Frame, time: float) -> None:
         """Take in a frame of the flow as it is."""
         turned = self.flow.turned(frame)
-        for collector in filter(None, (self.contacts, self.binner, self.fluxes)):
+        watchers: list[Watcher] = [*([self.contacts] if self.contacts else []), self.binner, self.fluxes]
+        for collector in watchers:
             collector.add(turned, time)
 
     def result(self) -> Gathered:
@@ -182,7 +183,7 @@ TRACKED = ("toe", "end", "position", "reach_end", "compression")
 def in_place(jump: Jump, stretch: Stretch) -> Jump:
     """The same jump with its places along x; lengths, depths and velocities stay those along and across the bed."""
 
-    def moved(found: object, names: tuple[str, ...]) -> dict[str, object]:
+    def moved(found: object, names: tuple[str, ...]) -> dict[str, Any]:
         values = {name: getattr(found, name) for name in names}
         return {name: stretch.place(value) for name, value in values.items() if value is not None}
 

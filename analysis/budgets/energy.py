@@ -94,7 +94,8 @@ class EnergyLedger:
     def result(self) -> EnergyHistory:
         """The history of all frames added."""
         rows = np.array(self._rows, float).reshape(-1, 6)
-        return EnergyHistory(*rows[:, :5].T, rows[:, 5].astype(int), self._same)
+        time, kinetic, rotational, potential, elastic, discs = rows.T
+        return EnergyHistory(time, kinetic, rotational, potential, elastic, discs.astype(int), self._same)
 
 
 @dataclass(frozen=True)
@@ -183,6 +184,7 @@ def work_of_walls(forces: Mapping[str, ForceHistory], flow: Flow, time: np.ndarr
 def tables(energy: Energy) -> Tables:
     """Energy against time, J/m."""
     history = energy.history
+    assert history is not None
     parts = ("kinetic", "rotational", "potential", "elastic", "total", "discs")
     columns = {name: getattr(history, name) for name in ("time", *parts)}
     columns |= {} if history.work_of_walls is None else {"work_of_walls": history.work_of_walls}
@@ -215,7 +217,7 @@ def energy_chart(energy: Energy) -> Chart | None:
     time, total = history.time, history.total
     most = float(total[np.isfinite(total)].max(initial=0.0))
     scale, unit = (1e6, "MJ/m") if most > 1e6 else (1e3, "kJ/m") if most > 1e4 else (1.0, "J/m")
-    parts = (
+    parts: tuple[tuple[str, np.ndarray, str], ...] = (
         ("total", total, "sum"),
         ("kinetic", history.kinetic, "first"),
         ("potential (y = 0)", history.potential, "second"),

@@ -164,7 +164,7 @@ def analyse(gathered: Gathered) -> Grade:
         first.head,
         last.head,
         lost=whole.lost,
-        lost_error=whole.lost_error,
+        **{"lost_error": whole.lost_error},  # a field that `estimate` adds
         stations=stations,
         reason=_why_no_loss(first, last) if np.isnan(whole.lost) else None,
         line=line,

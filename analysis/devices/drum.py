@@ -126,12 +126,14 @@ def _filling(scene: Scene, radius: float) -> float:
 
 def tables(drum: Drum) -> Tables:
     """Angle against time."""
-    return {} if drum.time is None else {"drum.csv": {"time": drum.time, "angle": drum.angles}}
+    if drum.time is None or drum.angles is None:
+        return {}
+    return {"drum.csv": {"time": drum.time, "angle": drum.angles}}
 
 
 def figures(drum: Drum, gathered: Gathered) -> Drawings:
     """Angle against time."""
-    if drum.time is None:
+    if drum.time is None or drum.angles is None:
         return {}
     panel = Panel("Angle of the\nsurface [degrees]", [Line("", drum.time, drum.angles)])
     return {"drum": Chart("surface of the discs in the drum", TIME, [panel])}

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import inf, isfinite, isnan, nan, sqrt
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
@@ -81,7 +81,7 @@ class MartinMoyce:
     """
 
     aspect: float = number("", "aspect n² = H/a (Martin & Moyce: 2)")
-    comparable: bool
+    comparable: bool  # type: ignore[misc]  # a `number` is no default
     points: int = number("", "points of their table within the record")
     mean_bulk: float = number("", "Martin & Moyce, bulk front, T > 0.8: mean difference")
     rms_bulk: float = number("", "Martin & Moyce, bulk front, T > 0.8: RMS difference")
@@ -196,8 +196,9 @@ class FrontTracker:
     def result(self) -> FrontHistory:
         """The history of all frames added."""
         rows = np.array(self._rows, float).reshape(-1, 6)
-        back = nan if self.back is None else self.back
-        return FrontHistory(*rows.T, back, self._column if self._column and not self._fed else (nan, nan))
+        column = self._column if self._column and not self._fed else (nan, nan)
+        time, bulk, quantile, height, top, tip = rows.T
+        return FrontHistory(time, bulk, quantile, height, top, tip, nan if self.back is None else self.back, column)
 
 
 def rms(off: np.ndarray) -> float:
@@ -205,7 +206,7 @@ def rms(off: np.ndarray) -> float:
     return float(np.sqrt(np.mean(off**2))) if len(off) else nan
 
 
-def off_curve(x: np.ndarray, y: np.ndarray, curve_x, curve_y, beyond: float = -inf) -> np.ndarray:
+def off_curve(x: np.ndarray, y: np.ndarray, curve_x: Any, curve_y: Any, beyond: float = -inf) -> np.ndarray:
     """Relative difference of y(x), linear in between, at the points x > `beyond` of a curve that x covers."""
     good = np.isfinite(x) & np.isfinite(y)
     if not good.any():
@@ -325,8 +326,7 @@ def _ritter(history: FrontHistory, base: float, depth: float, gravity: float, en
     if not inside.any():
         return None
     expected = base + np.array([waves.ritter_front(t, depth, gravity) for t in history.time[inside]])
-    off = rms(history.bulk[inside] / expected - 1.0)
-    return Ritter(limit, int(inside.sum()), 2.0 * sqrt(gravity * depth), off)
+    return Ritter(limit, int(inside.sum()), 2.0 * sqrt(gravity * depth), rms(history.bulk[inside] / expected - 1.0))
 
 
 def _martin_moyce(history: FrontHistory, gravity: float, end: float) -> MartinMoyce:
@@ -368,7 +368,7 @@ def tables(front: Front) -> Tables:
 
 def figures(front: Front, gathered: Gathered) -> Drawings:
     """Figures of the front in time and, where water is asked for, beside Martin & Moyce's measurements."""
-    flow, history = gathered.flow, front.history
+    flow, history = gathered.flow, cast(FrontHistory, front.history)
     water = martin_moyce_chart(history, flow) if flow.water else None
     return {"front": front_chart(history, flow), "martin_moyce": water}
 
@@ -377,7 +377,7 @@ def section(found: Mapping[str, Any]) -> Section:
     """The front; where water is asked for, against Ritter and Martin & Moyce."""
     if found.get("position") is None:
         return Section("Front", [Text(shown(found.get("reason")), "warn")])
-    rows = []
+    rows: list[tuple[str, Any]] = []
     if found.get("column_base") is not None:
         size = " × ".join(shown(found[key], digits=3) for key in ("column_base", "column_depth"))
         rows.append(("Column at the start, base × height [m]", size))

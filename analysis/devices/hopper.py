@@ -127,7 +127,7 @@ def flow_ends(time: np.ndarray, passed: np.ndarray) -> bool:
     return bool(passed[time >= time[-1] - PIECE * (time[-1] - time[0])][0] == passed[-1])
 
 
-def _gaps(outlets: Sequence[Outlet]) -> dict[str, object]:
+def _gaps(outlets: Sequence[Outlet]) -> dict[str, Any]:
     """Places, widths and directions of the gaps, by key."""
     return {
         "gaps": len(outlets),
@@ -140,7 +140,7 @@ def _gaps(outlets: Sequence[Outlet]) -> dict[str, object]:
 
 def _discharge(
     flow: Flow, outlets: Sequence[Outlet], known: Mapping[str, Any], window: tuple[float, float], *, ends: bool
-) -> dict[str, object]:
+) -> dict[str, Any]:
     """Numbers of the window, by key."""
     time, passed, mass, scene = known["time"], known["passed"], known["mass"], flow.scene
     inside = (time >= window[0]) & (time <= window[1])

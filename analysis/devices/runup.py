@@ -8,7 +8,7 @@ before the face without such a gap. A disc has gone over when it was last seen b
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import inf, isfinite, nan
 from typing import Any, NamedTuple
@@ -176,11 +176,11 @@ class RunUpWatch:
         self.flow = flow
         self.obstacles: list[Obstacle] = []
         self.still, self._moved, self.begin = nan, False, -inf
-        self.rows: list[list[tuple[float, float, float]]] = []
+        self.rows: list[list[tuple[float, float, float, float]]] = []
         self.levels: list[float] = []
         self._seen = np.zeros((0, 3))
         self._first: np.ndarray | None = None
-        self._poses: list[object] = []
+        self._poses: Sequence[object] = []
 
     def add(self, frame: Frame, time: float) -> None:
         """Take in a frame at a time, s."""

@@ -111,7 +111,7 @@ def _found(flow: Flow, one: MovingWall, record: Record) -> Tailgate:
     far = np.flatnonzero(np.abs(smooth - height[last].mean()) > 0.5 * scene.diameter)
     first = int(far[-1]) + 1 if far.size else 0
     found, held = mean_of(height[first:]) if first < len(time) else mean_of(height[last]), mean_of(seen[last])
-    common = {
+    common: dict[str, Any] = {
         "at_limit": limit, "target": holding.target, "held": held.value, "held_interval": STUDENT * held.error,
         "last_height": float(height[-1]), "table": table,
     }  # fmt: skip
@@ -145,7 +145,7 @@ def _why_not(holding: Holding, limit: bool, end: int, held: float, stands: bool)
     return ""
 
 
-def summary(gates: Mapping[str, Tailgate]) -> dict[str, object]:
+def summary(gates: Mapping[str, Tailgate]) -> dict[str, Any]:
     """As under ``tailgate`` in ``summary.json``: the gates by name."""
     return {name: as_summary(gate) for name, gate in gates.items()}
 

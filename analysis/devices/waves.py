@@ -18,6 +18,7 @@ from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Line, Panel
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.profiles import window_of, within
+from lammps_jump.analysis.report import Block
 from lammps_jump.analysis.report.page import Section, Table, Text, described
 from lammps_jump.physics import devices
 from lammps_jump.units import number
@@ -75,7 +76,7 @@ def analyse(gathered: Gathered) -> Waves | None:
     records[[not low <= place <= high for place in gauges]] = nan  # it stands where no profile is
     (first, last), (period, stroke, begin) = window_of(profiles), paddle(flow)
     inside = within(time, (first, last))
-    known = {"gauges": tuple(gauges), "time": time, "records": records}
+    known: dict[str, Any] = {"gauges": tuple(gauges), "time": time, "records": records}
     if inside.any():
         known["means"] = tuple(float(record[inside].mean()) for record in records)
     known |= {"lowest": tuple(map(float, records.min(axis=1))), "largest": tuple(map(float, records.max(axis=1)))}
@@ -93,6 +94,7 @@ def analyse(gathered: Gathered) -> Waves | None:
 
 def tables(waves: Waves) -> Tables:
     """Depth at each gauge against time, m."""
+    assert waves.time is not None and waves.records is not None
     columns = {f"depth_{place:zg}": record for place, record in zip(waves.gauges, waves.records, strict=True)}
     return {"gauges.csv": {"time": waves.time, **columns}}
 
@@ -102,6 +104,7 @@ LOOKS = ("first", "second", "third")
 
 def figures(waves: Waves, gathered: Gathered) -> Drawings:
     """Depth at the gauges against time."""
+    assert waves.time is not None and waves.records is not None
     lines = [
         Line(f"x = {place:zg} m", waves.time, record, LOOKS[k % len(LOOKS)])
         for k, (place, record) in enumerate(zip(waves.gauges, waves.records, strict=True))
@@ -118,8 +121,8 @@ def section(waves: Mapping[str, Any]) -> Section:
         return Section("Gauges", [])
     columns = zip(waves["gauges"], *(waves[name] for name in known), strict=True)
     rows = [(f"{x:zg}", *(None if value is None else f"{value:z.3f}" for value in values)) for x, *values in columns]
-    blocks = [Table(rows, ("Gauge, x [m]", *(names[name] for name in known)))]
-    if unknown := [x for x, *values in rows if None in values]:
+    blocks: list[Block] = [Table(rows, ("Gauge, x [m]", *(names[name] for name in known)))]
+    if unknown := [str(x) for x, *values in rows if None in values]:
         blocks.append(Text(f"No bed is known, and no depth, at times or always at x = {', '.join(unknown)} m."))
     if waves.get("height") is None:
         return Section("Gauges", blocks)

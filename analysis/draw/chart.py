@@ -195,7 +195,7 @@ def stairs(label: str, values: np.ndarray, edges: np.ndarray, look: str = "first
 
 
 def _plain_panel(panel: Panel) -> dict[str, Any]:
-    lines = []
+    lines: list[dict[str, Any]] = []
     for line in panel.lines:
         shown = thinned(line)
         numbers = {"x": _digits(shown.x), "y": _digits(shown.y)}

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -51,7 +52,7 @@ def depth_profile(profiles: xr.Dataset, flow: Flow, *, lines: Mapping[str, float
     return Chart(f"mean of {frames} frames, {flow.clock(begin, end)}", PLACE, (upper, lower))
 
 
-def _mean(profiles: xr.Dataset, name: str, above, label: str, look: str = "first") -> Line:
+def _mean(profiles: xr.Dataset, name: str, above: Any, label: str, look: str = "first") -> Line:
     """A mean of the window, drawn `above` this height, with its standard error."""
     values, error = profiles[f"{name}_mean"].values + above, profiles[f"{name}_stderr"].values
     return Line(label, profiles.x.values, values, look, error)

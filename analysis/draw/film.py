@@ -162,7 +162,8 @@ class _Painter:
 def _anchor(wall: Wall, view: View) -> tuple[float, float]:
     """Where the arrow of a structure starts: its middle, of what is seen, m."""
     sides = zip(wall.extent, (view.x, view.y), strict=True)
-    return tuple(float(np.mean(np.clip(side, *shown))) if side[0] < side[1] else side[0] for side, shown in sides)
+    x, y = (float(np.mean(np.clip(side, *shown))) if side[0] < side[1] else side[0] for side, shown in sides)
+    return x, y
 
 
 def _surroundings(x: Interval, y: Interval, width: int, top_speed: float, name: str) -> tuple[View, np.ndarray]:
@@ -193,8 +194,8 @@ def _surroundings(x: Interval, y: Interval, width: int, top_speed: float, name: 
         bar_axes = figure.add_axes(place(LEFT + view.width + 16, ABOVE + bar_height, 14, bar_height))
         colour_bar(figure, ScalarMappable(Normalize(0, top_speed), "cividis"), "Speed [m/s]", cax=bar_axes)
         figure.text(1 - 8 / wide, 1 - 20 / high, name, ha="right", fontsize=9, color="#555555")
-        canvas.draw()
-    return view, np.asarray(canvas.buffer_rgba())[..., :3].copy()
+        canvas.draw()  # type: ignore[no-untyped-call]
+    return view, np.asarray(canvas.buffer_rgba())[..., :3].copy()  # type: ignore[no-untyped-call]
 
 
 def _mp4(pictures: Iterable[np.ndarray], out: Path, fps: float, shape: tuple[int, ...]) -> None:
@@ -228,7 +229,7 @@ def has_ffmpeg() -> bool:
     return True
 
 
-def _gif(pictures, out: Path, fps: float) -> None:
+def _gif(pictures: Iterable[np.ndarray], out: Path, fps: float) -> None:
     from PIL import Image
 
     images = (Image.fromarray(picture).quantize(64, dither=Image.Dither.NONE) for picture in pictures)

@@ -12,6 +12,11 @@ from .chart import PLACE, Chart, Line, Map, Panel, edges_of, shown_walls
 from .depths import axis_label
 
 
+def _ring(corners: np.ndarray) -> Line:
+    x, y = np.vstack([corners, corners[:1]]).T
+    return Line("", x, y, "sum")
+
+
 def field_map(fields: xr.Dataset, flow: Flow, variable: str = "pressure") -> Map:
     """Map of one field over the channel, with its walls.
 
@@ -39,7 +44,7 @@ def field_map(fields: xr.Dataset, flow: Flow, variable: str = "pressure") -> Map
         values,
         "Height y [m]",
         bool(np.nanmin(values, initial=0.0) < 0),
-        [Line("", *np.vstack([corners, corners[:1]]).T, "sum") for corners in hollow],
+        [_ring(corners) for corners in hollow],
         shown_walls(walls, *room),
         to_scale=True,
     )

@@ -13,6 +13,7 @@ from itertools import pairwise
 from math import ceil, floor, hypot
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.core.library import BYTES, INTEGER, REAL, REALS, core, function
@@ -52,11 +53,11 @@ class View:
         """Pixels a metre."""
         return self.width / (self.x[1] - self.x[0])
 
-    def column(self, x):
+    def column(self, x: ArrayLike) -> np.ndarray:
         """Pixel coordinate of x (pixel i covers i … i + 1)."""
         return (np.asarray(x, float) - self.x[0]) * self.scale
 
-    def row(self, y):
+    def row(self, y: ArrayLike) -> np.ndarray:
         """Pixel coordinate of y, downwards."""
         return (self.y[1] - np.asarray(y, float)) * self.scale
 
@@ -159,7 +160,9 @@ def _pixels(ends: np.ndarray, size: int) -> slice:
     return slice(*np.clip((floor(ends.min() - BAR), ceil(ends.max() + BAR)), 0, size))
 
 
-def paint_discs(picture: np.ndarray, view: View, x, y, radius, colours: np.ndarray) -> None:
+def paint_discs(
+    picture: np.ndarray, view: View, x: np.ndarray, y: np.ndarray, radius: ArrayLike, colours: np.ndarray
+) -> None:
     """Discs as anti-aliased circles.
 
     Parameters
@@ -187,7 +190,7 @@ def paint_frame(picture: np.ndarray, view: View, frame: Frame, flow: Flow, top_s
     paint_discs(picture, view, frame.x, frame.y, flow.radii(frame), coloured(disc_speeds(frame), top_speed))
 
 
-def paint_arrow(picture: np.ndarray, start, end, thickness: float, colour) -> None:
+def paint_arrow(picture: np.ndarray, start: Interval, end: Interval, thickness: float, colour: ArrayLike) -> None:
     """An arrow from `start` to `end` (pixel column, row), its head four thicknesses wide."""
     (x0, y0), (x1, y1) = start, end
     length = hypot(x1 - x0, y1 - y0)
@@ -221,7 +224,9 @@ def coloured(values: np.ndarray, top: float) -> np.ndarray:
     return table[np.clip((scaled * len(table)).astype(int), 0, len(table) - 1)]
 
 
-def _paint_each(picture: np.ndarray, column, row, radius, scale: float, colours: np.ndarray) -> None:
+def _paint_each(
+    picture: np.ndarray, column: np.ndarray, row: np.ndarray, radius: np.ndarray, scale: float, colours: np.ndarray
+) -> None:
     """As the core does, disc by disc."""
     height, width = picture.shape[:2]
     for c, r, size, colour in zip(column.tolist(), row.tolist(), radius.tolist(), colours, strict=True):

@@ -11,10 +11,11 @@ import io
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, cast
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
@@ -24,7 +25,7 @@ from lammps_jump.scene.walls import thin
 
 from .chart import PLACE, Bars, Chart, Map, Panel, edges_of
 
-STYLE = {
+STYLE: dict[str, Any] = {
     "font.family": "DejaVu Sans",
     "font.size": 9,
     "axes.titlesize": 10,
@@ -46,7 +47,7 @@ STYLE = {
 BLUE, GOLD, GREY, BLACK, RED = "#00306f", "#b08a00", "#8a8a8a", "#1a1a1a", "#b3263a"
 DASHES = ("-", "--", ":", "-.")
 WALL = "#c4c4c4"
-LOOKS = {
+LOOKS: dict[str, dict[str, Any]] = {
     "first": {"color": BLUE},
     "second": {"color": GOLD, "ls": "--"},
     "third": {"color": GREY, "ls": "-."},
@@ -62,12 +63,12 @@ LOOKS = {
 
 def style() -> AbstractContextManager[None]:
     """matplotlib settings of this package, for the time of a ``with`` block."""
-    return mpl.rc_context(STYLE)
+    return mpl.rc_context(cast(Any, STYLE))
 
 
 @contextmanager
 def drawing(
-    width: float = 7.2, height: float = 3.6, rows: int = 1, columns: int = 1, **subplots
+    width: float = 7.2, height: float = 3.6, rows: int = 1, columns: int = 1, **subplots: Any
 ) -> Iterator[tuple[Any, ...]]:
     """A figure with its Agg canvas, and its axes, in this package's `style` for the time of a ``with`` block.
 
@@ -84,7 +85,7 @@ def drawing(
         yield figure, figure.subplots(rows, columns, **subplots)
 
 
-def colour_bar(figure: Figure, colours, label: str, **place) -> None:
+def colour_bar(figure: Figure, colours: Any, label: str, **place: Any) -> None:
     """Colour bar without a frame, of an image or map of colours; keywords go to ``Figure.colorbar``."""
     bar = figure.colorbar(colours, **place)
     bar.set_label(label)
@@ -112,7 +113,7 @@ def _draw_png(figure: Figure, out: IO[bytes]) -> None:
     before, dots = figure.get_dpi(), mpl.rcParams["savefig.dpi"]
     figure.set_dpi(dots)
     figure.canvas.draw()
-    picture = Image.fromarray(np.asarray(figure.canvas.buffer_rgba())).convert("RGB")
+    picture = Image.fromarray(np.asarray(cast(Any, figure.canvas).buffer_rgba())).convert("RGB")
     figure.set_dpi(before)
     # level 3 packs a figure in two thirds of the time of zlib's default, for files no larger
     picture.save(out, format="PNG", dpi=(dots, dots), compress_level=3)
@@ -141,7 +142,7 @@ def _draw_chart(chart: Chart) -> Figure:
     return figure
 
 
-def _draw_panel(axes, panel: Panel) -> None:
+def _draw_panel(axes: Axes, panel: Panel) -> None:
     _draw_solids(axes, panel.solids)
     for line in panel.lines:
         look = LOOKS[line.look]
@@ -149,12 +150,12 @@ def _draw_panel(axes, panel: Panel) -> None:
         if line.error is not None and np.isfinite(line.error).any():
             band = line.y - 2 * line.error, line.y + 2 * line.error
             axes.fill_between(line.x, *band, color=look["color"], alpha=0.2, lw=0)
-    aside = {"textcoords": "offset points", "fontsize": 8}
+    aside: dict[str, Any] = {"textcoords": "offset points", "fontsize": 8}
     for label, value in panel.levels.items():
         axes.axhline(value, color=RED, lw=1, ls=(0, (6, 2)), zorder=1)
         # apart from the label of a near one
         under = any(value < other < 1.2 * value for other in panel.levels.values())
-        place = {"xycoords": ("axes fraction", "data"), "color": RED, **aside}
+        place: dict[str, Any] = {"xycoords": ("axes fraction", "data"), "color": RED, **aside}
         axes.annotate(label, (0, value), (3, -9 if under else 2), **place)
     for label, value in panel.marks.items():
         axes.axvline(value, color=GREY, lw=1, ls=":")
@@ -218,7 +219,7 @@ def _draw_map(shown: Map) -> Figure:
     return figure
 
 
-def _draw_solids(axes, solids: Sequence[np.ndarray]) -> None:
+def _draw_solids(axes: Axes, solids: Sequence[np.ndarray]) -> None:
     from matplotlib.patches import Polygon
 
     for solid in solids:

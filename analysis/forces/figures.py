@@ -15,11 +15,12 @@ from lammps_jump.analysis.budgets.inflow import Arrivals
 from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Line, Map, Panel
 from lammps_jump.analysis.draw.depths import xt_map
 from lammps_jump.analysis.passes import Gathered
+from lammps_jump.analysis.report import Block
 from lammps_jump.analysis.report.page import Section, Table, Text, cut, heading
 from lammps_jump.units import numbers_of
 
 from .history import LOW_PASS, Force, Forces, analyse_forces
-from .impulse import with_inflow
+from .impulse import MomentumHistory, with_inflow
 
 LEAST = 1e-6
 """Share of the largest component below which another one is round-off, and not drawn."""
@@ -32,7 +33,8 @@ def analyse(gathered: Gathered) -> Forces | None:
     if not gathered.forces:
         return None
     momentum, arrivals = (gathered.histories.get(name) for name in ("force", "inflow"))
-    if isinstance(arrivals, Arrivals):
+    assert momentum is None or isinstance(momentum, MomentumHistory)
+    if momentum is not None and isinstance(arrivals, Arrivals):
         momentum = with_inflow(momentum, arrivals, gathered.flow.scene)
     return analyse_forces(gathered.forces, gathered.flow, momentum, gathered.profiles)
 
@@ -59,7 +61,7 @@ def section(found: Mapping[str, Any]) -> Section:
     touched = {name: values for name, values in structures.items() if values.get("component")}
     steady = {name: values for name, values in touched.items() if values.get("startup_peak") is not None}
     untouched = [name for name, values in structures.items() if values.get("reason")]
-    blocks = [
+    blocks: list[Block] = [
         _table("Means of the window", steady, MEANS),
         _table(f"Largest, means over {LOW_PASS:zg} s", touched, LARGEST),
         _table("Whole record", touched, WHOLE),
@@ -99,10 +101,10 @@ def history_chart(result: Forces) -> Chart | None:
 
 
 def _history_panel(name: str, force: Force) -> Panel:
-    table = force.table
+    table, component = force.table, force.component or ""
     time, smooth = table["time"], {key: table[f"{key}_smooth"] / 1e3 for key in ("fx", "fy")}
-    named = force.component.replace("f", "F")
-    lines = [Line(f"{named} as recorded", time, table[force.component] / 1e3, "faint")]
+    named = component.replace("f", "F")
+    lines = [Line(f"{named} as recorded", time, table[component] / 1e3, "faint")]
     largest = {key: float(np.nanmax(np.abs(values), initial=0.0)) for key, values in smooth.items()}
     for (key, values), look in zip(smooth.items(), LOOKS, strict=False):
         if largest[key] > LEAST * max(largest.values()):
@@ -110,7 +112,7 @@ def _history_panel(name: str, force: Force) -> Panel:
     if force.component == "fx" and np.isfinite(table["hydrostatic"]).any():
         sign = np.sign(force.peak) or 1.0
         lines.append(Line("hydrostatic, wetted face", time, sign * table["hydrostatic"] / 1e3, "theory"))
-        if force.wall.finite:
+        if force.wall is not None and force.wall.finite:
             lines.append(Line("oncoming, ρsu² + ρgs²/2", time, sign * table["oncoming"] / 1e3, "third"))
     if np.isfinite(force.peak):
         lines.append(Line(f"peak {named}", np.array([force.peak_time]), np.array([force.peak / 1e3]), "measured"))
@@ -126,10 +128,10 @@ def impulse_chart(result: Forces) -> Chart | None:
         return None
     impulses, moments = [], []
     for i, (name, force) in enumerate(result.shown.items()):
-        look, table, axis = LOOKS[i % len(LOOKS)], force.table, force.component[1]
+        look, table, component = LOOKS[i % len(LOOKS)], force.table, force.component or ""
         time, moment = table["time"], table["moment_smooth"]
         impulses.append(
-            Line(f"{name}, {force.component.replace('f', 'F')}", time, table[f"impulse_{axis}"] / 1e3, look)
+            Line(f"{name}, {component.replace('f', 'F')}", time, table[f"impulse_{component[1]}"] / 1e3, look)
         )
         if np.isfinite(moment).any() and force.component == "fx":
             point = "the foot" if force.wall is not None else "its point"
@@ -142,7 +144,7 @@ def impulse_chart(result: Forces) -> Chart | None:
 def reflected_map(result: Forces, profiles: xr.Dataset) -> Map | None:
     """Map of the mass depth with the reflected front and its straight-line fit."""
     wave = result.reflected
-    if wave is None or wave.frames < 3:
+    if wave is None or wave.position is None or wave.time is None or wave.frames < 3:
         return None
     good = np.isfinite(wave.position)
     ends = wave.time[good][[0, -1]]

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import atan2, degrees, hypot, nan
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -145,7 +146,7 @@ class Forces:
         found = [identity_sentence(identity) for identity in self.identities]
         return [*found, *([self.reflected.sentence()] if self.reflected else [])]
 
-    def summary(self) -> dict[str, object]:
+    def summary(self) -> dict[str, Any]:
         """As under ``force`` in ``summary.json``: the structures by name, and what belongs to all of them."""
         return {
             **{name: as_summary(force) for name, force in self.structures.items()},
@@ -159,7 +160,7 @@ class Forces:
     def tables(self) -> Tables:
         """CSV tables: one a structure, and the reflected wave."""
         result: Tables = {f"force_{name}.csv": force.table for name, force in self.structures.items()}
-        if self.reflected is not None:
+        if self.reflected is not None and self.reflected.time is not None and self.reflected.position is not None:
             result["reflected_wave.csv"] = {"time": self.reflected.time, "position": self.reflected.position}
         return result
 
@@ -180,8 +181,9 @@ def analyse_forces(
     # no depth stands before a wall that moves away, and its moment is about its own point
     walls = {wall.name: wall for wall, motion in flow.scene.walls if motion.kind is None}
     structures = {name: _structure(walls.get(name), history, flow, profiles) for name, history in forces.items()}
-    axes = ("x", "y") if momentum is not None else ()
-    identities = tuple(impulse_identity(forces, momentum, flow, axis) for axis in axes)
+    identities: tuple[Identity, ...] = ()
+    if momentum is not None:
+        identities = tuple(impulse_identity(forces, momentum, flow, axis) for axis in ("x", "y"))
     settled = _settled(structures, flow, profiles, momentum)
     members = frozenset(member for _, group in flow.scene.groups for member in group)
     return Forces(structures, identities, _reflected(structures, flow, profiles), settled, members)
@@ -204,9 +206,11 @@ def _columns(wall: Wall | None, history: ForceHistory, flow: Flow, profiles: xr.
     """The `table` of a `Force`."""
     lengths, gravity, moment = window_lengths(history.time), flow.gravity, history.moment
     samples = 1 if len(lengths) < 2 else round(LOW_PASS / max(float(np.median(lengths)), 1e-300))
+    depth: Any
+    hydrostatic: Any
     depth = hydrostatic = oncoming = carried = np.full(len(history.time), nan)
     face = _face(wall) if gravity > 0 else None
-    if face is not None:
+    if wall is not None and face is not None:
         at, foot, top, side = face
         near, far = (_station(profiles, at, side, bins) for bins in (1, 2))
         if near is not None:
@@ -290,7 +294,7 @@ def _structure(wall: Wall | None, history: ForceHistory, flow: Flow, profiles: x
         component=component if touched else None,
         reason=None if touched else UNTOUCHED,
         peak=peak,
-        peak_error=peak_error(time[inside], main[inside]) if steady else nan,
+        **{"peak_error": peak_error(time[inside], main[inside]) if steady else nan},  # a field that `estimate` adds
         peak_time=peak_time,
         peak_unfiltered=biggest(table[component])[0],
         startup_peak=startup[0],
@@ -354,7 +358,7 @@ def _settled(
             continue
         mean_x, mean_y = (float(force.table[name][chosen].mean()) for name in ("fx", "fy"))
         face = _face(force.wall)
-        if face is not None and not force.wall.finite:
+        if force.wall is not None and face is not None and not force.wall.finite:
             far = _station(profiles, *face[::3], 2)
             depth = nan if far is None else float(far["mass_depth"].values[frames].mean())
             expected = waves.hydrostatic_force(depth, flow.scene.density, gravity)

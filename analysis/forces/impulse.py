@@ -100,7 +100,9 @@ class MomentumLedger:
     def result(self) -> MomentumHistory:
         """The history of all frames added."""
         *columns, forces, unprobed = zip(*self._rows, strict=True)
-        return MomentumHistory(*map(np.array, columns), _by_wall(forces, float), _by_wall(unprobed, bool))
+        time, momentum, discs, same, brought, carried, held = map(np.array, columns)
+        walls = _by_wall(forces, float), _by_wall(unprobed, bool)
+        return MomentumHistory(time, momentum, discs, same, brought, carried, held, *walls)
 
 
 def with_inflow(history: MomentumHistory, arrivals: Arrivals, scene: Scene) -> MomentumHistory:
@@ -200,8 +202,10 @@ def impulse_identity(forces: Mapping[str, ForceHistory], momentum: MomentumHisto
     brought, carried = (float(part[between, column].sum()) for part in (momentum.brought, momentum.carried))
     off, scale = change - walls - gravity - brought + carried, scale + abs(brought) + abs(carried)
     relative, reason = abs(off) / scale if scale else nan, "; ".join(dict.fromkeys(reasons))
-    span = float(start), float(end)
-    return Identity(axis, *span, change, walls, gravity, brought, carried, off, relative, not reason, reason or None)
+    begin, until = float(start), float(end)
+    return Identity(
+        axis, begin, until, change, walls, gravity, brought, carried, off, relative, not reason, reason or None,
+    )  # fmt: skip
 
 
 def _common_span(window_ends: np.ndarray, momentum: MomentumHistory, flow: Flow) -> tuple[int, int] | None:

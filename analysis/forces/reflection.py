@@ -91,10 +91,11 @@ def track_reflection(profiles: xr.Dataset, structure: Wall, flow: Flow) -> Refle
     good = np.isfinite(position)
     if not good.any():
         return None
-    depth, speed = (float(v) for v in np.mean(streams, axis=0))
-    bore_depth, bore_speed = waves.reflected_bore(depth, speed, flow.gravity)
+    before_depth, before_speed = (float(v) for v in np.mean(streams, axis=0))
+    bore_depth, bore_speed = waves.reflected_bore(before_depth, before_speed, flow.gravity)
     fit = straight_motion(time[good], position[good])
     return ReflectedWave(
-        structure.name, fit.points, fit.speed, fit.error, depth, speed, bore_speed, bore_depth, fit.start, time,
-        position,
+        structure.name, fit.points, fit.speed, oncoming_depth=before_depth, oncoming_velocity=before_speed,
+        bore_speed=bore_speed, bore_depth=bore_depth, start=fit.start, time=time, position=position,
+        **{"speed_error": fit.error},  # a field that `estimate` adds
     )  # fmt: skip

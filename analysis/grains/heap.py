@@ -299,7 +299,7 @@ def _end(frame: Frame, flow: Flow, start: float, side: int, *, bulk: bool) -> fl
     return start + side * found
 
 
-def _run_out(remains: Remains, flow: Flow, shape: Shape) -> dict[str, float]:
+def _run_out(remains: Remains, flow: Flow, shape: Shape) -> dict[str, Any]:
     """Numbers of a column that has run out, by key; none where there was no column."""
     column, frame = remains.column, remains.frame
     if column is None or frame is None:

@@ -255,7 +255,11 @@ def analyse(gathered: Gathered) -> Layers:
     assert isinstance(found, Sums)
     inside = within(found.time, window_of(gathered.profiles))
     unknown = inside & np.isnan(found.sums[:, U]).any(axis=1)  # a disc without a velocity lies in a layer
-    about = {"height": float(found.edges[1] - found.edges[0]), "begin": found.stretch[0], "end": found.stretch[1]}
+    about: dict[str, Any] = {
+        "height": float(found.edges[1] - found.edges[0]),
+        "begin": found.stretch[0],
+        "end": found.stretch[1],
+    }
     if not found.sums[inside, MASS].any():
         return Layers(**about, reason="no disc is in the stretch within the window")
     if unknown.all(where=inside):

@@ -159,7 +159,8 @@ class RestWatch:
     def result(self) -> RestHistory:
         """The history of all frames."""
         rows = np.array(self._rows, float).reshape(-1, 3)
-        return RestHistory(*rows.T, self.detector.since if self._rests else nan)
+        time, speed, top = rows.T
+        return RestHistory(time, speed, top, self.detector.since if self._rests else nan)
 
 
 def analyse(gathered: Gathered) -> Rest:

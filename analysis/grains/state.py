@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import nan, sqrt
+from typing import Any
 
 import numpy as np
 
@@ -67,7 +68,7 @@ def analyse(gathered: Gathered) -> State:
         return State()
     radii, mass = flow.radii(frame), flow.relative_masses(frame)
     room = [float(np.diff(np.quantile(place, MIDDLE))[0] + 2.0 * radii.mean()) for place in (frame.x, frame.y)]
-    known = {"time": time if flow.timed else nan, "discs": frame.n, "first_discs": watch.first}
+    known: dict[str, Any] = {"time": time if flow.timed else nan, "discs": frame.n, "first_discs": watch.first}
     known |= {"length": room[0], "height": room[1]}
     speeds = np.hypot(frame.vx, frame.vy)
     told = np.isfinite(speeds)

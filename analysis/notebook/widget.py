@@ -35,7 +35,7 @@ def player_widget(player: Player, title: str) -> Any:
         anywidget is not installed.
     """
     page = render("", [Section("", [player])], tab=title, embedded=True)
-    return _widget_class()(title=title, page=page, time=float(player.header["times"][0]))  # type: ignore[index]
+    return _widget_class()(title=title, page=page, time=float(player.header["times"][0]))
 
 
 @lru_cache(maxsize=1)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 from . import headline as headline
 from . import page as page
+from .page import Block as Block
 from .page import Section as Section
 from .page import Table as Table
 from .page import render as render

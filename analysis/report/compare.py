@@ -80,13 +80,14 @@ def _parts(found: object) -> dict[str, Mapping[str, Any]]:
 def _row(part: str, number: Number, left: Mapping[str, Any], right: Mapping[str, Any]) -> tuple[str, str, str, str]:
     key, unit = number.key, number.unit
     texts = [cut(side, key) if side.get(key) is not None else shown(None) for side in (left, right)]
-    values, errors = ([side.get(name) for side in (left, right)] for name in (key, f"{key}_error"))
+    values: list[Any] = [side.get(key) for side in (left, right)]
+    errors: list[Any] = [side.get(f"{key}_error") for side in (left, right)]
     difference = shown(None)
     if all(isinstance(value, int | float) for value in values):
         error = hypot(*errors) if all(isinstance(error, float) for error in errors) else None
         difference = shown(values[1] - values[0], error=error, alone=True).replace("-", "−")
     label = heading(number.meaning, unit)
-    return (f"{part}: {label}" if part else label, *texts, difference)
+    return f"{part}: {label}" if part else label, texts[0], texts[1], difference
 
 
 def _on_one_scale(left: Curve, right: Curve) -> list[Curve]:
@@ -95,8 +96,9 @@ def _on_one_scale(left: Curve, right: Curve) -> list[Curve]:
     for panels in zip(*(curve.data.get("panels", ()) for curve in pair), strict=False):
         for axis, limits in (("x", "xlim"), ("y", "ylim")):
             ends = [_ends(panel, axis, limits) for panel in panels]
-            if all(ends):
-                low, high = min(end[0] for end in ends), max(end[1] for end in ends)
+            known = [one for one in ends if one]
+            if len(known) == len(ends):
+                low, high = min(end[0] for end in known), max(end[1] for end in known)
                 for panel in panels:
                     panel[limits] = [low, high]
     return pair

@@ -23,6 +23,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -64,7 +65,7 @@ class Packed:
         Of `coder.encode`.
     """
 
-    header: dict[str, object]
+    header: dict[str, Any]
     text: str
 
 

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Maps of a frame for the page: packing and contact pressure on a grid over the domain, as small whole numbers."""
 
+from typing import Any
+
 import numpy as np
 
 from lammps_jump.analysis.contacts import find_contacts
@@ -31,10 +33,11 @@ def pressure(frame: Frame, flow: Flow) -> np.ndarray:
     """
     found = find_contacts(frame, flow)
     moment = found.force * np.hypot(*(found.end - found.start).T) / 2
-    return _numbers(flow, *(found.start + found.end).T / 2, moment / pressure_unit(flow), 0.5)
+    x, y = (found.start + found.end).T / 2
+    return _numbers(flow, x, y, moment / pressure_unit(flow), 0.5)
 
 
-def about_map(flow: Flow, many: bool) -> dict[str, object]:
+def about_map(flow: Flow, many: bool) -> dict[str, Any]:
     """Name and grid of the packing, of many discs, or the pressure; a value is unit times number to the power."""
     counts, sides = grid(flow)
     name, unit, power = ("packing", PACKING_STEP, 1) if many else ("pressure", pressure_unit(flow), 2)

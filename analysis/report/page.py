@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
 from markupsafe import Markup, escape
 
 from lammps_jump.files import plain, read_file, read_start, text_of
@@ -108,13 +108,13 @@ class Curve(NamedTuple):
     """Curves over a common axis, drawn by the page from `data`."""
 
     caption: str
-    data: Mapping[str, object]
+    data: Mapping[str, Any]
 
 
 class Player(NamedTuple):
     """The discs in time: header and packed frames of `frames.pack`, and a picture for browsers without script."""
 
-    header: Mapping[str, object]
+    header: Mapping[str, Any]
     frames: str
     still: Picture | None = None
 
@@ -157,11 +157,14 @@ class Beside(NamedTuple):
         return self.blocks
 
 
+Block = Text | Table | Boxes | Items | Code | Picture | Curve | Player | Choice | Beside
+
+
 class Section(NamedTuple):
     """Part of a page under a heading, in the list of contents; those without a title stand above that list."""
 
     title: str
-    blocks: Sequence[Text | Table | Boxes | Items | Code | Picture | Curve | Player | Choice | Beside]
+    blocks: Sequence[Block]
 
 
 def render(
@@ -251,7 +254,7 @@ def _own(file: str) -> Markup:
 
 
 @lru_cache(maxsize=1)
-def _template():
+def _template() -> Template:
     loader = FileSystemLoader(Path(__file__).parent)
     environment = Environment(loader=loader, autoescape=True, undefined=StrictUndefined)
     environment.filters["shown"] = text
@@ -298,7 +301,7 @@ def errors_of(result: type, found: Mapping[str, Any]) -> list[tuple[str, str]]:
     ]
 
 
-def percent(share: float | None, digits: int = 1) -> str:
+def percent(share: Any, digits: int = 1) -> str:
     """A share in per cent; with more than one digit its sign is shown."""
     if share is None:
         return shown(None)

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import ceil, isfinite
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -81,7 +82,7 @@ def about_run(packer: FramePacker, folder: Path) -> dict[str, object]:
     }
 
 
-def _shape(one: MovingWall, packer: FramePacker, shown: tuple[Interval, Interval]) -> dict[str, object]:
+def _shape(one: MovingWall, packer: FramePacker, shown: tuple[Interval, Interval]) -> dict[str, Any]:
     """A wall where the case has it, m, twice as far as a view shows; where it moves, its pose at each time.
 
     ``outlines`` are closed polygons, ``lines`` open ones with the discs on their left.
@@ -91,7 +92,7 @@ def _shape(one: MovingWall, packer: FramePacker, shown: tuple[Interval, Interval
     outlines, lines = ([np.round(part, 9) for part in parts] for parts in parts_of(wall, *wide))
     if isfinite(motion.gone) and not wall.finite:  # a gate is a sheet; what lies behind it stays in sight
         outlines, lines = [], _faces(wall, outlines)
-    shape: dict[str, object] = {"name": wall.name, "hollow": wall.hollow, "outlines": outlines, "lines": lines}
+    shape: dict[str, Any] = {"name": wall.name, "hollow": wall.hollow, "outlines": outlines, "lines": lines}
     if motion.kind is None:
         return shape
     pushed = packer.flow.poses.at if motion.is_state and packer.flow.poses else lambda time: {}

@@ -191,7 +191,7 @@ class ReadCase:
             As `load`.
         """
         source = copy.deepcopy(self.source)
-        item = from_run(source, Path(getattr(run, "folder", run)), time)  # type: ignore[call-overload]
+        item = from_run(source, Path(str(getattr(run, "folder", run))), time)
         changes = {"initial": [{**item, "velocities": velocities}]}
         return type(self)(_validated(source, changes, self.name), source)
 

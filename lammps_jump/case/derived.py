@@ -151,7 +151,7 @@ class Derived:
         return "\n".join(lines)
 
 
-def _show(value) -> str:
+def _show(value: Any) -> str:
     if value is None:
         return "-"
     if isinstance(value, str | int):

@@ -4,12 +4,13 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import fields, is_dataclass
-from typing import Any, get_args, get_type_hints
+from typing import Any, cast, get_args, get_type_hints
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
+from pydantic_core import ErrorDetails
 
 from lammps_jump.errors import CaseError
 from lammps_jump.quoting import echoed, shortened
@@ -45,7 +46,7 @@ def explain(error: ValidationError, source: CaseSource, model: type[BaseModel] =
     return CaseError(f"{source.place(path)}: {_sentence(first, path, model)}{more}")
 
 
-def _others(problems: list[dict[str, Any]], source: CaseSource) -> str:
+def _others(problems: Sequence[ErrorDetails], source: CaseSource) -> str:
     """Where the other problems are, as far as they are few."""
     paths = dict.fromkeys(dotted_path(_data_path(problem["loc"], source.whole)) for problem in problems[1:])
     return f": {', '.join(paths)}" if all(paths) and len(paths) <= MOST_OTHERS else ""
@@ -66,12 +67,12 @@ def _data_path(location: tuple[Any, ...], data: Any) -> PathKey:
     return tuple(path)
 
 
-def _sentence(problem: dict[str, Any], path: PathKey, model: type[BaseModel]) -> str:
+def _sentence(problem: ErrorDetails, path: PathKey, model: type[BaseModel]) -> str:
     kind, context, value = problem["type"], problem.get("ctx", {}), problem.get("input")
     if kind in UNKNOWN:
         return f"unknown field; {_meant(path, _models_at(problem['loc'][:-1], model), model)}"
     if kind == "missing":
-        field = _fields(_models_at(problem["loc"][:-1], model)).get(problem["loc"][-1])
+        field = _fields(_models_at(problem["loc"][:-1], model)).get(str(problem["loc"][-1]))
         words = [repr(word) for word in get_args(field.annotation) if isinstance(word, str)] if field else []
         known = f"allowed is {', '.join(words)}" if words else "`lammps-jump new hydraulic_jump` shows a whole case"
         return f"is required and not there; {known}"
@@ -148,7 +149,7 @@ def fields_of(model: type) -> dict[str, FieldInfo]:
         for depth, base in reversed(list(enumerate(model.__mro__)))
         for name in vars(base).get("__annotations__", {})
     }
-    own_first = sorted((item.name for item in fields(model)), key=declared.__getitem__)
+    own_first = sorted((item.name for item in fields(cast(Any, model))), key=declared.__getitem__)
     found = {name: FieldInfo.from_annotation(hints[name]) for name in own_first}
     return {field.alias or name: field for name, field in found.items()}
 

@@ -32,6 +32,9 @@ class TooSoft(ValueError):
 def disc_sizes(case: CaseFields) -> Sizes | None:
     """Distribution of diameters; None where all discs are equal."""
     d, given = case.discs.diameter, case.discs.sizes
+    shares: tuple[float, ...]
+    low: tuple[float, ...]
+    high: tuple[float, ...]
     if given is None:
         return None
     if isinstance(given, UniformSizes | BidisperseSizes):

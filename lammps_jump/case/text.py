@@ -7,7 +7,6 @@ import difflib
 import re
 from copy import copy
 from dataclasses import dataclass, field
-from functools import reduce
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -122,7 +121,10 @@ class CaseSource:
 
     def value(self, path: PathKey) -> Any:
         """The value at a path."""
-        return reduce(lambda found, key: found[key], path, self.data)
+        here: Any = self.data
+        for key in path:
+            here = here[key]
+        return here
 
     def place(self, path: PathKey) -> str:
         """Where `path` stands: ``case.yaml:12: contact.friction`` (the nearest line known) or the ``--set`` text."""
@@ -231,7 +233,7 @@ def parse_source(text: str, file: str = "<case>") -> CaseSource:
             f"{file}: is empty; a case needs at least discs, contact and run (`lammps-jump new` writes one)"
         )
     if not isinstance(node, yaml.MappingNode):
-        raise CaseError(f"{file}:1: a case is a mapping of fields (name: …), this is a {node.id}")
+        raise CaseError(f"{file}:1: a case is a mapping of fields (name: …), this is a {getattr(node, 'id', 'value')}")
     source = CaseSource(file=file, data={})
     constructor = _Loader("")
     source.data = _plain(node, (), source, constructor)
@@ -254,14 +256,14 @@ def _compose(text: str, file: str) -> yaml.Node | None:
     return yaml.compose(text, Loader=_Loader)
 
 
-def _too_deep(file: str, here: yaml.Event | yaml.Node) -> str:
+def _too_deep(file: str, here: Any) -> str:
     return (
         f"{file}:{here.start_mark.line + 1}: groups or lists more than {MOST_DEPTH} deep, or an alias (*) inside of "
         "what it stands for; a case needs five levels: write the values out"
     )
 
 
-def _too_many(file: str, here: yaml.Event | yaml.Node) -> str:
+def _too_many(file: str, here: Any) -> str:
     return (
         f"{file}:{here.start_mark.line + 1}: more than {MOST_VALUES:,} values and keys, aliases (*) counted as often "
         "as they stand; write fewer"

@@ -265,10 +265,10 @@ def _frozen(array: np.ndarray) -> np.ndarray:
 
 def _stiffness(case: CaseFields) -> tuple[float, float, float]:
     """(n, v0, k): of a given stiffness v0 is the speed that the case states, or leads to, and n that of design."""
-    rho, given = case.discs.density, case.contact
-    k = given.own_stiffness
+    rho, given, k = case.discs.density, case.contact, case.contact.own_stiffness
     if k is None:
         share = given.largest_overlap or speeds.DESIGN
+        assert given.impact_speed is not None  # chosen by now
         return 1.0 / share, given.impact_speed, contact.stiffness(rho, share, given.impact_speed)
     through = math.sqrt(k / rho)  # the speed that overlaps by a diameter
     if given.impact_speed is not None:
@@ -322,8 +322,8 @@ def _domain(
     else:
         closed = any(wall.hollow for wall in case.walls)
         margin = 2 * begun.largest if closed else 10 * begun.largest + speed * min(case.run.duration, 3.0)
-        ends = (_ends(case, axis, begun, inlets, ways) for axis in "xy")
-        domain = tuple((min(values) - margin, max(values) + margin) for values in ends)
+        x, y = ((min(e) - margin, max(e) + margin) for e in (_ends(case, axis, begun, inlets, ways) for axis in "xy"))
+        domain = x, y
     checks.check_domain(case, source, domain)
     return domain
 

@@ -14,7 +14,7 @@ import numpy as np
 from lammps_jump.errors import CaseError
 from lammps_jump.physics import contact
 from lammps_jump.scene import Beginning, Block, InletRow, Interval, MovingWall, Plane, Scene, Wall, gate
-from lammps_jump.scene.chains import boxes
+from lammps_jump.scene.chains import Point, boxes
 from lammps_jump.scene.motion import Motion, arms, largest_speed, way
 from lammps_jump.scene.shapes import ArcTo, PlaceError, flush, open_ends, tight_bend, vertices
 from lammps_jump.scene.tracks import Translate
@@ -73,7 +73,7 @@ def joined(case: CaseFields, source: CaseSource) -> tuple[CaseWall, ...]:
 
 def _joined(case: CaseFields, source: CaseSource, join: str) -> Line:
     """Lines of one join as one line, which goes from one to the next where ends meet."""
-    lines: dict[int, Line] = {i: wall for i, wall in enumerate(case.walls) if getattr(wall, "join", None) == join}
+    lines = {i: wall for i, wall in enumerate(case.walls) if isinstance(wall, Line) and wall.join == join}
     first, *others = lines
     if not others:
         raise source.error(f"walls.{first}.join: no other line has join: {join}; drop it, or name the others too")
@@ -113,7 +113,9 @@ def _meet(one: Sequence[float], two: Sequence[float]) -> bool:
     return all(abs(a - b) <= SAME_END * max(1.0, abs(a)) for a, b in zip(one, two, strict=True))
 
 
-def _unjoined(lines: dict[int, Line], ends: dict[str, Any], order: list[int], left: list[int]) -> str:
+def _unjoined(
+    lines: dict[int, Line], ends: Mapping[int, tuple[Point, Point]], order: list[int], left: list[int]
+) -> str:
     """What is wrong with lines of a join that have no order."""
     last, here = lines[order[-1]], ends[order[-1]][1]
     for index in left:

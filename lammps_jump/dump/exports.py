@@ -56,7 +56,7 @@ def write_table(table: Mapping[str, Sequence[Any]], path: str | Path, units: Map
     return _write(path, csv_text(columns.set_axis(heads, axis=1), float_format="%.10g"))
 
 
-def without_minus_zero(values: Sequence[Any]) -> Sequence:
+def without_minus_zero(values: Sequence[Any]) -> Any:
     """The values with 0 in place of -0."""
     numbers = np.asarray(values)
     return numbers + 0.0 if numbers.dtype.kind == "f" else values
@@ -240,7 +240,7 @@ def write_profiles_csv(profiles: xr.Dataset, folder: str | Path) -> list[Path]:
     -------
     list of Path
     """
-    units = {name: array.attrs.get("units", "") for name, array in profiles.variables.items()}
+    units = {str(name): array.attrs.get("units", "") for name, array in profiles.variables.items()}
     written = []
     for file, dims in (("profiles_mean.csv", ("x",)), ("profiles.csv", ("time", "x"))):
         names = [name for name, array in profiles.data_vars.items() if array.dims == dims]
@@ -256,7 +256,7 @@ def write_vti(fields: xr.Dataset, path: str | Path) -> Path:
     """
     x, y = fields.x.values, fields.y.values
     spacing = float(fields.attrs["spacing"])
-    arrays = {name: array.values.ravel() for name, array in fields.data_vars.items() if array.dims == ("y", "x")}
+    arrays = {str(name): array.values.ravel() for name, array in fields.data_vars.items() if array.dims == ("y", "x")}
     if {"velocity_x", "velocity_y"} <= arrays.keys():
         vx, vy = arrays.pop("velocity_x"), arrays.pop("velocity_y")
         arrays["velocity"] = np.column_stack([vx, vy, np.zeros_like(vx)])

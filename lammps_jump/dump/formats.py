@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import numpy as np
 
@@ -20,14 +21,17 @@ LARGEST_INT = (1 << 63) - 1
 Walked = Iterator[tuple[FrameHeader, Frame | None]]
 
 
-def walk(dump: DumpFile, stream, parse: Callable[[int], bool]) -> Walked:
+def walk(dump: DumpFile, stream: Any, parse: Callable[[int], bool]) -> Walked:
     """Headers, and the frames for whose index `parse` is true; a last frame that is cut off is left out and noted."""
-    kind, read = (Lines, _text_frame) if dump.format == "text" else (Bytes, _binary_frame)
-    source, empty, index, torn = kind(dump, stream), 0, 0, False
+    source: Lines | Bytes = Lines(dump, stream) if dump.format == "text" else Bytes(dump, stream)
+    empty, index, torn = 0, 0, False
     while True:
         start = source.place()
         try:
-            found = read(dump, source, parse(index))
+            wanted = parse(index)
+            found = (
+                _text_frame(dump, source, wanted) if isinstance(source, Lines) else _binary_frame(dump, source, wanted)
+            )
         except Torn as where:
             if index == 0 or torn:
                 raise where.error from None
@@ -62,7 +66,8 @@ def walk(dump: DumpFile, stream, parse: Callable[[int], bool]) -> Walked:
 def _text_frame(dump: DumpFile, buffer: Lines, wanted: bool) -> tuple[FrameHeader, Frame | None] | None:
     head = _text_header(dump, buffer)
     if head is not None:
-        return head[0], _text_rows(dump, buffer, *head, wanted)
+        header, box, names = head
+        return header, _text_rows(dump, buffer, header, box, names, wanted)
     if buffer.damaged:
         raise Truncated("at the end of a frame")
     return None
@@ -72,9 +77,12 @@ def _wrong(dump: DumpFile, line: int, found: str, expected: str) -> DumpError:
     return DumpError(f"{dump.path}, line {line}: expected {expected}, found {found[:60]!r}.")
 
 
-def _text_header(dump: DumpFile, buffer: Lines):
-    """(header, box, names, tilt) of the next frame, or None at the end of the file."""
-    step = time = n = box = None
+def _text_header(dump: DumpFile, buffer: Lines) -> tuple[FrameHeader, np.ndarray, tuple[str, ...]] | None:
+    """(header, box, names) of the next frame, or None at the end of the file."""
+    step: int | None = None
+    n: int | None = None
+    box: np.ndarray | None = None
+    time = None
     tilt = 0.0
     blank = 0
     begun = False
@@ -107,10 +115,9 @@ def _text_header(dump: DumpFile, buffer: Lines):
         elif item == "BOX":
             box, tilt = _box(dump, buffer)
         elif item == "ATOMS":
-            needed = {"TIMESTEP": step, "NUMBER OF ATOMS": n, "BOX BOUNDS": box}
-            missing = [name for name, value in needed.items() if value is None]
-            if missing:
-                raise _wrong(dump, buffer.line_number, line, f"'ITEM: {missing[0]}' first")
+            if step is None or n is None or box is None:
+                first = "TIMESTEP" if step is None else "NUMBER OF ATOMS" if n is None else "BOX BOUNDS"
+                raise _wrong(dump, buffer.line_number, line, f"'ITEM: {first}' first")
             names = tuple(rest.split())
             _check_names(dump, names, tilt, f"line {buffer.line_number}")
             return FrameHeader(step, time, n), box, names
@@ -125,7 +132,7 @@ def _value(buffer: Lines) -> str:
     return line
 
 
-def _number(dump: DumpFile, buffer: Lines, kind, what: str):
+def _number(dump: DumpFile, buffer: Lines, kind: type, what: str) -> Any:
     text = _value(buffer)
     try:
         number = kind(text)
@@ -165,7 +172,9 @@ def _check_names(dump: DumpFile, names: tuple[str, ...], tilt: float, where: str
         dump.warn(f"{dump.path}: column {', '.join(words)} holds words and was left out.")
 
 
-def _text_rows(dump: DumpFile, buffer: Lines, header: FrameHeader, box, names, wanted: bool) -> Frame | None:
+def _text_rows(
+    dump: DumpFile, buffer: Lines, header: FrameHeader, box: np.ndarray, names: tuple[str, ...], wanted: bool
+) -> Frame | None:
     first_line = buffer.line_number + 1 - buffer.comments
     if 2 * len(names) * header.n > dump.most_bytes:
         raise Truncated(f": the file is too short for {header.n} discs")
@@ -261,7 +270,10 @@ def _binary_frame(dump: DumpFile, source: Bytes, wanted: bool) -> tuple[FrameHea
     return header, _binary_rows(dump, source, header, box, names, wanted, start)
 
 
-def _binary_rows(dump, source, header, box, names, wanted, start) -> Frame | None:
+def _binary_rows(
+    dump: DumpFile, source: Bytes, header: FrameHeader, box: np.ndarray, names: tuple[str, ...], wanted: bool,
+    start: int,
+) -> Frame | None:  # fmt: skip
     width, rows, done = len(names), header.n, 0
     out = np.empty((width, rows if wanted else 0))
     for _ in range(source.number("i")):

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -178,7 +179,7 @@ def read_only(columns: dict[str, np.ndarray]) -> Mapping[str, np.ndarray]:
     return MappingProxyType(columns)
 
 
-def make_frame(step: int, time: float | None, box, columns: Mapping[str, np.ndarray]) -> Frame:
+def make_frame(step: int, time: float | None, box: Any, columns: Mapping[str, np.ndarray]) -> Frame:
     """A frame from plain arrays (copied to float64): for made-up dumps and converters.
 
     Parameters

@@ -18,6 +18,7 @@ to leave it out, or keep distances below the free room around the discs.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +30,7 @@ from MDAnalysis.core.topologyattrs import Atomids, Atomtypes, Masses, Radii, Res
 from MDAnalysis.lib.util import store_init_arguments
 from MDAnalysis.topology.base import TopologyReaderBase
 
-from .frame import Frame
+from .frame import Frame, FrameHeader
 from .read import Dump, open_dump
 
 FORMAT = "JUMPDUMP"
@@ -39,7 +40,7 @@ PRESENT = "prop x > -1e30"
 _scanned: dict[tuple[Any, ...], tuple[np.ndarray, np.ndarray]] = {}
 
 
-def universe(path: str | Path, *, diameter: float = 0.0, mass: float = 1.0, dimensions: bool = True):
+def universe(path: str | Path, *, diameter: float = 0.0, mass: float = 1.0, dimensions: bool = True) -> Any:
     """A dump as an MDAnalysis Universe.
 
     Parameters
@@ -61,7 +62,7 @@ def universe(path: str | Path, *, diameter: float = 0.0, mass: float = 1.0, dime
     )
 
 
-def present(universe, updating: bool = False):
+def present(universe: Any, updating: bool = False) -> Any:
     """AtomGroup of the discs that are there in the current frame; with `updating` it follows the trajectory."""
     return universe.select_atoms(PRESENT, updating=updating)
 
@@ -87,12 +88,12 @@ def _all_discs(dump: Dump) -> tuple[np.ndarray, np.ndarray]:
     return _scanned[key]
 
 
-class JumpDumpParser(TopologyReaderBase):
+class JumpDumpParser(TopologyReaderBase):  # type: ignore[misc]  # MDAnalysis has no types
     """Topology of a dump: one atom a disc id."""
 
     format = FORMAT
 
-    def parse(self, diameter: float = 0.0, mass: float = 1.0, **kwargs):
+    def parse(self, diameter: float = 0.0, mass: float = 1.0, **kwargs: object) -> Any:
         """Topology with ids, radii and masses; every atom is of type 'disc'."""
         ids, radii = _all_discs(open_dump(self.filename))
         n = len(ids)
@@ -111,21 +112,21 @@ class JumpDumpParser(TopologyReaderBase):
         return Topology(n, 1, 1, attrs=attributes)
 
 
-class JumpDumpReader(ReaderBase):
+class JumpDumpReader(ReaderBase):  # type: ignore[misc]
     """Trajectory of a dump with a varying number of discs; see the module for what a frame holds."""
 
     format = FORMAT
     units = {"time": None, "length": None, "velocity": None}  # noqa: RUF012 (MDAnalysis' own way of declaring it)
 
-    @store_init_arguments
-    def __init__(self, filename, dimensions: bool = True, **kwargs):
+    @store_init_arguments  # type: ignore[untyped-decorator]
+    def __init__(self, filename: str | Path, dimensions: bool = True, **kwargs: object) -> None:
         super().__init__(filename, **kwargs)
         self._dump = open_dump(filename)
         self._ids = all_ids(self._dump)
         self._headers = self._dump.headers()
         self._box = dimensions
         self._moving = {"vx", "vy"} <= set(self._dump.columns)
-        self._stream = None
+        self._stream: Iterator[Frame] | None = None
         self.ts = self._Timestep(self.n_atoms, velocities=self._moving, dt=self._interval(), **self._ts_kwargs)
         self._read_next_timestep()
 
@@ -140,7 +141,7 @@ class JumpDumpReader(ReaderBase):
         return len(self._headers)
 
     @staticmethod
-    def parse_n_atoms(filename, **kwargs) -> int:
+    def parse_n_atoms(filename: str | Path, **kwargs: object) -> int:
         """Number of distinct disc ids of a file."""
         return len(all_ids(open_dump(filename)))
 
@@ -149,14 +150,14 @@ class JumpDumpReader(ReaderBase):
         return times[1] - times[0] if len(times) == 2 and times[1] > times[0] else 1.0
 
     @staticmethod
-    def _time(header) -> float:
+    def _time(header: FrameHeader | Frame) -> float:
         return float(header.step) if header.time is None else header.time
 
     def _reopen(self) -> None:
         self._stream = None
         self.ts.frame = -1
 
-    def _read_frame(self, frame: int):
+    def _read_frame(self, frame: int) -> Any:
         if not 0 <= frame < self.n_frames:
             raise OSError(f"{self.filename}: no frame {frame}; there are {self.n_frames}")
         if self._stream is None or frame != self.ts.frame + 1:
@@ -164,12 +165,12 @@ class JumpDumpReader(ReaderBase):
         self.ts.frame = frame
         return self._fill(next(self._stream))
 
-    def _read_next_timestep(self, ts=None):
+    def _read_next_timestep(self, ts: object = None) -> Any:
         if self.ts.frame + 1 >= self.n_frames:
             raise EOFError
         return self._read_frame(self.ts.frame + 1)
 
-    def _fill(self, frame: Frame):
+    def _fill(self, frame: Frame) -> Any:
         ts = self.ts
         slot = np.searchsorted(self._ids, frame.ids)
         here = np.zeros(self.n_atoms, bool)
@@ -198,7 +199,7 @@ class JumpDumpReader(ReaderBase):
         """Let go of the file."""
         self._stream = None
 
-    def __getstate__(self):
+    def __getstate__(self) -> dict[str, Any]:
         state = self.__dict__.copy()
         state["_stream"] = None  # a reader in another process opens the file anew
         return state

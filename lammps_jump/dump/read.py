@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
 from functools import cached_property
 from pathlib import Path
-from typing import BinaryIO, overload
+from typing import Any, overload
 
 from lammps_jump.errors import DumpError
 from lammps_jump.files import open_to_read, read_start
@@ -109,7 +109,7 @@ class Dump(DumpFile):
             if another:
                 return
 
-    def _open(self) -> BinaryIO:
+    def _open(self) -> Any:
         return _open(self.path, self.compressed)
 
     def _pass(self, parse: Callable[[int], bool]) -> Iterator[tuple[FrameHeader, Frame | None]]:
@@ -124,12 +124,18 @@ class Dump(DumpFile):
 
 def _advances(last: FrameHeader, header: FrameHeader) -> bool:
     """Whether a frame is later than the last one, by its step and, where both have one, by its time."""
-    clocked = last.time is not None and header.time is not None
-    return header.step > last.step and not (clocked and header.time <= last.time)
+    if last.time is not None and header.time is not None and header.time <= last.time:
+        return False
+    return header.step > last.step
 
 
 def _place(header: FrameHeader) -> str:
     return f"step {header.step}" + ("" if header.time is None else f" ({header.time:.6g} s)")
+
+
+def _behind(parse: Callable[[int], bool], before: int) -> Callable[[int], bool]:
+    """What `parse` says of a frame behind `before` others."""
+    return lambda index: parse(before + index)
 
 
 class DumpSeries(Dump):
@@ -145,7 +151,7 @@ class DumpSeries(Dump):
         for file in self.files:
             try:
                 part, before = _identified(file), done
-                for header, frame in part._pass(lambda index, before=done: parse(before + index)):
+                for header, frame in part._pass(_behind(parse, before)):
                     if done == before and first is not None and header.step <= first:
                         raise DumpError(
                             f"{file}: step {header.step} follows step {last} of the file before; allowed are files of "
@@ -233,7 +239,7 @@ def _identified(path: Path) -> Dump:
     )
 
 
-def _open(path: Path, compressed: bool) -> BinaryIO:
+def _open(path: Path, compressed: bool) -> Any:
     file = open_to_read(path)
     if not compressed:
         return file

@@ -11,7 +11,7 @@ import threading
 import zlib
 from collections.abc import Iterator
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any
 
 from lammps_jump.errors import DumpError
 from lammps_jump.files import open_to_read
@@ -56,7 +56,7 @@ class GrowingDump(Dump):
         self.columns = ("id", "x", "y", "vx", "vy")  # at least: known before the first frame is there
         self.ended, self.given_up, self.read = ended, False, hashlib.sha256()
 
-    def _open(self) -> BinaryIO:
+    def _open(self) -> Any:
         while not self.path.exists() and not self.ended.wait(WAIT):
             pass
         return _Growing(self)
@@ -72,7 +72,7 @@ class _Growing(io.RawIOBase):
     def readable(self) -> bool:
         return True
 
-    def readinto(self, target) -> int:
+    def readinto(self, target: Any) -> int:
         while True:
             ended = self.dump.ended.is_set()  # before reading: what is written later is seen the next time
             got = 0 if self.dump.given_up else self.file.readinto(target)

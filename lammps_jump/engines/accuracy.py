@@ -172,7 +172,7 @@ def fits(row: Calibrated, case: CaseFields, usable: set[str]) -> bool:
 
 def _reason(row: Calibrated, base: Calibrated | None, entry: dict[str, Any], case: CaseFields, accuracy: float) -> str:
     """Return which setting, how sure, how much quicker than the thesis' step, and what the calibration lacks."""
-    words, quantity = KINDS[scene_kind(case)]
+    words, quantity = KINDS[scene_kind(case) or ""]
     quicker = f", {base.seconds / row.seconds:z.1f} times quicker than stock LAMMPS at f = 0.05" if base else ""
     text = (
         f"{row.label}: the cheapest shown to be within {100 * accuracy:zg} % in {quantity} of a {words} "

@@ -152,8 +152,9 @@ class CheckpointWriter:
         states = {name: _Growing(folder / name) for name in state}
         for growing in (*grown.values(), *states.values()):
             flush(growing.path)
-        sums = [{name: growing.sum() for name, growing in files.items()} for files in (states, grown)]
-        put_checkpoint(folder, Checkpoint(scene_key(self.scene), step, self.scene.time(step), *sums, removed, result))
+        state_sums, sums = ({name: growing.sum() for name, growing in files.items()} for files in (states, grown))
+        time = self.scene.time(step)
+        put_checkpoint(folder, Checkpoint(scene_key(self.scene), step, time, state_sums, sums, removed, result))
         before = _readable(folder / PREVIOUS_FILE)
         kept = {*states, *(before.state if before else ())}
         for path in _states(folder):

@@ -18,7 +18,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from typing import TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING, Any
 
 from lammps_jump import errors
 from lammps_jump.errors import SetupError
@@ -139,17 +139,22 @@ class Child:
         self.asked, self.heard, self.last, self.output = 0, 0, None, []
         if self.ranks == 1:
             try:
-                self.process.stdin.write(base64.b64encode(pickle.dumps(job)).decode() + "\n")
-                self.process.stdin.flush()
+                self._input.write(base64.b64encode(pickle.dumps(job)).decode() + "\n")
+                self._input.flush()
             except BrokenPipeError:
                 return
         self.listening = True
         if self.asked:
             self._tell()
 
+    @property
+    def _input(self) -> IO[str]:
+        assert self.process.stdin is not None  # it was asked for as a pipe
+        return self.process.stdin
+
     def _tell(self) -> None:
         with suppress(OSError):  # it has ended
-            os.write(self.process.stdin.fileno(), f"stop {self.jobs}\n".encode())
+            os.write(self._input.fileno(), f"stop {self.jobs}\n".encode())
 
     def ask(self) -> None:
         """Ask the process to end its job in order."""
@@ -179,7 +184,7 @@ class Child:
         """Kill and reap the process, which has no job."""
         self.end()
         self.process.wait()
-        self.process.stdin.close()
+        self._input.close()
         self.messages.close()
 
 

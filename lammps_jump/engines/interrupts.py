@@ -49,7 +49,7 @@ def counted_interrupts(most: float = 1) -> Iterator[Callable[[], int]]:
     """
     seen = 0
 
-    def count(number, stack) -> None:
+    def count(number: int, stack: object) -> None:
         nonlocal seen
         seen += 1
         if seen > most:

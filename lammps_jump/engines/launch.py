@@ -12,6 +12,7 @@ import signal
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from lammps_jump.files import delete, write_text
 from lammps_jump.folders import writable
@@ -89,7 +90,7 @@ def write_inputs(job: Job) -> None:
     scene, setting, resume = job.scene, job.setting, job.resume
     with writable(job.folder):
         job.folder.mkdir(parents=True, exist_ok=True)
-        options = {"dump_format": setting.dump_format, "header": setting.header}
+        options: dict[str, Any] = {"dump_format": setting.dump_format, "header": setting.header}
         if setting.engine != "lammps":
             if setting.scripts and resume is None:
                 write_script(scene, job.folder, kernel="compiled", **options)

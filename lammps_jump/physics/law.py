@@ -16,8 +16,13 @@ from math import isnan, sqrt
 
 from lammps_jump.core.law import LawNumbers
 
+Pair = tuple[float, float]
+"""Along x and y."""
 
-def normal_force(overlap, opening, stiffness, damping, touch, cohesion=0.0):
+
+def normal_force(
+    overlap: float, opening: float, stiffness: float, damping: float, touch: float | None, cohesion: float = 0.0
+) -> tuple[float, float]:
     """Normal force and its dashpot part, N per m of width, positive where they push apart; tensile tail kept (3.11).
 
     Parameters
@@ -44,7 +49,7 @@ def normal_force(overlap, opening, stiffness, damping, touch, cohesion=0.0):
     return stiffness * beyond - cohesion + dashpot, dashpot
 
 
-def friction_force(normal, slip, friction, damping, slope):
+def friction_force(normal: float, slip: float, friction: float, damping: float, slope: float | None) -> float:
     """Friction, N per m of width, against the slip; at most friction abs(normal) (Coulomb).
 
     Parameters
@@ -66,7 +71,7 @@ def friction_force(normal, slip, friction, damping, slope):
     return -bound * min(max(slip * slope, -1.0), 1.0)
 
 
-def slider(stretch, slip, bound, stiffness, damping):
+def slider(stretch: float, slip: float, bound: float, stiffness: float, damping: float) -> tuple[float, float]:
     """Force of a spring and dashpot that slides at a bound, N per m of width, and the stretch that is left, m.
 
     The force is that of Cundall & Strack (1979); where it slides the spring keeps what the bound leaves of it (Luding
@@ -90,7 +95,7 @@ def slider(stretch, slip, bound, stiffness, damping):
     return force, stretch
 
 
-def stored_energy(overlap, touch):
+def stored_energy(overlap: float, touch: float | None) -> float:
     """Elastic energy over stiffness, m^2: integral of the spring's force over the overlap (thesis 4.28).
 
     delta^2/2; with a smooth touch delta^3/(6 s) below delta = s and (delta^2 - s delta + s^2/3)/2 beyond.
@@ -115,7 +120,9 @@ def pressing(push: float, of: LawNumbers) -> float:
     return push + of.cohesion
 
 
-def contact_force(overlap, normal, slip, rim, of: LawNumbers, slope):
+def contact_force(
+    overlap: float, normal: Pair, slip: Pair, rim: float, of: LawNumbers, slope: float | None
+) -> tuple[float, float, float, float]:
     """The whole force of one contact on a disc: (fx, fy, tangential, dashpot), N per m of width.
 
     The tangential force acts along (-ny, nx); the dashpot is part of the normal force, along the normal.

@@ -56,7 +56,7 @@ MARTIN_MOYCE_HEIGHT = Curve(
 )
 """h / H of the same column at its back wall against tau = t sqrt(g/a); table 6."""
 
-MARTIN_MOYCE_FRONT_SLOPE = {1: 1.40, 2: 1.319}
+MARTIN_MOYCE_FRONT_SLOPE: dict[float, float] = {1: 1.40, 2: 1.319}
 """dZ/dT of the front over T in [1.43, 3.33] for n^2 = 1 and 2 (straight-line fit of their tables)."""
 
 

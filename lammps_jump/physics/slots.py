@@ -36,7 +36,7 @@ class Slots(NamedTuple):
     used: np.ndarray
 
 
-def slot_of(slots, i, partner, foot, limit, around):
+def slot_of(slots: Slots, i: int, partner: int, foot: float, limit: float, around: float) -> int:
     """Slot of a contact of disc i in this step: that of its partner, or an empty one with springs at 0.
 
     Returns `FULL` where there is neither; nothing is then changed.
@@ -78,7 +78,7 @@ def slot_of(slots, i, partner, foot, limit, around):
     return best
 
 
-def held(slots, i, partner, foot, limit, around):
+def held(slots: Slots, i: int, partner: int, foot: float, limit: float, around: float) -> int:
     """Slot in which disc i remembers a contact, as `slot_of` finds it, or `FULL`; nothing is changed."""
     best, least = FULL, limit
     for s in range(slots.partner.shape[1]):
@@ -94,7 +94,7 @@ def held(slots, i, partner, foot, limit, around):
     return best
 
 
-def end_step(slots, n):
+def end_step(slots: Slots, n: int) -> None:
     """Empty the slots of the first n discs whose contacts have ended."""
     for i in range(n):
         for s in range(slots.partner.shape[1]):

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import lammps_jump.runs as runs
+from lammps_jump.analysis.passes import Watcher
 from lammps_jump.case.case import ReadCase
 from lammps_jump.dump import FrameCheck, damages, force_troubles, read_dump
 from lammps_jump.engines import Progress, ProgressCallback, RunResult, Setting
@@ -190,7 +191,7 @@ class Conclusion:
                 if self.ahead and gathered is not None:
                     check, packer = self.ahead.check, self.ahead.packer
                 seen = runs.results.has_player(self.case)
-                watch = [*([packer] if seen else []), *([check] if self.ended else [])]
+                watch: list[Watcher] = [*([packer] if seen else []), *([check] if self.ended else [])]
                 parts = runs.results.analyse(self.case, flow, self.folder, stage, watch, gathered, self._phase)
         except DumpError as error:
             if self.ahead is None:

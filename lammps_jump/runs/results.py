@@ -17,7 +17,7 @@ from lammps_jump.analysis import quantities
 from lammps_jump.analysis.budgets import depths
 from lammps_jump.analysis.flow import Flow, from_scene
 from lammps_jump.analysis.guess import from_dump
-from lammps_jump.analysis.passes import Collector, Gathered, feed, with_velocities
+from lammps_jump.analysis.passes import Gathered, Watcher, feed, with_velocities
 from lammps_jump.analysis.report import compare, page
 from lammps_jump.analysis.report import run as report
 from lammps_jump.analysis.report.frames import FramePacker
@@ -158,7 +158,7 @@ def _wanted(case: ReadCase) -> list[str]:
     return [*heads, *(name for name in (*quantities.QUANTITIES, "fields") if getattr(asked, name, False))]
 
 
-def collect(case: ReadCase, flow: Flow, folder: Path, dump: Dump, *watch: Collector) -> Gathered:
+def collect(case: ReadCase, flow: Flow, folder: Path, dump: Dump, *watch: Watcher) -> Gathered:
     """What one pass over the dump of a run folder gives to the analyses that its case asks for."""
     return quantities.collect(flow, dump, [folder], _wanted(case), watch)
 
@@ -168,7 +168,7 @@ def analyse(
     flow: Flow,
     folder: Path,
     out: Path,
-    watch: Sequence[Collector] = (),
+    watch: Sequence[Watcher] = (),
     gathered: Gathered | None = None,
     told: Callable[[str], None] | None = None,
 ) -> dict[str, Any]:

@@ -206,7 +206,7 @@ def flow_state(
     ramp = fit_ramp(edges, depth * mass / (density * (edges[1] - edges[0])))
     jump = ramp is not None and ramp.depth_2 >= LEAST_RATIO * ramp.depth_1 and ramp.share >= LEAST_SHARE
     scale = mass / (density * (high - low))
-    toe = 0.5 * (ramp.toe + ramp.end) if jump else float("nan")
+    toe = 0.5 * (ramp.toe + ramp.end) if ramp is not None and jump else float("nan")
     return scale * relative.sum(), scale * (relative * vx[inside]).sum(), toe
 
 

@@ -87,7 +87,10 @@ def write_preview(case: ReadCase, folder: str | Path = ".") -> tuple[Path, Path]
     draw.save(draw.sketch.figure(drawing_of(case)), picture)
     page, data = report.page, base64.b64encode(read_file(picture, MOST_PICTURE)).decode()
     caption = "At the start, to scale" + ("; dashed shapes and red arrows: how walls move" if scene.moves else "")
-    first = [page.Picture(caption, f"data:{page.PNG};base64,{data}"), page.Items(found.begins, "Where it begins")]
+    first: list[report.Block] = [
+        page.Picture(caption, f"data:{page.PNG};base64,{data}"),
+        page.Items(found.begins, "Where it begins"),
+    ]
     first.append(page.Items(scene.warnings, "Doubtful"))
     walls = page.Table([_wall_row(one, scene) for one in scene.walls], ("Wall", "kind", "x [m]", "y [m]", "motion"))
     rows = [(label, value, unit) for _, group in found.tables for _, label, value, unit in group]

@@ -15,6 +15,8 @@ from __future__ import annotations
 
 from math import atan2, floor, inf, pi, sqrt
 
+import numpy as np
+
 from .chains import (
     AFTER,
     ARC,
@@ -45,6 +47,7 @@ from .chains import (
     X1,
     Y0,
     Y1,
+    Faces,
 )
 
 MOST = 16
@@ -55,10 +58,13 @@ TIE = 1e-9
 """Radii by which a face behind must be nearer than one in front: round-off parts the two faces of a sheet."""
 NOWHERE, INSIDE, BEGIN, END = range(4)
 """Where the foot of a candidate lies; `NOWHERE`: no candidate."""
+Disc = tuple[float, float, float]
+"""Place and radius of a disc, m."""
 
 
-def _ends(codes, shape, f, px, py):
+def _ends(faces: Faces, f: int, px: float, py: float) -> tuple[bool, bool]:
     """Whether the foot of a point lies at or before the start of a face, and at or behind its end."""
+    codes, shape = faces[:2]
     before = codes[f, AT_START] != ENDLESS
     if before:
         before = shape[f, TX0] * (px - shape[f, X0]) + shape[f, TY0] * (py - shape[f, Y0]) <= 0.0
@@ -68,7 +74,7 @@ def _ends(codes, shape, f, px, py):
     return before, behind
 
 
-def _at_joint(shape, f, end, front, px, py):
+def _at_joint(shape: np.ndarray, f: int, end: bool, front: bool, px: float, py: float) -> tuple[float, float, float]:
     """Signed distance of a point to one end of a face, and the unit vector from there; the face's normal on the end."""
     if end:
         vx, vy, tx, ty = shape[f, X1], shape[f, Y1], shape[f, TX1], shape[f, TY1]
@@ -83,19 +89,20 @@ def _at_joint(shape, f, end, front, px, py):
     return -r, -dx / r, -dy / r
 
 
-def _in_front(shape, f, end, px, py):
+def _in_front(shape: np.ndarray, f: int, end: bool, px: float, py: float) -> bool:
     """Whether a point lies in front of the line that touches a face at one end."""
     if end:
         return shape[f, TX1] * (py - shape[f, Y1]) - shape[f, TY1] * (px - shape[f, X1]) >= 0.0
     return shape[f, TX0] * (py - shape[f, Y0]) - shape[f, TY0] * (px - shape[f, X0]) >= 0.0
 
 
-def _candidate(codes, shape, f, px, py):
+def _candidate(faces: Faces, f: int, px: float, py: float) -> tuple[int, float, float, float]:
     """Candidate of a face for a point: (place of the foot, signed distance in m, normal).
 
     The distance is negative behind the face. A joint counts once, at the end of the face before it.
     """
-    before, behind = _ends(codes, shape, f, px, py)
+    codes, shape = faces[:2]
+    before, behind = _ends(faces, f, px, py)
     if not before and not behind:
         if codes[f, KIND] == ARC:
             dx, dy = px - shape[f, CX], py - shape[f, CY]
@@ -114,17 +121,18 @@ def _candidate(codes, shape, f, px, py):
     if joint != FREE:
         # the neighbour answers by the same function: no point falls between two answers
         if behind:
-            shared = _ends(codes, shape, codes[f, AFTER], px, py)[0]
+            shared = _ends(faces, codes[f, AFTER], px, py)[0]
         else:
-            shared = _ends(codes, shape, codes[f, BEFORE], px, py)[1]
+            shared = _ends(faces, codes[f, BEFORE], px, py)[1]
     if joint == FREE or (shared and behind) or (joint == CORNER and front and not shared):
         gap, nx, ny = _at_joint(shape, f, behind, front, px, py)
         return END if behind else BEGIN, gap, nx, ny
     return NOWHERE, inf, 0.0, 0.0
 
 
-def _tangent(codes, shape, f, place, nx, ny):
+def _tangent(faces: Faces, f: int, place: int, nx: float, ny: float) -> float:
     """Angle of the wall's tangent at a candidate, rad, unwrapped along the chain."""
+    codes, shape = faces[:2]
     phi = shape[f, PHI]
     if place == INSIDE and codes[f, KIND] != ARC:
         return phi
@@ -138,8 +146,9 @@ def _tangent(codes, shape, f, place, nx, ny):
     return phi + angle
 
 
-def _apart(codes, shape, f, g, one, two):
+def _apart(faces: Faces, f: int, g: int, one: float, two: float) -> bool:
     """Whether contacts of faces f and g, with these tangent angles, push each on its own."""
+    codes = faces.codes
     if codes[f, RUN] != codes[g, RUN]:
         return True
     turn = abs(one - two)
@@ -149,30 +158,30 @@ def _apart(codes, shape, f, g, one, two):
     return turn > SAME_TURN
 
 
-def touching(codes, shape, deep, near, first, last, px, py, radius, found, which):
+def touching(faces: Faces, deep: int, near: np.ndarray, disc: Disc, found: np.ndarray, which: np.ndarray) -> int:
     """Contacts of a disc with one wall; returns their number.
 
     Parameters
     ----------
-    codes, shape : ndarray
-        Of `Faces`.
+    faces : Faces
     deep : int
         1 where the wall pushes from any depth.
-    near, first, last
-        The faces to look at: ``near[first:last]``.
-    px, py, radius : float
-        Of the disc, m.
+    near : ndarray of int64
+        The faces to look at.
+    disc : (float, float, float)
+        Place and radius, m.
     found : ndarray, shape (MOST, 4)
         Takes signed distance (m), normal and tangent angle (rad) of each contact, the deepest first.
     which : ndarray of int64, shape (MOST,)
         Takes the face of each contact.
     """
+    px, py, radius = disc
+    codes, shape = faces[:2]
     if deep == 1:
-        return _behind(codes, shape, near, first, last, px, py, radius, found, which)
+        return _behind(faces, near, disc, found, which)
     nearest = deepest = lowest = inf
     touch = 0
-    for p in range(first, last):
-        f = near[p]
+    for f in near:
         place = NOWHERE
         if codes[f, KIND] == SEGMENT:  # as `_candidate`, without a call: most faces near a disc have no candidate
             tx, ty, dx, dy = shape[f, TX0], shape[f, TY0], px - shape[f, X0], py - shape[f, Y0]
@@ -191,7 +200,7 @@ def touching(codes, shape, deep, near, first, last, px, py, radius, found, which
             else:
                 place, gap, nx, ny = INSIDE, line, -ty, tx
         if place == NOWHERE:
-            place, gap, nx, ny = _candidate(codes, shape, f, px, py)
+            place, gap, nx, ny = _candidate(faces, f, px, py)
             if place == NOWHERE:
                 continue
         away = abs(gap)
@@ -213,25 +222,26 @@ def touching(codes, shape, deep, near, first, last, px, py, radius, found, which
         return 1 if -nearest < radius else 0
     if touch < 2:
         return touch
-    return _select(codes, shape, near, first, last, px, py, radius, found, which)
+    return _select(faces, near, disc, found, which)
 
 
-def _out_of_reach(codes, shape, f, px, py, front, behind):
+def _out_of_reach(faces: Faces, f: int, px: float, py: float, front: float, behind: float) -> bool:
     """Whether a point is further in front of or behind the line of a straight face than this (m): no contact then."""
+    codes, shape = faces[:2]
     if codes[f, KIND] != SEGMENT:
         return False
     line = shape[f, TX0] * (py - shape[f, Y0]) - shape[f, TY0] * (px - shape[f, X0])
     return line >= front or line <= behind
 
 
-def _behind(codes, shape, near, first, last, px, py, radius, found, which):
+def _behind(faces: Faces, near: np.ndarray, disc: Disc, found: np.ndarray, which: np.ndarray) -> int:
     """Contacts of a disc with a wall that pushes from any depth: each face on its own."""
+    px, py, radius = disc
     kept = 0
-    for p in range(first, last):
-        f = near[p]
-        if _out_of_reach(codes, shape, f, px, py, radius, -inf):
+    for f in near:
+        if _out_of_reach(faces, f, px, py, radius, -inf):
             continue
-        place, gap, nx, ny = _candidate(codes, shape, f, px, py)
+        place, gap, nx, ny = _candidate(faces, f, px, py)
         if place == INSIDE and gap < radius and kept < MOST:
             found[kept, 0], found[kept, 1], found[kept, 2] = gap, nx, ny
             which[kept] = f
@@ -239,22 +249,22 @@ def _behind(codes, shape, near, first, last, px, py, radius, found, which):
     return kept
 
 
-def _select(codes, shape, near, first, last, px, py, radius, found, which):
+def _select(faces: Faces, near: np.ndarray, disc: Disc, found: np.ndarray, which: np.ndarray) -> int:
     """Contacts of a disc that several candidates touch, in front: the deepest, then those that push on their own."""
+    px, py, radius = disc
     kept = 0
     while kept < MOST:
         best = radius
-        for p in range(first, last):
-            f = near[p]
-            if _out_of_reach(codes, shape, f, px, py, best, -best):
+        for f in near:
+            if _out_of_reach(faces, f, px, py, best, -best):
                 continue
-            place, gap, nx, ny = _candidate(codes, shape, f, px, py)
+            place, gap, nx, ny = _candidate(faces, f, px, py)
             if place == NOWHERE or gap < 0.0 or gap >= best:
                 continue
-            angle = _tangent(codes, shape, f, place, nx, ny)
+            angle = _tangent(faces, f, place, nx, ny)
             own = True
             for k in range(kept):
-                own = own and (which[k] != f) and _apart(codes, shape, f, which[k], angle, found[k, 3])
+                own = own and (which[k] != f) and _apart(faces, f, which[k], angle, found[k, 3])
             if own:
                 best = gap
                 found[kept, 0], found[kept, 1], found[kept, 2], found[kept, 3] = gap, nx, ny, angle
@@ -265,12 +275,13 @@ def _select(codes, shape, near, first, last, px, py, radius, found, which):
     return kept
 
 
-def foot_at(codes, shape, f, px, py):
+def foot_at(faces: Faces, f: int, px: float, py: float) -> float:
     """Arc length of the foot of a point on a face, m, counted along the chain from its start.
 
     It names a place of the wall whatever the faces: a contact that goes on over a joint changes it by its way alone.
     """
-    before, behind = _ends(codes, shape, f, px, py)
+    codes, shape = faces[:2]
+    before, behind = _ends(faces, f, px, py)
     if before:
         return shape[f, ARC_LENGTH]
     if behind:
@@ -283,10 +294,11 @@ def foot_at(codes, shape, f, px, py):
     return shape[f, ARC_LENGTH] + abs(rho) * atan2(tx * dx + ty * dy, out)
 
 
-def away(codes, shape, f, px, py):
+def away(faces: Faces, f: int, px: float, py: float) -> float:
     """Distance of a point to a face, m; negative behind it, where its foot is inside."""
-    before, behind = _ends(codes, shape, f, px, py)
+    shape = faces.shape
+    before, behind = _ends(faces, f, px, py)
     if not before and not behind:
-        return _candidate(codes, shape, f, px, py)[1]
+        return _candidate(faces, f, px, py)[1]
     first = _at_joint(shape, f, False, True, px, py)[0] if before else inf
     return min(first, _at_joint(shape, f, True, True, px, py)[0] if behind else inf)

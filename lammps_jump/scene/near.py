@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import inf, sqrt
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,6 +18,8 @@ from .faces import away
 FEW = 8
 """Faces up to which a wall is searched without a grid."""
 MOST_CELLS = 1_000_000
+Room = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+"""Arrays that `list_near` fills: discs, plain, last and near."""
 
 
 class Grid(NamedTuple):
@@ -47,8 +49,9 @@ class Grid(NamedTuple):
     reach: float
 
 
-def _plain(codes, shape, f, px, py, margin):
+def _plain(faces: Faces, f: int, px: float, py: float, margin: float) -> bool:
     """Whether a point is beside a straight face and a margin (m) from its ends: its line is then enough."""
+    codes, shape = faces[:2]
     if codes[f, KIND] != SEGMENT:
         return False
     start, end = codes[f, AT_START] == ENDLESS, codes[f, AT_END] == ENDLESS
@@ -56,29 +59,7 @@ def _plain(codes, shape, f, px, py, margin):
         start = shape[f, TX0] * (px - shape[f, X0]) + shape[f, TY0] * (py - shape[f, Y0]) > margin
     if not end:
         end = shape[f, TX1] * (px - shape[f, X1]) + shape[f, TY1] * (py - shape[f, Y1]) < -margin
-    return start and end
-
-
-def _mark_cells(codes, shape, box, begin, end, place, columns, rows, reach, start, listed):
-    """Count the faces near each cell of one wall in ``start[cell + 1]``; with room in `listed`, list them from there.
-
-    Listing moves ``start[cell + 1]`` from the first to behind the last face of the cell.
-    """
-    x_low, y_low, inverse = place[0], place[1], place[2]
-    far = reach + sqrt(0.5) / inverse
-    for f in range(begin, end):
-        for column in range(
-            max(int((box[f, 0] - x_low) * inverse), 0), min(int((box[f, 1] - x_low) * inverse) + 1, columns)
-        ):
-            for row in range(
-                max(int((box[f, 2] - y_low) * inverse), 0), min(int((box[f, 3] - y_low) * inverse) + 1, rows)
-            ):
-                px, py = x_low + (column + 0.5) / inverse, y_low + (row + 0.5) / inverse
-                if abs(away(codes, shape, f, px, py)) <= far:
-                    cell = column * rows + row
-                    if listed.size:
-                        listed[start[cell + 1]] = f
-                    start[cell + 1] += 1
+    return bool(start and end)
 
 
 def grid_of(faces: Faces, cell: float, reach: float, mark: Callable[..., None] | None = None) -> Grid:
@@ -130,8 +111,8 @@ def _span(ends: np.ndarray) -> tuple[float, float]:
 
 
 def mark_cells(
-    faces: Faces, box: np.ndarray, ends: tuple[int, int], cells: tuple[Any, ...], reach: float, start: np.ndarray,
-    listed: np.ndarray,
+    faces: Faces, box: np.ndarray, ends: tuple[int, int], cells: tuple[float, float, float, int, int],
+    reach: float, start: np.ndarray, listed: np.ndarray,
 ) -> None:  # fmt: skip
     """Count the faces near each cell of one wall in ``start[cell + 1]``; with room in `listed`, list them from there.
 
@@ -149,16 +130,42 @@ def mark_cells(
     start, listed : ndarray of int64
         Listing moves ``start[cell + 1]`` from the first to behind the last face of the cell.
     """
-    place, (columns, rows) = np.array(cells[:3]), cells[3:]
-    _mark_cells(faces.codes, faces.shape, box, *ends, place, columns, rows, reach, start, listed)
+    x_low, y_low, inverse, columns, rows = cells
+    far = reach + sqrt(0.5) / inverse
+
+    def run(low: float, high: float, corner: float, most: int) -> range:
+        return range(max(int((low - corner) * inverse), 0), min(int((high - corner) * inverse) + 1, most))
+
+    for f in range(*ends):
+        for column in run(box[f, 0], box[f, 1], x_low, columns):
+            for row in run(box[f, 2], box[f, 3], y_low, rows):
+                px, py = x_low + (column + 0.5) / inverse, y_low + (row + 0.5) / inverse
+                if abs(away(faces, f, px, py)) <= far:
+                    cell = column * rows + row
+                    if listed.size:
+                        listed[start[cell + 1]] = f
+                    start[cell + 1] += 1
 
 
-def list_near(n, x, y, wall, codes, shape, deep, grid, discs, plain, last, near, row, count):
+def list_near(
+    seen: tuple[int, np.ndarray, np.ndarray], wall: int, faces: Faces, grid: Grid, room: Room, found: tuple[int, int]
+) -> tuple[int, int]:
     """List the discs near one wall, in its own frame, and the faces near each; returns (rows, faces), or -1: too short.
 
-    Row r of the list is disc ``discs[r]`` with the faces ``near[last[r]:last[r + 1]]``. It goes on from row `row` and
-    face `count`. ``plain[r]`` is 1 where there is one straight face whose ends are out of reach.
+    Parameters
+    ----------
+    seen : (int, ndarray, ndarray)
+        Number of discs and their places, m.
+    wall : int
+    faces : Faces
+    grid : Grid
+    room : (ndarray, ndarray, ndarray, ndarray)
+        Takes discs, plain, last and near. Row r of the list is disc ``discs[r]`` with the faces
+        ``near[last[r]:last[r + 1]]``; ``plain[r]`` is 1 where there is one straight face whose ends are out of reach.
+    found : (int, int)
+        Row and face to go on from.
     """
+    (n, x, y), (discs, plain, last, near), (row, count) = seen, room, found
     a, b, c, d = grid.wall_box[wall, 0], grid.wall_box[wall, 1], grid.wall_box[wall, 2], grid.wall_box[wall, 3]
     x_low, y_low, inverse = grid.place[wall, 0], grid.place[wall, 1], grid.place[wall, 2]
     columns, rows, offset = grid.cells[wall, 0], grid.cells[wall, 1], grid.cells[wall, 2]
@@ -178,13 +185,13 @@ def list_near(n, x, y, wall, codes, shape, deep, grid, discs, plain, last, near,
         for p in range(first, end):
             f = grid.faces[p]
             if px > box[f, 0] and px < box[f, 1] and py > box[f, 2] and py < box[f, 3]:
-                gap = away(codes, shape, f, px, py)
-                if gap < reach and (deep[wall] == 1 or gap > -reach):
+                gap = away(faces, f, px, py)
+                if gap < reach and (faces.deep[wall] == 1 or gap > -reach):
                     near[count] = f
                     count += 1
         if count > begin:
             discs[row] = i
-            plain[row] = count == begin + 1 and _plain(codes, shape, near[begin], px, py, reach)
+            plain[row] = count == begin + 1 and _plain(faces, near[begin], px, py, reach)
             row += 1
             last[row] = count
     return row, count

@@ -199,7 +199,7 @@ class Measures:
         """Time step, s."""
         return self.coefficients.time_step
 
-    def time(self, step: int) -> float:
+    def time(self, step: float) -> float:
         """Simulated time of a step, s."""
         return (step - self.settle_steps) * self.time_step
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 
@@ -55,7 +56,7 @@ class Options:
         return plugin if self.kernel == "compiled" else stock
 
 
-def script_text(scene: Scene, **options) -> str:
+def script_text(scene: Scene, **options: Any) -> str:
     """The LAMMPS input script of a scene; keywords as of `Options`.
 
     A script of what its kernel lacks says so and ends with status 1.
@@ -165,14 +166,14 @@ def data_text(scene: Scene) -> Iterator[str]:
 
 def molecule_text(scene: Scene) -> str:
     """One disc, the largest, as a molecule: fix deposit in single-atom mode would insert a sphere of radius 0.5."""
-    d, m = number(scene.largest), number(scene.masses(scene.largest))
+    d, m = number(scene.largest), number(float(scene.masses(scene.largest)))
     return (
         f"# one disc of {lammps_comment(scene.name)}\n\n1 atoms\n\nCoords\n\n1 0 0 0\n\nTypes\n\n1 1\n\n"
         f"Diameters\n\n1 {d}\n\nMasses\n\n1 {m}\n"
     )
 
 
-def write_script(scene: Scene, folder: Path, **options) -> Path:
+def write_script(scene: Scene, folder: Path, **options: Any) -> Path:
     """Write the scripts and their side files into `folder`; returns the path of the kernel's script (`SCRIPTS`).
 
     Keywords are those of `Options`. The stock script is always written.

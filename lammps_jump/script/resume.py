@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from lammps_jump.files import BINARY_PART, DUMP_NAMES, write_text
 from lammps_jump.scene.scene import Pour, Scene
@@ -26,7 +27,7 @@ SCRIPT = "in.resume.lammps"
 STATE = "checkpoint-{step}.restart"
 
 
-def continuation_text(scene: Scene, *, step: int, removed: tuple[int, ...], poured: int = 0, **options) -> str:
+def continuation_text(scene: Scene, *, step: int, removed: tuple[int, ...], poured: int = 0, **options: Any) -> str:
     """The script that goes on; further keywords as of `Options`.
 
     Parameters
@@ -104,7 +105,7 @@ def _output(scene: Scene, dump_format: str) -> list[str]:
     ]
 
 
-def write_continuation(scene: Scene, folder: Path, **options) -> Path:
+def write_continuation(scene: Scene, folder: Path, **options: Any) -> Path:
     """Write ``in.resume.lammps`` (see `continuation_text`) into a run folder; returns its path."""
     path = folder / SCRIPT
     write_text(path, continuation_text(scene, **options))

@@ -215,7 +215,7 @@ class Record:
 def wall_normal(wall, x, y):
     """Unit normal at the nearest point of a wall."""
     found, which, faces = np.empty((MOST, 4)), np.empty(MOST, np.int64), np.arange(len(wall.faces.codes))
-    touching(wall.faces.codes, wall.faces.shape, 0, faces, 0, faces.size, x, y, 10.0, found, which)
+    touching(wall.faces, 0, faces, (x, y, 10.0), found, which)
     return found[0, 1:3]
 
 

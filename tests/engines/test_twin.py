@@ -170,7 +170,7 @@ def test_faces_of_random_chains(seed):
     for x, y, radius in rng.uniform((-1.6, -1.6, 0.05), (1.6, 1.6, 0.4), (40, 3)):
         for first, last in zip(faces.first, faces.first[1:], strict=False):
             found, which = np.zeros((MOST, 4)), np.zeros(MOST, np.int64)
-            count = touching(faces.codes, faces.shape, 0, near, first, last, x, y, radius, found, which)
+            count = touching(faces, 0, near[first:last], (x, y, radius), found, which)
             theirs, faces_of = np.zeros((MOST, 4)), np.zeros(MOST, np.int64)
             there = core_touching(
                 records.ctypes.data, 0, near[first:last], last - first, np.array([x, y, radius]), theirs, faces_of
@@ -180,4 +180,4 @@ def test_faces_of_random_chains(seed):
             assert np.array_equal(faces_of[:count], which[:count])
             for f in which[:count]:
                 foot = core_foot(records[int(f) : int(f) + 1].ctypes.data, x, y)
-                assert foot == foot_at(faces.codes, faces.shape, int(f), x, y)
+                assert foot == foot_at(faces, int(f), x, y)

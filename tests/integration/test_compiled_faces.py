@@ -116,7 +116,7 @@ def expected_contacts(wall, points, radius):
     found, which = np.empty((rule.MOST, 4)), np.empty(rule.MOST, np.int64)
     answer = []
     for x, y in points:
-        kept = rule.touching(flat.codes, flat.shape, flat.deep[0], every, 0, len(every), x, y, radius, found, which)
+        kept = rule.touching(flat, flat.deep[0], every, (x, y, radius), found, which)
         answer.append(found[:kept, :3].copy())
     return answer
 

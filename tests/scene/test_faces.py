@@ -21,12 +21,12 @@ def contacts(chains, x, y, radius=R, *, deep=False):
     grid, n = grid_of(faces, 2 * radius, 1.3 * radius), len(x)
     discs, plain = np.zeros(n, np.int64), np.zeros(n, np.int8)
     last, near = np.zeros(n + 1, np.int64), np.zeros(200 * n + 200, np.int64)
-    rows, count = list_near(n, x, y, 0, faces.codes, faces.shape, faces.deep, grid, discs, plain, last, near, 0, 0)
+    rows, count = list_near((n, x, y), 0, faces, grid, (discs, plain, last, near), (0, 0))
     assert count >= 0
     found, which, result = np.empty((MOST, 4)), np.empty(MOST, np.int64), []
     for row, i in enumerate(discs[:rows]):
-        own = faces.codes, faces.shape, faces.deep[0], near, last[row], last[row + 1], x[i], y[i], radius, found, which
-        result += [(i, *found[k, :3]) for k in range(touching(*own))]
+        kept = touching(faces, faces.deep[0], near[last[row] : last[row + 1]], (x[i], y[i], radius), found, which)
+        result += [(i, *found[k, :3]) for k in range(kept)]
     return np.array(result).reshape(-1, 4)
 
 
@@ -154,10 +154,10 @@ def test_the_foot_of_a_contact_is_its_place_along_the_chain():
         for away in (0.9 * R, -0.5 * R):
             px, py = x + away * nx, y + away * ny
             near = np.arange(len(flat.codes))
-            assert touching(flat.codes, flat.shape, 0, near, 0, len(near), px, py, R, found, which) == 1
-            assert foot_at(flat.codes, flat.shape, which[0], px, py) == pytest.approx(sigma, abs=1e-14)
+            assert touching(flat, 0, near, (px, py, R), found, which) == 1
+            assert foot_at(flat, which[0], px, py) == pytest.approx(sigma, abs=1e-14)
     # beyond the ends of a face its foot is the end
-    assert foot_at(flat.codes, flat.shape, 0, 1.4, 0.1) == 1.0 and foot_at(flat.codes, flat.shape, 0, -0.2, 0.1) == 0.0
+    assert foot_at(flat, 0, 1.4, 0.1) == 1.0 and foot_at(flat, 0, -0.2, 0.1) == 0.0
 
 
 def test_the_sides_of_a_sheet_push_away_from_it():

@@ -198,7 +198,7 @@ def test_a_sheet_at_any_angle_pushes_to_the_side_of_the_disc():
         c, s = cos(angle), sin(angle)
         sheet = Line("s", ((3 - c, 4 - s), (3 + c, 4 + s)), sheet=True)
         x, y = 3 + along * c - off * s, 4 + along * s + off * c
-        count = touching(sheet.faces.codes, sheet.faces.shape, 0, near, 0, 2, x, y, 0.1, found, which)
+        count = touching(sheet.faces, 0, near, (x, y, 0.1), found, which)
         wrong += count != 1 or found[0, 1] * -s + found[0, 2] * c < 0.999 or at(sheet, x, y) < 0
     assert wrong == 0
 

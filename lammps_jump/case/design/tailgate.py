@@ -48,6 +48,7 @@ def _holding(
     left, domain = channel
     face = one.wall.extent[0][0]
     place, name = (kind.at, "at") if kind.front is None else (kind.front, "front")
+    assert place is not None  # one of the two is there
     if not isfinite(face) or not left < face < domain[1]:
         raise source.error(
             f"{field}: wall '{one.wall.name}' has its side towards the flow at x = {face:zg} m; allowed is a block "

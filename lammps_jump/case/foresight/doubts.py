@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from math import inf
 from operator import itemgetter
-from typing import NamedTuple
+from typing import NamedTuple, TypeGuard
 
 from lammps_jump.case.design.flow import studied
 from lammps_jump.case.design.foot import foot_of
@@ -176,7 +176,7 @@ def _drowned(case: CaseFields, place: Place, sills: list[float]) -> list[str]:
     return []
 
 
-def _lies_behind(item: object, place: Place) -> bool:
+def _lies_behind(item: object, place: Place) -> TypeGuard[Column]:
     """Whether an item of `initial` is water that reaches over the length of the jump."""
     return isinstance(item, Column) and item.x[1] > place.x + place.stream.length
 

@@ -114,7 +114,7 @@ def _reach(case: CaseFields, begun: Beginning, walls: Sequence[MovingWall], spee
     friction = min(case.contact.friction, STEEPEST)
     if friction < LEAST_FRICTION or case.slope or (case.inflow and not isinstance(case.inflow, PourInflow)):
         return reach
-    count = _loose(begun) + (case.inflow.count if case.inflow else 0)
+    count = _loose(begun) + (case.inflow.count if isinstance(case.inflow, PourInflow) else 0)
     flank = sqrt(count * begun.mean_square / friction)
     middle = 0.5 * (min(ends) + max(ends))
     low, high = min(middle - flank, *ends), max(middle + flank, *ends)

@@ -35,8 +35,8 @@ def check_fields(case: CaseFields, source: CaseSource) -> None:
     for field, (value, reason) in refused.items():
         if value:
             raise source.error(f"{field}: is not there with domain.periodic: x: {reason}; drop one of the two")
-    for index, item in enumerate(case.outflow):
-        if item.x_beyond is not None or item.x_before is not None:
+    for index, outlet in enumerate(case.outflow):
+        if outlet.x_beyond is not None or outlet.x_before is not None:
             raise source.error(
                 f"outflow.{index}: is not there along x with domain.periodic: x; allowed are y_below and y_above"
             )

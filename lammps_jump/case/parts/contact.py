@@ -146,5 +146,6 @@ class Contact(Strict):
         if not FRICTION_LAWS[self.friction_law].remembers:
             return None
         known = {name: getattr(self, name) for name in ("tangential_ratio", "tangential_damping_ratio")}
-        roll = self.rolling and Rolling(self.rolling.friction, self.rolling.stiffness_ratio, self.rolling.damping)
+        asked = self.rolling
+        roll = None if asked is None else Rolling(asked.friction, asked.stiffness_ratio, asked.damping)
         return Springs(**{name: value for name, value in known.items() if value is not None}, rolling=roll)

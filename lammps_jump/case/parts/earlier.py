@@ -27,7 +27,7 @@ class Region(Strict):
 class Found(NamedTuple):
     """What the run holds of the discs that are asked for: number, ends along x, top (m), largest speed (m/s)."""
 
-    count: int
+    count: int  # type: ignore[assignment]  # nobody counts in this tuple
     x: tuple[float, float]
     top: float
     speed: float

@@ -6,7 +6,7 @@ Each check raises `CaseError` with the place in the file and the remedy.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from math import isinf
 
 import numpy as np
@@ -74,7 +74,9 @@ def gauges(case: CaseFields, source: CaseSource, room: Interval) -> tuple[float,
     return asked
 
 
-def check_in_domain(case: CaseFields, source: CaseSource, positions, inlets, domain) -> None:
+def check_in_domain(
+    case: CaseFields, source: CaseSource, positions: np.ndarray, inlets: Sequence[InletRow], domain: Sequence[Interval]
+) -> None:
     """Refuse discs and inlets outside the domain."""
     for axis, label in enumerate("xy"):
         low, high = domain[axis]
@@ -107,7 +109,13 @@ def _less_jitter(case: CaseFields) -> str:
 
 
 def _check_discs_free_of(
-    wall: Wall, field: str, case: CaseFields, source: CaseSource, positions, diameters, allowed: float
+    wall: Wall,
+    field: str,
+    case: CaseFields,
+    source: CaseSource,
+    positions: np.ndarray,
+    diameters: np.ndarray,
+    allowed: float,
 ) -> None:
     if not len(positions):
         return

@@ -235,7 +235,8 @@ def take(
         parts[0].earlier.exact if whole else {},
         tuple(text for part in parts for text in part.earlier.origins),
     )
-    return Taken(*(np.concatenate([part[k] for part in parts]) for k in range(3)), earlier)
+    positions, velocities, sizes = (np.concatenate([part[k] for part in parts]) for k in range(3))
+    return Taken(positions, velocities, sizes, earlier)
 
 
 def _one(

@@ -54,7 +54,7 @@ class ContactWriter:
             Its other columns.
         """
         rows = np.empty(len(who), ROW)
-        for name, values in zip(ROW.names, (*who.T, *found.T), strict=True):
+        for name, values in zip(ROW.names or (), (*who.T, *found.T), strict=True):
             rows[name] = values
         self._file.write(HEAD.pack(MARK, step, len(rows)) + rows.tobytes())
         self._file.flush()

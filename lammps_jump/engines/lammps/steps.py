@@ -11,9 +11,10 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -59,7 +60,7 @@ class Steps:
         Why the last pause left no checkpoint; empty where it did.
     """
 
-    def __init__(self, engine, job: Job, saver: Saver | None):
+    def __init__(self, engine: Any, job: Job, saver: Saver | None):
         self.engine, self.scene, self.setting, self.saver = engine, job.scene, job.setting, saver
         self.resume = job.resume
         self.ended, self.unsaved = False, ""
@@ -86,8 +87,8 @@ class Steps:
             self._hook()
         elif self.resume is None and self.scene.earlier is not None and self.setting.kernel == "compiled":
             self._go_on()
-        velocities = None if self.resume is None else read_arrays(Path(HALF_STEP.format(step=self.resume.step)))
-        still = 0 if velocities is None else next(i for i, part in enumerate(runs) if part.split()[1] != "0")
+        velocities = {} if self.resume is None else read_arrays(Path(HALF_STEP.format(step=self.resume.step)))
+        still = 0 if not velocities else next(i for i, part in enumerate(runs) if part.split()[1] != "0")
         for number, part in enumerate(runs):
             line, _, rest = part.partition("\n")
             before = (head if number == 0 else runs[number - 1]).rstrip()
@@ -108,6 +109,7 @@ class Steps:
         LAMMPS evaluates the first forces with the velocities that discs have then. Those of the step are set behind
         them, by a fix that acts at the start alone; the plugin looks at fixes of its name at no other time.
         """
+        assert self.scene.earlier is not None
         earlier, ids = self.scene.earlier, np.arange(1, len(self.scene.positions) + 1)
         whole = np.column_stack([self.scene.velocities, earlier.spins])
         velocities = {"id": ids, "whole": whole, "half": np.where(np.isnan(earlier.half), whole, earlier.half)}
@@ -119,7 +121,7 @@ class Steps:
             self.engine.numpy.extract_fix(MOTION, 1, 2)[:n] = rows[own]  # 1, 2: an array of discs
         self._set_velocities(velocities, "half")
 
-        def call(_, step, count, tags, places, forces) -> None:
+        def call(_: object, step: int, count: int, tags: object, places: object, forces: np.ndarray) -> None:
             forces[:] = 0.0
             self._set_velocities(velocities, "whole")
 
@@ -145,9 +147,10 @@ class Steps:
     def _hook(self) -> None:
         """Let `fix external` call the step hook of a test."""
 
-        def call(_, step, count, ids, positions, forces) -> None:
+        def call(_: object, step: int, count: int, ids: object, positions: object, forces: np.ndarray) -> None:
             forces[:] = 0.0  # LAMMPS leaves those of discs that have just come as they are
-            step_hook.at_step(step)
+            if step_hook.at_step is not None:
+                step_hook.at_step(step)
 
         self.engine.command(f"fix {STEP_HOOK} all external pf/callback 1 1")
         self.engine.set_fix_external_callback(STEP_HOOK, call)
@@ -271,7 +274,7 @@ class Steps:
         n = self.engine.extract_setting("nlocal")
         self.engine.numpy.extract_atom("mask")[:n] ^= ~BED if self.scene.fixed else -1
 
-    def _set_velocities(self, velocities, kind: str) -> None:
+    def _set_velocities(self, velocities: Mapping[str, np.ndarray], kind: str) -> None:
         """Give each disc of this rank its velocity and spin of a checkpoint."""
         n = self.engine.extract_setting("nlocal")
         rows = velocities[kind][np.searchsorted(velocities["id"], self.engine.numpy.extract_atom("id")[:n])]

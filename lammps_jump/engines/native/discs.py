@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from itertools import count
 from math import sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -105,6 +105,29 @@ class Discs:
     """
 
     ids: np.ndarray
+    x: np.ndarray
+    y: np.ndarray
+    vx: np.ndarray
+    vy: np.ndarray
+    fx: np.ndarray
+    fy: np.ndarray
+    x0: np.ndarray
+    y0: np.ndarray
+    ux: Any  # from here on an array, or None
+    uy: Any
+    uomega: Any
+    omega: Any
+    torque: Any
+    dash_x: Any
+    dash_y: Any
+    slide_x: Any
+    slide_y: Any
+    radius: Any
+    partner: Any
+    sigma: Any
+    spring: Any
+    roll: Any
+    fixed: Any
 
     def __init__(self, scene: Scene, loops: Loops, *, ledger: bool):
         self._loops = loops

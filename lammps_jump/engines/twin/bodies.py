@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from math import nan, sqrt
 from typing import NamedTuple
 
@@ -15,7 +15,7 @@ from lammps_jump.physics.law import contact_energy, contact_force, pressing
 from lammps_jump.scene.faces import foot_at, touching
 
 from . import contact
-from .pushed import HELD, wrench
+from .pushed import HELD, Vector, wrench
 
 
 class Touch(NamedTuple):
@@ -64,7 +64,7 @@ def _about(state: State, wall: int) -> np.ndarray:
     return moves.centre[wall] + moves.now[wall, :2]
 
 
-def _yields(state: State, wall: int, point, normal) -> float:
+def _yields(state: State, wall: int, point: Vector, normal: Vector) -> float:
     """What a wall gives way to a force of 1 N at a point along a normal, 1/kg."""
     moves = state.walls.moves
     if moves.moving[wall] < 2 or moves.pushed[wall, 12] == HELD:
@@ -74,7 +74,7 @@ def _yields(state: State, wall: int, point, normal) -> float:
     return (free[0] * normal[0] ** 2 + free[1] * normal[1] ** 2) / mass + free[2] * turn**2 / inertia
 
 
-def _is_there(record, dx: float, dy: float) -> bool:
+def _is_there(record: np.void, dx: float, dy: float) -> bool:
     """Whether a corner is there in a direction from its centre: an arc is in some alone."""
     if record["tx0"] == 0.0 and record["ty0"] == 0.0:
         return True
@@ -84,6 +84,7 @@ def _is_there(record, dx: float, dy: float) -> bool:
 def touches(state: State) -> Iterator[Touch]:
     """All contacts of corners with faces."""
     own, moves, faces = state.bodies, state.walls.moves, state.walls.faces
+    assert own is not None
     near = own.corners.walls.near
     for wall in range(len(faces.deep)):
         for row in range(near.rows[wall], near.rows[wall + 1]):
@@ -92,10 +93,8 @@ def touches(state: State) -> Iterator[Touch]:
             theirs, radius = int(record["wall"]), float(record["radius"])
             x, y = _shown(state, theirs, float(record["x"]), float(record["y"]))
             inner = contact.inward(moves, wall, x, y)
-            count = touching(
-                faces.codes, faces.shape, faces.deep[wall], near.faces, int(near.last[row]), int(near.last[row + 1]),
-                *inner, radius, near.found, near.which,
-            )  # fmt: skip
+            around = near.faces[near.last[row] : near.last[row + 1]]
+            count = touching(faces, faces.deep[wall], around, (*inner, radius), near.found, near.which)
             for k in range(count):
                 gap, nx, ny, _ = near.found[k].tolist()
                 nx, ny = contact.outward(moves, wall, nx, ny)
@@ -121,6 +120,7 @@ def _turned_back(state: State, wall: int, dx: float, dy: float) -> tuple[float, 
 def forces(state: State, slope: float | None) -> None:
     """Add the forces of all contacts to the walls that feel them."""
     own = state.bodies
+    assert own is not None
     memory = own.corners.memory
     for found in touches(state):
         *numbers, lag = own.between[found.walls].tolist()
@@ -131,8 +131,8 @@ def forces(state: State, slope: float | None) -> None:
         plain = of if memory is None else of._replace(friction=nan)
         fx, fy, rub, dashpot = contact_force(found.overlap, found.normal, slip, 0.0, plain, slope)
         if memory is not None:
-            faces, walls = state.walls.faces, own.corners.walls
-            foot = foot_at(faces.codes, faces.shape, found.face, *found.inner)
+            walls = own.corners.walls
+            foot = foot_at(state.walls.faces, found.face, *found.inner)
             where = int(walls.chain[found.face]), foot, float(walls.around[found.face])
             slips, push = (slip[1] * nx - slip[0] * ny, 0.0), pressing(fx * nx + fy * ny, of)
             rub, _ = contact.spring_forces(memory, found.corner, where, radius, slips, push, of)
@@ -144,19 +144,20 @@ def forces(state: State, slope: float | None) -> None:
             own.deepest[:] = found.overlap, *found.walls
 
 
-def _add(state: State, wall: int, point, parts) -> None:
+def _add(state: State, wall: int, point: Vector, parts: Sequence[np.ndarray]) -> None:
     """Add a force, and what of it dashpots and friction take, to a wall; a probe of a body is of discs alone."""
     walls, moves = state.walls, state.walls.moves
     moving = contact.is_moving(moves, wall)
     if moving:
         moves.taken[wall, 3:] += np.concatenate([wrench(part, point, _about(state, wall)) for part in parts])
-    if state.bodies.bulk[wall] == 0.0:
+    if not contact.is_body(state, wall):
         about = walls.near.about[wall] + (moves.now[wall, :2] if moving else 0.0)
         walls.sums[wall, :3] += wrench(parts[0], point, about)
 
 
 def elastic(state: State) -> float:
     """Elastic energy of the contacts of bodies, J per m of width."""
+    assert state.bodies is not None
     between = state.bodies.between
     laws = ((found.overlap, LawNumbers(*between[found.walls][:-1].tolist())) for found in touches(state))
     return float(sum(contact_energy(*one) for one in laws))

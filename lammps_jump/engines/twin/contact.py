@@ -8,19 +8,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import cos, nan, sin, sqrt
-from typing import NamedTuple
+from typing import NamedTuple, TypeGuard
 
 import numpy as np
 
 from lammps_jump.core.law import LawNumbers
 from lammps_jump.engines.native.arrays import Memory, Moves, Seen, State
-from lammps_jump.physics.law import contact_force, pressing, slider
+from lammps_jump.physics.law import Pair, contact_force, pressing, slider
 from lammps_jump.physics.slots import FULL, held, slot_of
 from lammps_jump.scene.faces import foot_at, touching
 from lammps_jump.scene.tracks import pose_py
 
 from . import pushed
 
+Three = tuple[float, float, float]
 HUGE = 1e150
 """Radius that stands for the mass of a fixed disc, m: its square is still a number."""
 
@@ -86,7 +87,9 @@ def pair_size(state: State, i: int, j: int) -> float:
     return a * b / sqrt(a * a + b * b)
 
 
-def spring_forces(memory: Memory, i: int, where, radius: float, slips, push: float, of: LawNumbers):
+def spring_forces(
+    memory: Memory, i: int, where: tuple[int, float, float], radius: float, slips: Pair, push: float, of: LawNumbers
+) -> Pair:
     """Tangential and rolling force of a contact of disc i, N per m of width; its springs go on by a step.
 
     `where` holds the partner, the arc length of the foot on its chain and the chain's length (m); `slips` the
@@ -118,7 +121,7 @@ def _of_size(law: LawNumbers, size: float) -> LawNumbers:
     return law._replace(damping=law.damping * size, tangential=law.tangential * size)
 
 
-def _with_friction(force, normal, rub):
+def _with_friction(force: Pair, normal: Pair, rub: float) -> Pair:
     (fx, fy), (nx, ny) = force, normal
     return fx - rub * ny, fy + rub * nx
 
@@ -179,13 +182,13 @@ def is_body(state: State, wall: int) -> bool:
 
 def wall_size(state: State, i: int, wall: int) -> float:
     """Root of the effective mass of a disc and a wall over the root of the mass of a radius of 1 m."""
-    if not is_body(state, wall):
+    if state.bodies is None or not is_body(state, wall):
         return radius_of(state, i)
     a, b = HUGE if is_fixed(state, i) else radius_of(state, i), float(state.bodies.bulk[wall])
     return a * b / sqrt(a * a + b * b)
 
 
-def is_moving(moves: Moves | None, wall: int) -> bool:
+def is_moving(moves: Moves | None, wall: int) -> TypeGuard[Moves]:
     """Whether a wall has a motion."""
     return moves is not None and moves.moving[wall] > 0
 
@@ -224,8 +227,8 @@ def place_walls(moves: Moves, step: int) -> bool:
         if moves.moving[wall] == 0:
             continue
         if moves.moving[wall] == 1:
-            rows, time = moves.first[wall : wall + 2], (step - start) * dt
-            before, here, behind = (pose_py(moves.track, *rows, time + later) for later in (-dt, 0.0, dt))
+            (first, last), time = moves.first[wall : wall + 2], (step - start) * dt
+            before, here, behind = (pose_py(moves.track, first, last, time + later) for later in (-dt, 0.0, dt))
             now[:3] = here
             now[3:5] = cos(here[2]), sin(here[2])
             now[5:8] = [(b - a) / dt for a, b in zip(before, here, strict=True)]
@@ -249,11 +252,8 @@ def touched_faces(state: State, wall: int) -> Iterator[tuple[int, int, float, tu
         if is_fixed(state, i) and not is_body(state, wall):
             continue
         px, py = inward(moves, wall, float(d.x[i]), float(d.y[i]))
-        ends = int(near.last[row]), int(near.last[row + 1])
-        count = touching(
-            faces.codes, faces.shape, faces.deep[wall], near.faces, *ends, px, py, radius_of(state, i), near.found,
-            near.which,
-        )  # fmt: skip
+        around = near.faces[near.last[row] : near.last[row + 1]]
+        count = touching(faces, faces.deep[wall], around, (px, py, radius_of(state, i)), near.found, near.which)
         for contact in range(count):
             gap, nx, ny, _ = near.found[contact].tolist()
             yield i, int(near.which[contact]), gap, outward(moves, wall, nx, ny)
@@ -282,7 +282,7 @@ def wall_contact(
     resists = 0.0
     if memory is not None:
         inner = inward(walls.moves, wall, float(d.x[i]), float(d.y[i]))
-        foot = foot_at(walls.faces.codes, walls.faces.shape, face, *inner)
+        foot = foot_at(walls.faces, face, *inner)
         where = int(walls.chain[face]), foot, float(walls.around[face])
         turn = own * (spin - walls.moves.now[wall, 7]) if body and spins is not None else rim
         slips = slip[1] * nx - slip[0] * ny - rim, turn

@@ -6,7 +6,9 @@ from __future__ import annotations
 import numpy as np
 
 from lammps_jump.engines.native.arrays import Motion, Moves, Seen, State
+from lammps_jump.engines.native.discs import Discs
 from lammps_jump.physics.slots import end_step
+from lammps_jump.scene.near import mark_cells
 
 from . import bodies, contact, lists, pushed, sums
 from .pushed import wrench
@@ -22,7 +24,7 @@ class Twin:
     image_rows = staticmethod(lists.image_rows)
     cell_pairs = staticmethod(lists.cell_pairs)
     list_near = staticmethod(lists.near_walls)
-    mark_cells = staticmethod(lists.mark_cells)
+    mark_cells = staticmethod(mark_cells)
     elastic = staticmethod(sums.elastic)
     contacts = staticmethod(sums.contacts)
     give_sizes = staticmethod(sums.give_sizes)
@@ -77,11 +79,11 @@ def forces(state: State) -> None:
                 array[: d.n][held] = 0.0
     if memory is not None and memory.time_step > 0.0:
         end_step(memory.slots, d.n)
-        if state.bodies is not None:
-            end_step(state.bodies.corners.memory.slots, state.bodies.corners.discs.n)
+        if state.bodies is not None and (corners := state.bodies.corners).memory is not None:
+            end_step(corners.memory.slots, corners.discs.n)
 
 
-def _add(d, i: int, found: contact.Contact, sense: float, torque: float) -> None:
+def _add(d: Discs, i: int, found: contact.Contact, sense: float, torque: float) -> None:
     """Add a contact to a disc: to the first with sense 1, to the second with -1."""
     (nx, ny), (fx, fy) = found.normal, found.force
     d.fx[i] += sense * fx
@@ -133,7 +135,7 @@ def _end_walls(state: State) -> None:
     """
     walls, moves = state.walls, state.walls.moves
     dt = moves.clock[2]
-    for wall in np.flatnonzero(moves.moving):
+    for wall in np.flatnonzero(moves.moving).tolist():
         of_discs, push, lost, slid = moves.taken[wall].reshape(4, 3)
         moves.pushed[wall, 9:12] = push
         if moves.moving[wall] >= 2:

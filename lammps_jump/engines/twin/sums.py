@@ -131,6 +131,7 @@ def between(state: State, stations: Stations, sums: np.ndarray) -> None:
             continue
         way = int(left) - int(right)
         of = contact.pair_contact(state, b, a, 0.0, seen, slope)
+        assert of is not None
         one, two = _at_step(state, a), _at_step(state, b)
         (nx, ny), (fx, fy) = of.normal, of.force
         mx, my = 0.5 * (one[0] + two[0]), 0.5 * (one[1] + two[1])
