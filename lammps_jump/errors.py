@@ -22,6 +22,25 @@ class CaseError(JumpError, ValueError):
     exit_status = 2
 
 
+class FieldError(CaseError):
+    """A field of a case cannot be used. Where the case is read, the place in its file takes that of the path.
+
+    Parameters
+    ----------
+    path : str
+        The field, with dots between its parts: ``walls.2.motion``.
+    text : str
+        What is wrong, what is allowed and what to do.
+    """
+
+    def __init__(self, path: str, text: str):
+        super().__init__(f"{path}: {text}")
+        self.path, self.text = path, text
+
+    def __reduce__(self) -> tuple[type[FieldError], tuple[str, str]]:
+        return type(self), (self.path, self.text)
+
+
 class DumpError(JumpError, ValueError):
     """A dump file, or a folder that should hold one, cannot be read (exit status 2)."""
 

@@ -17,7 +17,7 @@ from lammps_jump.case.case import ReadCase
 from lammps_jump.case.explain import explain
 from lammps_jump.case.parts.base import Strict, Whole
 from lammps_jump.case.text import CaseSource, read_source
-from lammps_jump.errors import CaseError
+from lammps_jump.errors import CaseError, FieldError
 from lammps_jump.files import RESULT_FILES, plain
 from lammps_jump.quoting import echoed, shortened
 from lammps_jump.runs.run import Case
@@ -236,8 +236,11 @@ def read_calibration(source: str | Path | Mapping[str, object] | ReadCase, **giv
     whole = fields.case
     case = Case.load(whole, fields.set) if isinstance(whole, dict) else sweep_study.case_in(place / whole, fields.set)
     targets = tuple(target for field in fields.targets for target in field.targets(place))
-    case = _asked(file, case, targets)
-    _require_points(file, case, fields)
+    try:
+        case = _asked(case, targets)
+        _require_points(case, fields)
+    except FieldError as error:
+        raise file.located(error) from None
     return Calibration(case, fields.vary, targets, fields.budget, fields.members, fields.seed)
 
 
@@ -249,37 +252,38 @@ def _plain_targets(data: Mapping[str, Any]) -> dict[str, Any]:
     return {"targets": _targets(data["targets"])} if data.get("targets") else {}
 
 
-def _asked(file: CaseSource, case: Case, targets: tuple[Target, ...]) -> Case:
-    """The case with the analyses that the targets need; CaseError for a key or table that there is not."""
+def _asked(case: Case, targets: tuple[Target, ...]) -> Case:
+    """The case with the analyses that the targets need; FieldError for a key or table that there is not."""
     names = [target.name for target in targets]
     for name in names:
         if names.count(name) > 1:
-            raise file.error(f"targets: {shortened(name)} stands twice; keep one of them")
+            raise FieldError("targets", f"{shortened(name)} stands twice; keep one of them")
     parts = set()
     for target in targets:
         table = target.name.partition(".")[0]
         parts.add(table.split("_")[0])
         if not target.axis:
-            sweep_study.collected(file, target.name, case, "targets")
+            sweep_study.collected(target.name, case, "targets")
         elif table != PROFILES and f"{table}.csv" not in RESULT_FILES and not table.startswith("force_"):
             known = ", ".join(name[:-4] for name in RESULT_FILES if name.endswith(".csv") and "[" not in name)
-            raise file.error(f"targets: {shortened(target.name)}: no run has a table {shortened(table)}; there are "
+            raise FieldError("targets", f"{shortened(target.name)}: no run has a table {shortened(table)}; there are "
                              f"{known}, {PROFILES}")  # fmt: skip
     analysis = case.fields.analysis
     off = {f"analysis.{part}": True for part in sorted(parts) if getattr(analysis, part, None) is False}
     return case.replace(off) if off else case
 
 
-def _require_points(file: CaseSource, case: Case, fields: CalibrationFields) -> None:
-    """CaseError where no point of the ranges can be read as a case, or where the budget is too small."""
+def _require_points(case: Case, fields: CalibrationFields) -> None:
+    """FieldError where no point of the ranges can be read as a case, or where the budget is too small."""
     middle = {path: 0.5 * (low + high) for path, (low, high) in fields.vary.items()}
     try:
         case.replace(middle)
     except CaseError as error:
-        raise CaseError(f"{file.place(('vary',))}: the middle of the ranges is refused: {error}") from None
+        raise FieldError("vary", f"the middle of the ranges is refused: {error}") from None
     needed = (len(fields.vary) + SPARE + 1) * fields.members
     if fields.budget < needed:
-        raise file.error(
-            f"budget: {fields.budget} runs are too few for {len(fields.vary)} varied numbers and {fields.members} "
-            f"starts of each point; allowed is {needed} or more"
+        raise FieldError(
+            "budget",
+            f"{fields.budget} runs are too few for {len(fields.vary)} varied numbers and {fields.members} "
+            f"starts of each point; allowed is {needed} or more",
         )

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 import yaml
 from pydantic import ValidationError
 
-from lammps_jump.errors import CaseError
+from lammps_jump.errors import CaseError, FieldError
 from lammps_jump.files import plain
 from lammps_jump.identity import case_key
 from lammps_jump.quoting import echoed, plain_name
@@ -207,7 +207,10 @@ class ReadCase:
 
     @cached_property
     def _scene(self) -> Scene:
-        return build_scene(self.fields, self.source)
+        try:
+            return build_scene(self.fields, self.source.begun)
+        except FieldError as error:
+            raise self.source.located(error) from None
 
     def check(self) -> Derived:
         """Everything derived from the case: coefficients, theory of the inflow, what is skipped, warnings.
@@ -278,13 +281,21 @@ def _validated(source: CaseSource, changes: Changes, default_name: str) -> CaseF
     fields = fields.model_copy(
         update={"description": described(fields.description, source), "initial": with_found(fields.initial, source)}
     )
+    try:
+        _check(fields)
+    except FieldError as error:
+        raise source.located(error) from None
+    return fields
+
+
+def _check(fields: CaseFields) -> None:
+    """Refuse walls and bodies of one name, and a case without a disc."""
     places = [
         (f"{field}.{i}", item.name) for field in ("walls", "bodies") for i, item in enumerate(getattr(fields, field))
     ]
     for index, (place, name) in enumerate(places):
         if name in [other for _, other in places[:index]]:
             what = "walls" if place.startswith("walls") else "walls or bodies"
-            raise source.error(f"{place}.name: two {what} are called '{name}'; give each its own name")
+            raise FieldError(f"{place}.name", f"two {what} are called '{name}'; give each its own name")
     if not fields.initial and fields.inflow is None:
-        raise source.error("initial: there are no discs; give a column, a lattice, a list or a run, or give inflow")
-    return fields
+        raise FieldError("initial", "there are no discs; give a column, a lattice, a list or a run, or give inflow")

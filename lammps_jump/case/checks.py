@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Checks of a case that need more than one field: stability of the step, size, engine, inflow.
 
-Each raises `CaseError` with the place in the file and the remedy.
+Each raises `FieldError` with the remedy.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from math import pi, radians, tan
 
+from lammps_jump.errors import FieldError
 from lammps_jump.physics import contact
 from lammps_jump.physics.hydrograph import TRAVEL
 from lammps_jump.physics.inlet import LEAST_GAP, REFUSAL_GAP
@@ -19,7 +20,6 @@ from lammps_jump.scene.schedule import MOST_BINS, MOST_FRAMES, told, told_of_win
 from .fields import CaseFields, Column
 from .packing import disc_count
 from .parts.inflow import PourInflow, RowsInflow
-from .text import CaseSource
 
 MOST_STEPS = 2_000_000_000
 """LAMMPS counts steps of one run and insertions in 32 bits."""
@@ -36,63 +36,63 @@ TWIN_SECONDS = 3e-5
 MOST_TWIN_HOURS = 2
 
 
-def check_size(
-    case: CaseFields, source: CaseSource, settle_steps: int, steps: int, output_steps: int, sizes: Sizes | None
-) -> None:
+def check_size(case: CaseFields, settle_steps: int, steps: int, output_steps: int, sizes: Sizes | None) -> None:
     """Refuse more steps, frames or discs than a run can hold, before arrays are made."""
     if settle_steps and settle_steps + steps > MOST_STEPS >= steps:
         settle, index = case.settling
-        raise source.error(
-            f"initial.{index}.settle: {settle:zg} s behind the gate are {settle_steps:z.3g} steps, with those of "
-            f"run.duration {settle_steps + steps:z.3g}; allowed are {MOST_STEPS:z.0e}: shorten it"
+        raise FieldError(
+            f"initial.{index}.settle",
+            f"{settle:zg} s behind the gate are {settle_steps:z.3g} steps, with those of "
+            f"run.duration {settle_steps + steps:z.3g}; allowed are {MOST_STEPS:z.0e}: shorten it",
         )
     if steps > MOST_STEPS:
-        raise source.error(
-            f"run.duration: {case.run.duration:zg} s are {steps:z.3g} steps; allowed are {MOST_STEPS:z.0e}: "
-            "shorten it, raise run.time_step_fraction or lower the stiffness"
+        raise FieldError(
+            "run.duration",
+            f"{case.run.duration:zg} s are {steps:z.3g} steps; allowed are {MOST_STEPS:z.0e}: "
+            "shorten it, raise run.time_step_fraction or lower the stiffness",
         )
     frames = (settle_steps + steps) // output_steps + 1  # the first is that of the start
     if frames > MOST_FRAMES:
-        raise source.error(
-            f"run.output_interval: {case.output_interval:zg} s make {frames} frames; allowed are {MOST_FRAMES}: write "
-            "fewer"
+        raise FieldError(
+            "run.output_interval",
+            f"{case.output_interval:zg} s make {frames} frames; allowed are {MOST_FRAMES}: write fewer",
         )
     discs = sum(disc_count(item, case.discs.diameter, sizes) for item in case.initial)
     if discs > MOST_DISCS:
-        raise source.error(f"initial: {discs} discs at the start; allowed are {MOST_DISCS}: take larger discs or fewer")
+        raise FieldError("initial", f"{discs} discs at the start; allowed are {MOST_DISCS}: take larger discs or fewer")
 
 
-def check_domain(case: CaseFields, source: CaseSource, domain: tuple[Interval, Interval]) -> None:
+def check_domain(case: CaseFields, domain: tuple[Interval, Interval]) -> None:
     """Refuse a domain too large for neighbour lists, and bins that do not suit it."""
     (xlo, xhi), (ylo, yhi) = domain
     cells = (xhi - xlo) * (yhi - ylo) / case.discs.diameter**2
     if cells > MOST_CELLS:
-        raise source.error(
-            f"domain: x [{xlo:zg}, {xhi:zg}], y [{ylo:zg}, {yhi:zg}] has room for {cells:z.3g} discs of "
+        raise FieldError(
+            "domain",
+            f"x [{xlo:zg}, {xhi:zg}], y [{ylo:zg}, {yhi:zg}] has room for {cells:z.3g} discs of "
             f"{case.discs.diameter:zg} m; allowed is room for {MOST_CELLS:z.0e}: give a smaller domain or take larger "
-            "discs"
+            "discs",
         )
     width = case.analysis.bin_width
     length = xhi - xlo
     if width is not None and length / width > MOST_BINS:
-        raise source.error(
-            f"analysis.bin_width: {width:zg} m would make {length / width:z.0f} bins over {length:zg} m; allowed are "
-            f"{MOST_BINS}: widen it"
+        raise FieldError(
+            "analysis.bin_width",
+            f"{width:zg} m would make {length / width:z.0f} bins over {length:zg} m; allowed are {MOST_BINS}: widen it",
         )
     if width is not None and width > length:
-        raise source.error(
-            f"analysis.bin_width: {width:zg} m is wider than the domain; allowed is up to its {length:zg} m: make the "
-            "bins narrower"
+        raise FieldError(
+            "analysis.bin_width",
+            f"{width:zg} m is wider than the domain; allowed is up to its {length:zg} m: make the bins narrower",
         )
 
 
-def check_names(case: CaseFields, source: CaseSource, made: Iterable[Wall]) -> set[str]:
+def check_names(case: CaseFields, made: Iterable[Wall]) -> set[str]:
     """Refuse names of walls that the program gives: to the wall behind an inlet, to gates, to faces of a box.
 
     Parameters
     ----------
     case : CaseFields
-    source : CaseSource
     made : iterable of Wall
         The walls that the program adds.
 
@@ -111,40 +111,42 @@ def check_names(case: CaseFields, source: CaseSource, made: Iterable[Wall]) -> s
     for index, item in enumerate(case.walls):
         for field, name in (("name", item.name), ("join", getattr(item, "join", None))):
             if name in own:
-                raise source.error(
-                    f"walls.{index}.{field}: '{name}' is the name {own[name]}; give this wall another one"
+                raise FieldError(
+                    f"walls.{index}.{field}", f"'{name}' is the name {own[name]}; give this wall another one"
                 )
     return set(own)
 
 
-def check_pour(case: CaseFields, source: CaseSource, domain: tuple[Interval, Interval], largest: float) -> None:
+def check_pour(case: CaseFields, domain: tuple[Interval, Interval], largest: float) -> None:
     """Refuse a pour that cannot fall, or whose region does not hold the largest disc or reaches out of the domain."""
     pour = case.inflow
     if not isinstance(pour, PourInflow):
         return
     if case.gravity == 0:
-        raise source.error("gravity: is 0, so that poured discs do not fall; allowed is > 0 with inflow kind: pour")
+        raise FieldError("gravity", "is 0, so that poured discs do not fall; allowed is > 0 with inflow kind: pour")
     if case.slope != 0:
-        raise source.error(
-            f"slope: is {case.slope:zg} degree; discs are poured straight down: allowed is 0 with inflow kind: pour"
+        raise FieldError(
+            "slope", f"is {case.slope:zg} degree; discs are poured straight down: allowed is 0 with inflow kind: pour"
         )
     d = largest
     for axis, (low, high), limits in zip("xy", (pour.x, pour.y), domain, strict=True):
         if high - low < d * (1 - 1e-9):
-            raise source.error(
-                f"inflow.{axis}: [{low:zg}, {high:zg}] is {high - low:zg} m wide; allowed is a disc's {d:zg} m "
-                "or more: widen it"
+            raise FieldError(
+                f"inflow.{axis}",
+                f"[{low:zg}, {high:zg}] is {high - low:zg} m wide; allowed is a disc's {d:zg} m or more: widen it",
             )
         if low < limits[0] or high > limits[1]:
-            raise source.error(
-                f"inflow.{axis}: [{low:zg}, {high:zg}] reaches out of the domain; allowed is within [{limits[0]:zg}, "
-                f"{limits[1]:zg}]: move the pour or widen domain.{axis}"
+            raise FieldError(
+                f"inflow.{axis}",
+                f"[{low:zg}, {high:zg}] reaches out of the domain; allowed is within [{limits[0]:zg}, "
+                f"{limits[1]:zg}]: move the pour or widen domain.{axis}",
             )
     held = pour.volume_fraction * (pour.x[1] - pour.x[0]) * (pour.y[1] - pour.y[0]) / (pi * d * d / 4)
     if held < 1:
-        raise source.error(
-            f"inflow.volume_fraction: {pour.volume_fraction:zg} of the region is {held:z.3g} discs; allowed is "
-            "one disc or more: raise it or widen inflow.x or inflow.y"
+        raise FieldError(
+            "inflow.volume_fraction",
+            f"{pour.volume_fraction:zg} of the region is {held:z.3g} discs; allowed is "
+            "one disc or more: raise it or widen inflow.x or inflow.y",
         )
 
 
@@ -153,56 +155,61 @@ def twin_seconds(scene: Scene) -> float:
     return TWIN_SECONDS * scene.steps * scene.expected_discs
 
 
-def check_time(case: CaseFields, source: CaseSource, scene: Scene) -> None:
+def check_time(case: CaseFields, scene: Scene) -> None:
     """Refuse what would take hours on the twin."""
     hours = twin_seconds(scene) / 3600
     if case.engine.name == "twin" and hours > MOST_TWIN_HOURS:
-        raise source.error(
-            f"engine.name: twin: {scene.steps} steps of up to {scene.expected_discs} discs take about "
+        raise FieldError(
+            "engine.name",
+            f"twin: {scene.steps} steps of up to {scene.expected_discs} discs take about "
             f"{hours:z.3g} h in plain Python; allowed are {MOST_TWIN_HOURS}: lower run.duration or the number "
-            "of discs, or use engine.name: native"
+            "of discs, or use engine.name: native",
         )
 
 
-def check_engine(case: CaseFields, source: CaseSource) -> None:
+def check_engine(case: CaseFields) -> None:
     """Refuse what the engine or kernel of the case cannot do."""
     engine, kernel = case.engine.name, case.engine.kernel
     if engine == "lammps" and case.probes.stations:
-        raise source.error(
-            "probes.stations: the energy between stations is kept by the native engine alone; use engine.name: native"
+        raise FieldError(
+            "probes.stations", "the energy between stations is kept by the native engine alone; use engine.name: native"
         )
     if engine == "lammps" and case.run.integrator == "leapfrog_extrapolated":
-        raise source.error("run.integrator: leapfrog_extrapolated is the native engine's; use engine.name: native")
+        raise FieldError("run.integrator", "leapfrog_extrapolated is the native engine's; use engine.name: native")
     if case.run.integrator == "leapfrog_extrapolated" and FRICTION_LAWS[case.contact.friction_law].remembers:
-        raise source.error(
-            "run.integrator: leapfrog_extrapolated is not there for friction_law: history; use auto or velocity_verlet"
+        raise FieldError(
+            "run.integrator",
+            "leapfrog_extrapolated is not there for friction_law: history; use auto or velocity_verlet",
         )
     if engine == "lammps" and kernel != "auto" and isinstance(case.inflow, RowsInflow) and case.inflow.table:
-        raise source.error(
-            f"inflow.table: engine.kernel: {kernel} has no inflow against time; use engine.kernel: auto or "
-            "engine.name: native, which both take the native engine"
+        raise FieldError(
+            "inflow.table",
+            f"engine.kernel: {kernel} has no inflow against time; use engine.kernel: auto or "
+            "engine.name: native, which both take the native engine",
         )
     if engine == "lammps" and kernel == "stock":
         if case.bodies:
-            raise source.error(
-                "bodies: are not in stock LAMMPS, whose walls follow formulas; use engine.kernel: auto or engine.name: "
-                "native"
+            raise FieldError(
+                "bodies",
+                "are not in stock LAMMPS, whose walls follow formulas; use engine.kernel: auto or engine.name: native",
             )
         law = case.contact.friction_law
         if case.contact.friction > 0 and not FRICTION_LAWS[law].in_stock:
             known = " or ".join(name for name, one in FRICTION_LAWS.items() if one.in_stock)
-            raise source.error(
-                f"contact.friction_law: '{law}' is not in stock LAMMPS; use friction_law: {known}, "
-                "engine.kernel: compiled or engine.name: native"
+            raise FieldError(
+                "contact.friction_law",
+                f"'{law}' is not in stock LAMMPS; use friction_law: {known}, "
+                "engine.kernel: compiled or engine.name: native",
             )
         if case.contact.touch == "smooth":
-            raise source.error(
-                "contact.touch: 'smooth' is not in stock LAMMPS; use engine.kernel: compiled or engine.name: native"
+            raise FieldError(
+                "contact.touch", "'smooth' is not in stock LAMMPS; use engine.kernel: compiled or engine.name: native"
             )
         if case.contact.cohesion is not None:
-            raise source.error(
-                "contact.cohesion: a constant attraction of discs that touch is not in the styles of stock LAMMPS that "
-                "this program writes; use engine.kernel: compiled or engine.name: native"
+            raise FieldError(
+                "contact.cohesion",
+                "a constant attraction of discs that touch is not in the styles of stock LAMMPS that "
+                "this program writes; use engine.kernel: compiled or engine.name: native",
             )
 
 
@@ -229,13 +236,14 @@ LEAP = 1.75
 """Growth of an inflow's speed while the stream runs `TRAVEL` depths from which on discs are refused (measured)."""
 
 
-def check_sizes(case: CaseFields, source: CaseSource, sizes: Sizes | None) -> list[str]:
+def check_sizes(case: CaseFields, sizes: Sizes | None) -> list[str]:
     """Refuse a law that discs of several sizes do not have; return notes on what sizes mean for the scene."""
     friction = case.contact.friction
     if sizes and friction and case.contact.restitution == 1 and not case.contact.springs:
-        raise source.error(
-            f"contact.friction: is {friction:zg} with restitution 1; with discs.sizes the tangential dashpot is a "
-            "multiple of the normal one, which is 0 then: allowed is friction 0, restitution below 1, or equal discs"
+        raise FieldError(
+            "contact.friction",
+            f"is {friction:zg} with restitution 1; with discs.sizes the tangential dashpot is a "
+            "multiple of the normal one, which is 0 then: allowed is friction 0, restitution below 1, or equal discs",
         )
     notes = []
     if isinstance(case.inflow, RowsInflow) and case.inflow.spacing < REFUSAL_GAP:
@@ -311,17 +319,18 @@ def check_stop(case: CaseFields) -> list[str]:
 
 
 def check_stability(
-    case: CaseFields, source: CaseSource, coefficients: contact.Coefficients, integrator: str, sizes: Sizes | None
+    case: CaseFields, coefficients: contact.Coefficients, integrator: str, sizes: Sizes | None
 ) -> list[str]:
     """Refuse an unstable step, unless ``run.allow_unstable``; return warnings about a step that is stable but long."""
     fraction, limit = case.run.time_step_fraction, coefficients.stable_fraction
     if fraction > limit and not case.run.allow_unstable:
         # the correction lowers the damping as f grows: the limit without it is safe for every f
         limit = min(limit, contact.stable_fraction(coefficients.damping_ratio, integrator))
-        raise source.error(
-            f"run.time_step_fraction: {fraction:zg} is unstable in a dense packing; allowed is up to {limit:z.3f} of "
+        raise FieldError(
+            "run.time_step_fraction",
+            f"{fraction:zg} is unstable in a dense packing; allowed is up to {limit:z.3f} of "
             f"2/omega for {integrator} at restitution {coefficients.restitution:zg}; lower it (0.05 is the thesis' "
-            "value) or set run.allow_unstable: true"
+            "value) or set run.allow_unstable: true",
         )
     given = case.contact
     smallest = sizes.smallest / case.discs.diameter if sizes else 1.0

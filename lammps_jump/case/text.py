@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import difflib
 import re
+from collections.abc import Mapping
 from copy import copy
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import yaml
 
-from lammps_jump.errors import CaseError
+from lammps_jump.errors import CaseError, FieldError
 from lammps_jump.files import read_file
 from lammps_jump.quoting import shortened
 
@@ -62,6 +63,10 @@ class Begun(NamedTuple):
     folder: str
     time: object
     state: Ended
+
+
+Runs = Mapping[PathKey, Begun]
+"""Path of an item of ``initial`` -> the discs of the run that it names."""
 
 
 @dataclass
@@ -143,11 +148,10 @@ class CaseSource:
                 return f"{self.file}:{self.lines[path[:length]]}: {dotted}".rstrip(": ")
         return f"{self.file}: {dotted}"
 
-    def error(self, text: str) -> CaseError:
-        """A `CaseError` of ``path: message``, which names the place of the path; parts of a path stand between dots."""
-        path, _, message = text.partition(": ")
-        key = tuple(int(part) if _is_number(part) else part for part in path.split("."))
-        return CaseError(f"{self.place(key)}: {message}")
+    def located(self, error: FieldError) -> CaseError:
+        """The error of a field with its place."""
+        key = tuple(int(part) if _is_number(part) else part for part in error.path.split("."))
+        return CaseError(f"{self.place(key)}: {error.text}")
 
 
 def _with(data: Any, path: PathKey, given: dict[str, Any]) -> Any:

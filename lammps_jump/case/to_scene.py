@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from lammps_jump.errors import FieldError
 from lammps_jump.physics import contact
 from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.scene import (
@@ -40,7 +41,7 @@ from .parts.earlier import EarlierRun
 from .parts.inflow import PourInflow, RowsInflow
 from .parts.rows import Inlet, inlet_back, inlet_of
 from .parts.taken import Taken, for_walls, padded, take, with_given
-from .text import CaseSource
+from .text import Runs
 
 INTEGRATORS = {"lammps": "velocity_verlet"} | dict.fromkeys(("native", "twin"), "leapfrog_extrapolated")
 """What ``run.integrator: auto`` means, by engine."""
@@ -103,53 +104,53 @@ def _times(case: CaseFields) -> tuple[float, float, float | None]:
     )
 
 
-def build_scene(case: CaseFields, source: CaseSource) -> Scene:
-    """The engine-neutral form of a validated case.
+def build_scene(case: CaseFields, runs: Runs) -> Scene:
+    """The engine-neutral form of a validated case; `runs` hold its discs of earlier runs (`CaseSource.begun`).
 
     Raises
     ------
-    CaseError
+    FieldError
         Where the numbers cannot make a scene: unstable step, discs that overlap or stand in a wall, an inlet in
-        a wall, no rows, unknown probes, discs outside the domain; with the place in the file.
+        a wall, no rows, unknown probes, discs outside the domain.
     """
-    scene = _scene(case, source)
+    scene = _scene(case, runs)
     return replace(scene, warnings=(*scene.warnings, *told)) if (told := jump_doubts(case, scene)) else scene
 
 
-def _scene(case: CaseFields, source: CaseSource) -> Scene:
+def _scene(case: CaseFields, runs: Runs) -> Scene:
     """`build_scene`, without the notes that need the whole scene."""
-    begun, warnings = _beginning(case, source)
+    begun, warnings = _beginning(case, runs)
     rows = case.inflow if isinstance(case.inflow, RowsInflow) else None
-    inlets, raster, hydrograph = inlet_of(rows, source, begun, case.run.seed) if rows else Inlet()
-    theirs = walls.joined(case, source)
+    inlets, raster, hydrograph = inlet_of(rows, begun, case.run.seed) if rows else Inlet()
+    theirs = walls.joined(case)
     given = theirs + walls.lifted(case)
-    walls.check_bends(source, given, begun.largest)
+    walls.check_bends(given, begun.largest)
     laws = _own_laws(case, begun, given)
-    notes = walls.check_own_laws(case, source, begun, laws, given, _integrator(case))
-    moving = [walls.moving(item, case, source, begun, laws) for item in given]
+    notes = walls.check_own_laws(case, begun, laws, given, _integrator(case))
+    moving = [walls.moving(item, case, begun, laws) for item in given]
     notes += speeds.softness(case, begun)
     notes += walls.wall_doubts(moving, begun, laws, inlets) + heap_doubts(case, begun, moving)
     ways = [way(one, *walls.span(begun)) for one in moving]
     speed = max([_largest_speed(case, begun, inlets), *(largest_speed(one, *walls.span(begun)) for one in moving)])
-    domain = _domain(case, source, begun, inlets, speed, ways)
-    outlets = _outlets(case, source, begun, domain, speed)
+    domain = _domain(case, begun, inlets, speed, ways)
+    outlets = _outlets(case, begun, domain, speed)
     fields = {item.wall.name: item.field for item in theirs}
-    moving = tailgate.with_holdings(case, source, begun, moving, fields, domain, inlets)
+    moving = tailgate.with_holdings(case, begun, moving, fields, domain, inlets)
     gates = walls.shut_gates(case, begun, domain)
     moving += map(MovingWall, inlet_back(case.inflow, begun.largest))
-    own_names = checks.check_names(case, source, [wall for wall, _ in (*moving[len(theirs) :], *gates)])
-    places.check_in_domain(case, source, begun.positions, inlets, domain)
-    places.check_places(case, source, begun, inlets, (*moving, *gates), fields, case.seam)
+    own_names = checks.check_names(case, [wall for wall, _ in (*moving[len(theirs) :], *gates)])
+    places.check_in_domain(case, begun.positions, inlets, domain)
+    places.check_places(case, begun, inlets, (*moving, *gates), fields, case.seam)
     if case.seam:
-        channel.check_walls(source, begun, moving, fields, domain)
+        channel.check_walls(begun, moving, fields, domain)
         notes += channel.lid_doubts(moving, domain, begun.largest)
     notes += check_bodies(
-        source, begun, (*moving, *gates), fields, laws, _integrator(case),
+        begun, (*moving, *gates), fields, laws, _integrator(case),
         unstable=case.run.allow_unstable, ground=speeds.lowest_ground(case) if case.bodies else math.inf,
     )  # fmt: skip
-    checks.check_pour(case, source, domain, begun.largest)
+    checks.check_pour(case, domain, begun.largest)
     names = [wall.name for wall, _ in moving]
-    probes, groups = _probes(case, source, names), walls.groups(case, source, moving, own_names)
+    probes, groups = _probes(case, names), walls.groups(case, moving, own_names)
     asked = {*probes, *(name for _, members in groups for name in members)}
     reached = [one for one in moving if walls.reachable(one, begun, domain)]
     kept = [one for one in moving if one in reached or one.wall.name in asked]
@@ -182,8 +183,8 @@ def _scene(case: CaseFields, source: CaseSource) -> Scene:
         outlets=outlets,
         probes=probes,
         groups=groups,
-        stations=_stations(case, source, begun, inlets, outlets),
-        gauges=places.gauges(case, source, domain[0]),
+        stations=_stations(case, begun, inlets, outlets),
+        gauges=places.gauges(case, domain[0]),
         seed=case.run.seed,
         skin=case.engine.skin or 0.3 * begun.diameter,
         touch=law.touch,
@@ -195,7 +196,7 @@ def _scene(case: CaseFields, source: CaseSource) -> Scene:
         warnings=(*warnings, *checks.check_stop(case), *doubts(case, impact_speed, inlets), *notes),
         adapted=checks.adapted(case, begun, inlets),
     )
-    checks.check_time(case, source, scene)
+    checks.check_time(case, scene)
     return replace(scene, warnings=(*scene.warnings, *told)) if (told := held_deep(scene)) else scene
 
 
@@ -215,19 +216,19 @@ def _integrator(case: CaseFields) -> str:
     return "velocity_verlet" if FRICTION_LAWS[case.contact.friction_law].remembers else INTEGRATORS[case.engine.name]
 
 
-def _beginning(case: CaseFields, source: CaseSource) -> tuple[Beginning, list[str]]:
+def _beginning(case: CaseFields, runs: Runs) -> tuple[Beginning, list[str]]:
     """The discs at the start, their contact and the steps of the run; and what to beware of."""
-    checks.check_engine(case, source)
-    channel.check_fields(case, source)
+    checks.check_engine(case)
+    channel.check_fields(case)
     random, softness = np.random.default_rng(case.run.seed), _stiffness(case)[0]
-    standing = [(item.field, item.wall) for item in (*walls.joined(case, source), *walls.lifted(case))]
-    taken = take(case, source, standing, case.discs.diameter / softness, random)
+    standing = [(item.field, item.wall) for item in (*walls.joined(case), *walls.lifted(case))]
+    taken = take(case, runs, standing, case.discs.diameter / softness, random)
     integrator, sizes = _integrator(case), with_given(disc_sizes(case), case.discs.diameter, taken)
     coefficients = _coefficients(case, integrator, sizes)
-    warnings = checks.check_stability(case, source, coefficients, integrator, sizes)
-    warnings += checks.check_sizes(case, source, sizes)
-    steps, settle = _steps(case, source, coefficients.time_step, sizes)
-    positions, velocities = _discs(case, source, coefficients, sizes, random, taken)
+    warnings = checks.check_stability(case, coefficients, integrator, sizes)
+    warnings += checks.check_sizes(case, sizes)
+    steps, settle = _steps(case, coefficients.time_step, sizes)
+    positions, velocities = _discs(case, coefficients, sizes, random, taken)
     beds = beds_of(case.rough, case.seam, len(positions) + 1, sizes, case.discs.diameter)
     positions = np.concatenate([positions, beds.positions])
     velocities = np.concatenate([velocities, 0.0 * beds.positions])
@@ -276,16 +277,16 @@ def _stiffness(case: CaseFields) -> tuple[float, float, float]:
     return 1.0 / speeds.DESIGN, speeds.expected(case).speed or speeds.DESIGN * through, k
 
 
-def _steps(case: CaseFields, source: CaseSource, dt: float, sizes: Sizes | None) -> tuple[Schedule, int]:
+def _steps(case: CaseFields, dt: float, sizes: Sizes | None) -> tuple[Schedule, int]:
     """Steps of the run, and steps behind the gate before it: whole frames."""
     steps = plan_steps(*_times(case), dt)
     settle = math.ceil(math.ceil(case.settling[0] / dt - 1e-9) / steps.output) * steps.output
-    checks.check_size(case, source, settle, steps.run, steps.output, sizes)
+    checks.check_size(case, settle, steps.run, steps.output, sizes)
     return steps, settle
 
 
 def _discs(
-    case: CaseFields, source: CaseSource, coefficients: contact.Coefficients, sizes: Sizes | None,
+    case: CaseFields, coefficients: contact.Coefficients, sizes: Sizes | None,
     random: np.random.Generator, taken: Taken | None,
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Positions and velocities at the start, each of shape (n, 2), m and m/s; those of earlier runs come first."""
@@ -300,9 +301,9 @@ def _discs(
         except TooSoft as error:
             factor = math.sqrt(error.factor)  # of the speed: overlaps by weight go as 1/k
             enough = case.contact.stiff_for((case.contact.impact_speed or 0.0) * factor, factor)
-            raise source.error(f"initial.{index}: {error}: {enough}") from None
+            raise FieldError(f"initial.{index}", f"{error}: {enough}") from None
         except ValueError as error:
-            raise source.error(f"initial.{index}: {error}") from None
+            raise FieldError(f"initial.{index}", f"{error}") from None
         first += len(place)
         positions.append(place)
         velocities.append(speed)
@@ -313,7 +314,7 @@ Rectangle = tuple[Interval, Interval]
 
 
 def _domain(
-    case: CaseFields, source: CaseSource, begun: Beginning, inlets: tuple[InletRow, ...], speed: float,
+    case: CaseFields, begun: Beginning, inlets: tuple[InletRow, ...], speed: float,
     ways: list[Rectangle],
 ) -> Rectangle:  # fmt: skip
     """The given domain, or one around all that the case names, and the ways of walls."""
@@ -324,7 +325,7 @@ def _domain(
         margin = 2 * begun.largest if closed else 10 * begun.largest + speed * min(case.run.duration, 3.0)
         x, y = ((min(e) - margin, max(e) + margin) for e in (_ends(case, axis, begun, inlets, ways) for axis in "xy"))
         domain = x, y
-    checks.check_domain(case, source, domain)
+    checks.check_domain(case, domain)
     return domain
 
 
@@ -341,9 +342,7 @@ def _ends(
     return values + [at for name, at in outlets if name.startswith(axis)]
 
 
-def _outlets(
-    case: CaseFields, source: CaseSource, begun: Beginning, domain: tuple[Interval, Interval], speed: float
-) -> tuple[Outlet, ...]:
+def _outlets(case: CaseFields, begun: Beginning, domain: tuple[Interval, Interval], speed: float) -> tuple[Outlet, ...]:
     outlets = []
     for index, item in enumerate(case.outflow):
         ((field, at),) = item.model_dump(exclude_none=True).items()
@@ -352,23 +351,24 @@ def _outlets(
         low, high = domain[0 if axis == "x" else 1]
         room = high - at if side == "above" else at - low
         if room <= begun.largest:
-            raise source.error(
-                f"outflow.{index}.{field}: {at:zg} m leaves no room before the edge of the domain ([{low:zg}, "
-                f"{high:zg}]); discs need a few metres to be taken out in: widen domain or move the outlet"
+            raise FieldError(
+                f"outflow.{index}.{field}",
+                f"{at:zg} m leaves no room before the edge of the domain ([{low:zg}, "
+                f"{high:zg}]); discs need a few metres to be taken out in: widen domain or move the outlet",
             )
         every = max(1, min(begun.output_steps, int(room / (MAX_SPEED_MARGIN * speed * begun.time_step))))
         outlets.append(Outlet(axis, at, side, every))
     return tuple(outlets)
 
 
-def _probes(case: CaseFields, source: CaseSource, names: list[str]) -> tuple[str, ...]:
+def _probes(case: CaseFields, names: list[str]) -> tuple[str, ...]:
     for index, name in enumerate(case.probes.forces):
-        walls.require_wall(case, source, f"probes.forces.{index}", name, names)
+        walls.require_wall(case, f"probes.forces.{index}", name, names)
     return tuple(dict.fromkeys(case.probes.forces))
 
 
 def _stations(
-    case: CaseFields, source: CaseSource, begun: Beginning, inlets: tuple[InletRow, ...], outlets: tuple[Outlet, ...]
+    case: CaseFields, begun: Beginning, inlets: tuple[InletRow, ...], outlets: tuple[Outlet, ...]
 ) -> Stations | None:
     """The stations of the energy ledger."""
     asked = case.probes.stations
@@ -378,4 +378,4 @@ def _stations(
     try:
         return plan_stations(asked.x, asked.speed, asked.window, begun, places)
     except ValueError as error:
-        raise source.error(f"probes.stations: {error}") from None
+        raise FieldError("probes.stations", f"{error}") from None

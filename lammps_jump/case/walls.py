@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from lammps_jump.errors import CaseError
+from lammps_jump.errors import FieldError
 from lammps_jump.physics import contact
 from lammps_jump.scene import Beginning, Block, InletRow, Interval, MovingWall, Plane, Scene, Wall, gate
 from lammps_jump.scene.chains import Point, boxes
@@ -23,7 +23,7 @@ from lammps_jump.scene.walls import Line
 from .bodies.fields import Body
 from .fields import CaseFields, Column
 from .parts.beds import RoughBed
-from .text import CaseSource, nearest
+from .text import nearest
 
 EASE = 10.0
 """Time that a change of velocity takes by default, in contact times pi/omega of the wall."""
@@ -49,7 +49,7 @@ class CaseWall:
     body: Body | None = None
 
 
-def joined(case: CaseFields, source: CaseSource) -> tuple[CaseWall, ...]:
+def joined(case: CaseFields) -> tuple[CaseWall, ...]:
     """The walls of a case, and behind them its bodies; lines of one join are one wall, in the place of the first."""
     found: list[CaseWall] = []
     done: set[str] = set()
@@ -61,33 +61,33 @@ def joined(case: CaseFields, source: CaseSource) -> tuple[CaseWall, ...]:
             found.append(CaseWall(wall, f"walls.{index}"))
         elif join not in done:
             done.add(join)
-            found.append(CaseWall(_joined(case, source, join), f"walls.{index}"))
+            found.append(CaseWall(_joined(case, join), f"walls.{index}"))
     found += [CaseWall(body.wall(), f"bodies.{index}", body) for index, body in enumerate(case.bodies)]
     for index, item in enumerate(found):
         if item.wall.name in [other.wall.name for other in found[:index]]:
-            raise source.error(
-                f"{item.field}.join: another wall is called '{item.wall.name}'; give the join another name"
+            raise FieldError(
+                f"{item.field}.join", f"another wall is called '{item.wall.name}'; give the join another name"
             )
     return tuple(found)
 
 
-def _joined(case: CaseFields, source: CaseSource, join: str) -> Line:
+def _joined(case: CaseFields, join: str) -> Line:
     """Lines of one join as one line, which goes from one to the next where ends meet."""
     lines = {i: wall for i, wall in enumerate(case.walls) if isinstance(wall, Line) and wall.join == join}
     first, *others = lines
     if not others:
-        raise source.error(f"walls.{first}.join: no other line has join: {join}; drop it, or name the others too")
+        raise FieldError(f"walls.{first}.join", f"no other line has join: {join}; drop it, or name the others too")
     for index in others:
         for name in ("sheet", "friction", "restitution", "stiffness", "rolling", "motion"):
             if getattr(lines[index], name) != getattr(lines[first], name):
-                raise source.error(
-                    f"walls.{index}.{name}: differs from that of '{lines[first].name}'; lines of one join have one "
-                    f"{name}"
+                raise FieldError(
+                    f"walls.{index}.{name}",
+                    f"differs from that of '{lines[first].name}'; lines of one join have one {name}",
                 )
     ends = {i: (line.path.points[0], line.path.points[-1]) for i, line in lines.items()}
     for index, line in lines.items():
         if line.path.closed:
-            raise source.error(f"walls.{index}.join: '{line.name}' is closed and has no ends; drop join")
+            raise FieldError(f"walls.{index}.join", f"'{line.name}' is closed and has no ends; drop join")
     starts = [i for i in lines if not any(_meet(ends[i][0], ends[j][1]) for j in lines if j != i)]
     order = [starts[0] if starts else first]
     while len(order) < len(lines):
@@ -95,7 +95,7 @@ def _joined(case: CaseFields, source: CaseSource, join: str) -> Line:
         left = [i for i in lines if i not in order]
         after = next((i for i in left if _meet(here, ends[i][0])), None)
         if after is None:
-            raise source.error(_unjoined(lines, ends, order, left))
+            raise _unjoined(lines, ends, order, left)
         order.append(after)
     points: list[Any] = list(lines[order[0]].points)
     for index in order[1:]:
@@ -106,7 +106,7 @@ def _joined(case: CaseFields, source: CaseSource, join: str) -> Line:
     try:
         return replace(lines[order[0]], name=join, points=tuple(points), join=None)
     except PlaceError as error:
-        raise source.error(f"walls.{first}.join: lines of '{join}': {error}") from None
+        raise FieldError(f"walls.{first}.join", f"lines of '{join}': {error}") from None
 
 
 def _meet(one: Sequence[float], two: Sequence[float]) -> bool:
@@ -115,20 +115,22 @@ def _meet(one: Sequence[float], two: Sequence[float]) -> bool:
 
 def _unjoined(
     lines: dict[int, Line], ends: Mapping[int, tuple[Point, Point]], order: list[int], left: list[int]
-) -> str:
+) -> FieldError:
     """What is wrong with lines of a join that have no order."""
     last, here = lines[order[-1]], ends[order[-1]][1]
     for index in left:
         if _meet(here, ends[index][1]) or _meet(ends[order[0]][0], ends[index][0]):
-            return (
-                f"walls.{index}.points: '{lines[index].name}' runs the other way than '{last.name}'; reverse its "
-                "points, so that the discs are on the left of both"
+            return FieldError(
+                f"walls.{index}.points",
+                f"'{lines[index].name}' runs the other way than '{last.name}'; reverse its "
+                "points, so that the discs are on the left of both",
             )
     gap, index = min((hypot(*np.subtract(here, ends[i][0])), i) for i in left)
     x, y = here
-    return (
-        f"walls.{index}.join: no line of join '{lines[index].join}' begins at ({x:zg}, {y:zg}) m, where '{last.name}' "
-        f"ends; '{lines[index].name}' begins {gap:z.3g} m away: give both the same point"
+    return FieldError(
+        f"walls.{index}.join",
+        f"no line of join '{lines[index].join}' begins at ({x:zg}, {y:zg}) m, where '{last.name}' "
+        f"ends; '{lines[index].name}' begins {gap:z.3g} m away: give both the same point",
     )
 
 
@@ -171,7 +173,7 @@ def law_of(name: str, begun: Beginning, laws: Laws) -> contact.WallLaw:
 
 
 def check_own_laws(
-    case: CaseFields, source: CaseSource, begun: Beginning, laws: Laws, walls: tuple[CaseWall, ...], integrator: str
+    case: CaseFields, begun: Beginning, laws: Laws, walls: tuple[CaseWall, ...], integrator: str
 ) -> list[str]:
     """Refuse a wall that is too stiff for the step, and friction without damping for discs of several sizes."""
     fraction, notes = case.run.time_step_fraction, []
@@ -180,22 +182,25 @@ def check_own_laws(
         if law is None:
             continue
         if law.rolling is not None and case.contact.rolling is None:
-            raise source.error(
-                f"{item.field}.rolling: wall '{item.wall.name}' has rolling friction, but contact.rolling is null; "
-                "give contact.rolling too, with friction 0 if discs alone do not resist rolling"
+            raise FieldError(
+                f"{item.field}.rolling",
+                f"wall '{item.wall.name}' has rolling friction, but contact.rolling is null; "
+                "give contact.rolling too, with friction 0 if discs alone do not resist rolling",
             )
         if begun.sizes and law.friction and not law.gamma_normal and not case.contact.springs:
-            raise source.error(
-                f"{item.field}: wall '{item.wall.name}' has friction {law.friction:zg} and restitution 1; with "
+            raise FieldError(
+                f"{item.field}",
+                f"wall '{item.wall.name}' has friction {law.friction:zg} and restitution 1; with "
                 "discs.sizes the tangential dashpot is a multiple of the normal one, which is 0 then: allowed is "
-                "friction 0, restitution below 1, or equal discs"
+                "friction 0, restitution below 1, or equal discs",
             )
         limit = contact.own_stable_fraction(begun.coefficients, law, begun.smallest / begun.diameter, integrator)
         if fraction > limit and not case.run.allow_unstable:
-            raise source.error(
-                f"{item.field}.stiffness: {law.stiffness:zg} N/m is too stiff for run.time_step_fraction "
+            raise FieldError(
+                f"{item.field}.stiffness",
+                f"{law.stiffness:zg} N/m is too stiff for run.time_step_fraction "
                 f"{fraction:zg}; at this wall allowed is a fraction up to {limit:z.3f}: lower one of the two, or set "
-                "run.allow_unstable: true"
+                "run.allow_unstable: true",
             )
         if fraction > 0.8 * limit:
             notes.append(
@@ -205,7 +210,7 @@ def check_own_laws(
     return notes
 
 
-def moving(item: CaseWall, case: CaseFields, source: CaseSource, begun: Beginning, laws: Laws) -> MovingWall:
+def moving(item: CaseWall, case: CaseFields, begun: Beginning, laws: Laws) -> MovingWall:
     """A wall with its motion."""
     wall, kind = item.wall, item.wall.motion
     if item.body is not None:
@@ -213,8 +218,8 @@ def moving(item: CaseWall, case: CaseFields, source: CaseSource, begun: Beginnin
     if kind is None:
         return MovingWall(wall)
     if kind.turns and not wall.finite:
-        raise source.error(
-            f"{item.field}.motion: wall '{wall.name}' has no end, so that it cannot turn; take a block or a line"
+        raise FieldError(
+            f"{item.field}.motion", f"wall '{wall.name}' has no end, so that it cannot turn; take a block or a line"
         )
     rate = contact.angular_frequency(law_of(wall.name, begun, laws).stiffness, begun.coefficients.mass)
     ease = EASE * pi / rate if kind.eased else 0.0
@@ -240,49 +245,45 @@ def reachable(one: MovingWall, begun: Beginning, domain: tuple[Interval, Interva
     return bool(near.any())
 
 
-def groups(
-    case: CaseFields, source: CaseSource, moving: Sequence[MovingWall], taken: set[str]
-) -> tuple[tuple[str, tuple[str, ...]], ...]:
+def groups(case: CaseFields, moving: Sequence[MovingWall], taken: set[str]) -> tuple[tuple[str, tuple[str, ...]], ...]:
     """Groups of walls whose forces are summed; `taken`: further names that a group must not have."""
     by_name = {one.wall.name: one for one in moving}
     walls = list(by_name)
     for name, members in case.probes.groups.items():
         place = f"probes.groups.{name}"
         if name in taken or name in walls:
-            raise source.error(f"{place}: is the name of a wall or of a part of one; give the group another name")
+            raise FieldError(place, "is the name of a wall or of a part of one; give the group another name")
         if not members:
-            raise source.error(f"{place}: holds no wall; name one or more")
+            raise FieldError(place, "holds no wall; name one or more")
         for index, member in enumerate(members):
-            require_wall(case, source, f"{place}.{index}", member, walls)
+            require_wall(case, f"{place}.{index}", member, walls)
             if member in members[:index]:
-                raise source.error(f"{place}.{index}: '{member}' stands twice, so that its force would count twice")
-        try:
-            arms(name, [by_name[member] for member in members])
-        except CaseError as error:
-            raise source.error(str(error)) from None
+                raise FieldError(f"{place}.{index}", f"'{member}' stands twice, so that its force would count twice")
+        arms(name, [by_name[member] for member in members])
     return tuple(case.probes.groups.items())
 
 
-def require_wall(case: CaseFields, source: CaseSource, place: str, name: str, walls: Sequence[str]) -> None:
-    """CaseError where there is no wall of this name."""
+def require_wall(case: CaseFields, place: str, name: str, walls: Sequence[str]) -> None:
+    """FieldError where there is no wall of this name."""
     if name in walls:
         return
     parts = [join for wall in case.walls if wall.name == name and (join := getattr(wall, "join", None))]
     if parts:
-        raise source.error(f"{place}: line '{name}' is a part of the joined wall '{parts[0]}'; name that one")
+        raise FieldError(place, f"line '{name}' is a part of the joined wall '{parts[0]}'; name that one")
     hint = nearest(name, list(walls)) if walls else "this case has no walls"
-    raise source.error(f"{place}: there is no wall '{name}'; {hint}")
+    raise FieldError(place, f"there is no wall '{name}'; {hint}")
 
 
-def check_bends(source: CaseSource, walls: tuple[CaseWall, ...], largest: float) -> None:
+def check_bends(walls: tuple[CaseWall, ...], largest: float) -> None:
     """Refuse arcs that bend so tightly towards the discs that the largest one does not fit."""
     least = TIGHTEST_ARC * largest / 2
     for item in walls:
         for field, radius in item.wall.bends_given():
             if radius < least:
-                raise source.error(
-                    f"{item.field}.{field}: the arc of radius {radius:zg} m bends towards the discs, and the largest "
-                    f"one of {largest / 2:zg} m does not fit; allowed is {least:z.4g} m or more: widen the arc"
+                raise FieldError(
+                    f"{item.field}.{field}",
+                    f"the arc of radius {radius:zg} m bends towards the discs, and the largest "
+                    f"one of {largest / 2:zg} m does not fit; allowed is {least:z.4g} m or more: widen the arc",
                 )
 
 

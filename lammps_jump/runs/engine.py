@@ -10,6 +10,7 @@ from lammps_jump.engines import Setting, choose
 from lammps_jump.engines.accuracy import with_accuracy
 from lammps_jump.engines.choice import choose_threads
 from lammps_jump.engines.lammps.loader import wheel_version
+from lammps_jump.errors import FieldError
 from lammps_jump.provenance import __version__
 
 
@@ -24,7 +25,8 @@ def choose_setting(case: ReadCase) -> tuple[ReadCase, Setting, tuple[str, ...]]:
     case, chosen = with_accuracy(case)
     engine = case.fields.engine
     if engine.name != "lammps" and engine.ranks not in (1, "auto"):
-        raise case.source.error(f"engine.ranks: {engine.ranks} ranks; the engine {engine.name} runs on one core")
+        said = f"{engine.ranks} ranks; the engine {engine.name} runs on one core"
+        raise case.source.located(FieldError("engine.ranks", said))
     setting, notes = choose(engine.name, engine.kernel, engine.ranks, case.scene())
     setting, more = choose_threads(engine.threads, setting)
     asked = case.fields.run

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lammps_jump.errors import CaseError
+from lammps_jump.errors import FieldError
 from lammps_jump.physics.devices import Holding
 
 from .bodies.free import Free
@@ -273,7 +273,7 @@ def arms(name: str, members: Sequence[MovingWall]) -> np.ndarray:
 
     Raises
     ------
-    CaseError
+    FieldError
         Walls that do not move as one body: the arms would change within a window of the force record.
     """
     first = members[0]
@@ -281,10 +281,11 @@ def arms(name: str, members: Sequence[MovingWall]) -> np.ndarray:
     for one in members[1:]:
         same = np.array_equal(one.motion.track, track) and not (one.motion.is_state or first.motion.is_state)
         if not same or (turns and one.motion.about != first.motion.about):
-            raise CaseError(
-                f"probes.groups.{name}: '{one.wall.name}' does not move with '{first.wall.name}', so their moments "
+            raise FieldError(
+                f"probes.groups.{name}",
+                f"'{one.wall.name}' does not move with '{first.wall.name}', so their moments "
                 "have no common point; allowed are walls that stand, or that have the same motion (and about, if they "
-                "turn): give each part that moves a group of its own"
+                "turn): give each part that moves a group of its own",
             )
     x, y = reference(first)
     return np.array([(px - x, py - y) for px, py in map(reference, members)])

@@ -22,7 +22,7 @@ from lammps_jump.case.explain import explain
 from lammps_jump.case.parts import old_words
 from lammps_jump.case.parts.base import Strict
 from lammps_jump.case.text import CaseSource, nearest, parse_source, read_source, read_text
-from lammps_jump.errors import CaseError
+from lammps_jump.errors import CaseError, FieldError
 from lammps_jump.files import plain
 from lammps_jump.quoting import echoed, shortened
 from lammps_jump.runs.run import Case
@@ -244,7 +244,8 @@ def read_study(source: str | Path | Mapping[str, object] | ReadCase, **given: An
         file.options = {name: OPTIONS.get(name, f"--{name}") for name in given if name in StudyFields.model_fields}
     old_words.refuse(file, study=True)
     if file.data.get("kind") == "calibrate":
-        raise file.error(f"kind: this study is a calibration; `lammps-jump calibrate {file.file}` runs it")
+        said = f"this study is a calibration; `lammps-jump calibrate {file.file}` runs it"
+        raise file.located(FieldError("kind", said))
     try:
         fields = StudyFields.model_validate(file.data)
     except ValidationError as error:
@@ -259,9 +260,12 @@ def read_study(source: str | Path | Mapping[str, object] | ReadCase, **given: An
         seeds = tuple(range(1, (case.fields.run.members or 1) + 1))
         fields = fields.model_copy(update={"members": seeds})
     if (runs := prod(len(next(iter(c.values()))) for c in fields.axes.values()) * len(fields.members)) > MOST_RUNS:
-        raise file.error(f"axes: {runs} runs; allowed are {MOST_RUNS}")
+        raise file.located(FieldError("axes", f"{runs} runs; allowed are {MOST_RUNS}"))
     paths = (*fields.collect, *fields.until) or tuple(_usual(case))
-    collect = tuple(collected(file, path, case) for path in dict.fromkeys(paths))
+    try:
+        collect = tuple(collected(path, case) for path in dict.fromkeys(paths))
+    except FieldError as error:
+        raise file.located(error) from None
     return Study(fields, case, collect)
 
 
@@ -309,12 +313,12 @@ def _parts(name: str, case: Case) -> tuple[str, ...] | None:
     return case.structures if name == "force" else case.tailgates
 
 
-def collected(file: CaseSource, path: str, case: Case, field: str = "collect") -> Collected:
+def collected(path: str, case: Case, field: str = "collect") -> Collected:
     """The description of a number that is to be collected; `field` of the study names it.
 
     Raises
     ------
-    CaseError
+    FieldError
         No such number.
     """
     name, _, key = path.partition(".")
@@ -322,19 +326,19 @@ def collected(file: CaseSource, path: str, case: Case, field: str = "collect") -
         return Collected(path, "", path)
     if name not in QUANTITIES:
         hint = nearest(name, [*QUANTITIES, *OTHERS])
-        raise file.error(f"{field}: {shortened(path)}: there is no '{shortened(name)}' in summary.json; {hint}")
+        raise FieldError(field, f"{shortened(path)}: there is no '{shortened(name)}' in summary.json; {hint}")
     if (parts := _parts(name, case)) is not None:
         part, _, key = key.partition(".")
         what, remedy = PARTS[name]
         if part not in parts:
             known = ", ".join(parts) or f"none: {remedy}"
-            raise file.error(
-                f"{field}: {shortened(path)}: '{shortened(part)}' is no {what} of the case; {what}s there: {known}"
+            raise FieldError(
+                field, f"{shortened(path)}: '{shortened(part)}' is no {what} of the case; {what}s there: {known}"
             )
     numbers = numbers_of(QUANTITIES[name].result)
     if key not in numbers and "." not in key:
-        raise file.error(
-            f"{field}: {shortened(path)}: {name} has no number '{shortened(key)}'; {nearest(key, list(numbers))}"
+        raise FieldError(
+            field, f"{shortened(path)}: {name} has no number '{shortened(key)}'; {nearest(key, list(numbers))}"
         )
     number = numbers.get(key)
     return Collected(path, number.unit if number else "", number.meaning if number else path)

@@ -8,7 +8,7 @@ from math import hypot, inf, sqrt
 
 import numpy as np
 
-from lammps_jump.case.text import CaseSource
+from lammps_jump.errors import FieldError
 from lammps_jump.physics.contact import WallLaw, extrapolated_stable_h, lagged_stable_h
 from lammps_jump.scene import Beginning, MovingWall, Wall
 from lammps_jump.scene.bodies.corners import round_of
@@ -24,7 +24,7 @@ LARGEST_OVERLAP = 1.5
 
 
 def check_bodies(
-    source: CaseSource, begun: Beginning, walls: Sequence[MovingWall], fields: Mapping[str, str],
+    begun: Beginning, walls: Sequence[MovingWall], fields: Mapping[str, str],
     laws: Mapping[str, WallLaw], integrator: str, *, unstable: bool, ground: float,
 ) -> list[str]:  # fmt: skip
     """Refuse bodies too light for the step, and such in walls or each other; sentences on what else is doubtful.
@@ -52,11 +52,11 @@ def check_bodies(
         assert free is not None
         law = laws.get(one.wall.name, begun.coefficients.wall_law)
         if not unstable:
-            _check_step(source, begun, one.wall, free, law, integrator, field)
+            _check_step(begun, one.wall, free, law, integrator, field)
         others = [
             other for other in walls if other is not one and not (other.motion.free and _later(other, one, walls))
         ]
-        _check_free_of(source, begun, one, others, field)
+        _check_free_of(begun, one, others, field)
         notes += [*_hinge(one.wall, free), *_support(begun, one, walls), *_falls(begun, one.wall, free, law, ground)]
     return notes
 
@@ -116,22 +116,19 @@ def least_mass(begun: Beginning, wall: Wall, free: Free, law: WallLaw, integrato
     return inf if low == 0.0 else shaken(wall, free, begun.smallest) * mass / low
 
 
-def _check_step(
-    source: CaseSource, begun: Beginning, wall: Wall, free: Free, law: WallLaw, integrator: str, field: str
-) -> None:
+def _check_step(begun: Beginning, wall: Wall, free: Free, law: WallLaw, integrator: str, field: str) -> None:
     least = least_mass(begun, wall, free, law, integrator)
     if free.mass < least:
-        raise source.error(
-            f"{field}: body '{wall.name}' of {free.mass:z.3g} kg/m is lighter than discs around it carry in a stable "
+        raise FieldError(
+            field,
+            f"body '{wall.name}' of {free.mass:z.3g} kg/m is lighter than discs around it carry in a stable "
             f"step; allowed is {least:z.3g} kg/m or more at run.time_step_fraction "
             f"{begun.coefficients.time_step_fraction:z.3g}: lower it, make the body heavier, or set "
-            "run.allow_unstable: true"
+            "run.allow_unstable: true",
         )
 
 
-def _check_free_of(
-    source: CaseSource, begun: Beginning, one: MovingWall, others: Sequence[MovingWall], field: str
-) -> None:
+def _check_free_of(begun: Beginning, one: MovingWall, others: Sequence[MovingWall], field: str) -> None:
     """Refuse a body that lies in another wall or body at the start."""
     allowed = 0.5 * begun.overlap_limit
     own = points_of(one.wall)
@@ -144,9 +141,10 @@ def _check_free_of(
             depth = max(depth, _depth(one.wall, points_of(wall), begun) if not wall.hollow else -inf)
         if depth > allowed * (1 + 1e-9):
             what = "body" if other.motion.free else "wall"
-            raise source.error(
-                f"{field}: body '{one.wall.name}' lies {depth:z.3g} m deep in {what} '{wall.name}' at the start; "
-                f"allowed is d/n = {allowed:z.3g} m: move one of the two"
+            raise FieldError(
+                field,
+                f"body '{one.wall.name}' lies {depth:z.3g} m deep in {what} '{wall.name}' at the start; "
+                f"allowed is d/n = {allowed:z.3g} m: move one of the two",
             )
 
 

@@ -8,7 +8,7 @@ from math import ceil, isfinite
 
 from lammps_jump.case.fields import CaseFields
 from lammps_jump.case.parts.inflow import RowsInflow
-from lammps_jump.case.text import CaseSource
+from lammps_jump.errors import FieldError
 from lammps_jump.physics import jump
 from lammps_jump.physics.devices import GATE_LOOKS, Holding, gate_gains, wave_travel
 from lammps_jump.scene import Beginning, InletRow, Interval, MovingWall
@@ -19,14 +19,14 @@ STRETCH = 10
 
 
 def with_holdings(
-    case: CaseFields, source: CaseSource, begun: Beginning, walls: list[MovingWall], fields: dict[str, str],
+    case: CaseFields, begun: Beginning, walls: list[MovingWall], fields: dict[str, str],
     domain: tuple[Interval, Interval], inlets: tuple[InletRow, ...],
 ) -> list[MovingWall]:  # fmt: skip
     """The walls, with what tailgates among them measure.
 
     Raises
     ------
-    CaseError
+    FieldError
         A depth or a front where the gate cannot hold it: beyond the domain, behind the gate, without inflow.
     """
     found = []
@@ -34,14 +34,14 @@ def with_holdings(
         if isinstance(kind := one.motion.kind, Held):
             field = f"{fields[one.wall.name]}.motion"
             left = max([domain[0][0], *(row.x for row in inlets)])
-            holding = _holding(case, source, begun, one, kind, field, (left, domain[0]))
+            holding = _holding(case, begun, one, kind, field, (left, domain[0]))
             one = MovingWall(one.wall, replace(one.motion, holding=holding))
         found.append(one)
     return found
 
 
 def _holding(
-    case: CaseFields, source: CaseSource, begun: Beginning, one: MovingWall, kind: Held, field: str,
+    case: CaseFields, begun: Beginning, one: MovingWall, kind: Held, field: str,
     channel: tuple[float, Interval],
 ) -> Holding:  # fmt: skip
     """What a gate measures, and its gains."""
@@ -50,19 +50,21 @@ def _holding(
     place, name = (kind.at, "at") if kind.front is None else (kind.front, "front")
     assert place is not None  # one of the two is there
     if not isfinite(face) or not left < face < domain[1]:
-        raise source.error(
-            f"{field}: wall '{one.wall.name}' has its side towards the flow at x = {face:zg} m; allowed is a block "
-            f"between {left:zg} and {domain[1]:zg} m, in the domain and behind the inlet"
+        raise FieldError(
+            field,
+            f"wall '{one.wall.name}' has its side towards the flow at x = {face:zg} m; allowed is a block "
+            f"between {left:zg} and {domain[1]:zg} m, in the domain and behind the inlet",
         )
     width = STRETCH * begun.diameter
     beyond = place - 0.5 * width < left or place + 0.5 * width > face
     if not domain[0] <= place <= domain[1] or (kind.depth is not None and beyond):
         inner = (left + 0.5 * width, face - 0.5 * width) if kind.depth is not None else (left, face)
-        raise source.error(
-            f"{field}.{name}: {place:zg} m is outside the channel before the gate; allowed is {inner[0]:zg} to "
-            f"{inner[1]:zg} m, between its begin and the wall '{one.wall.name}'"
+        raise FieldError(
+            f"{field}.{name}",
+            f"{place:zg} m is outside the channel before the gate; allowed is {inner[0]:zg} to "
+            f"{inner[1]:zg} m, between its begin and the wall '{one.wall.name}'",
         )
-    depth, speed, level, rise = _flow(case, source, kind, field)
+    depth, speed, level, rise = _flow(case, kind, field)
     length = max(face - place, depth)
     travel = wave_travel(length, depth, speed, case.gravity)
     response = travel if kind.response is None else kind.response
@@ -80,18 +82,19 @@ def _holding(
     )  # fmt: skip
 
 
-def _flow(case: CaseFields, source: CaseSource, kind: Held, field: str) -> tuple[float, float, float, float]:
+def _flow(case: CaseFields, kind: Held, field: str) -> tuple[float, float, float, float]:
     """Depth (m) and speed (m/s) of the stream before the gate, depth at the front, and the rise of depth there, m."""
     stream = case.inflow.over(0.0, case.run.duration) if isinstance(case.inflow, RowsInflow) else (0.0, 0.0)
     y1, u1 = stream
     if case.gravity == 0:
-        raise source.error(f"{field}: a gate holds a depth under gravity, and this case has none; give gravity, m/s^2")
+        raise FieldError(field, "a gate holds a depth under gravity, and this case has none; give gravity, m/s^2")
     if kind.depth is not None:
         return kind.depth, y1 * u1 / kind.depth, 0.0, 0.0
     if not y1 or jump.froude(u1, y1, case.gravity) <= 1.0:
-        raise source.error(
-            f"{field}.front: a front needs an inflow of rows that is faster than its waves (Froude number above 1); "
-            "hold a depth instead, by depth and at"
+        raise FieldError(
+            f"{field}.front",
+            "a front needs an inflow of rows that is faster than its waves (Froude number above 1); "
+            "hold a depth instead, by depth and at",
         )
     y2 = jump.sequent_depth(u1, y1, case.gravity)
     return y2, y1 * u1 / y2, 0.5 * (y1 + y2), y2 - y1

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from lammps_jump.case.fields import CaseFields, Column
-from lammps_jump.case.text import CaseSource
+from lammps_jump.errors import FieldError
 from lammps_jump.scene import Beginning, Interval, MovingWall
 from lammps_jump.scene.motion import at_seam, way
 
@@ -20,7 +20,7 @@ SAME = 1e-9
 """Largest difference of their distances, in diameters."""
 
 
-def check_fields(case: CaseFields, source: CaseSource) -> None:
+def check_fields(case: CaseFields) -> None:
     """Refuse what stands in the case and has no meaning where x is periodic."""
     if case.domain is None or case.domain.periodic is None:
         return
@@ -34,30 +34,31 @@ def check_fields(case: CaseFields, source: CaseSource) -> None:
     }
     for field, (value, reason) in refused.items():
         if value:
-            raise source.error(f"{field}: is not there with domain.periodic: x: {reason}; drop one of the two")
+            raise FieldError(field, f"is not there with domain.periodic: x: {reason}; drop one of the two")
     for index, outlet in enumerate(case.outflow):
         if outlet.x_beyond is not None or outlet.x_before is not None:
-            raise source.error(
-                f"outflow.{index}: is not there along x with domain.periodic: x; allowed are y_below and y_above"
+            raise FieldError(
+                f"outflow.{index}", "is not there along x with domain.periodic: x; allowed are y_below and y_above"
             )
     for index, item in enumerate(case.initial):
         if isinstance(item, Column) and item.gate and (item.settle or item.gate is not True):
-            raise source.error(
-                f"initial.{index}.gate: a column in a periodic channel has no gate; set gate: false, and no settle"
+            raise FieldError(
+                f"initial.{index}.gate", "a column in a periodic channel has no gate; set gate: false, and no settle"
             )
 
 
 def check_walls(
-    source: CaseSource, begun: Beginning, walls: Sequence[MovingWall], fields: dict[str, str],
+    begun: Beginning, walls: Sequence[MovingWall], fields: dict[str, str],
     domain: tuple[Interval, Interval],
 ) -> None:  # fmt: skip
     """Refuse a channel that is too short, and walls that are not the same on both sides of the seam."""
     (low, high), (bottom, top) = domain
     period, d = high - low, begun.largest
     if period < SHORTEST * d:
-        raise source.error(
-            f"domain.x: a periodic channel of {period:zg} m is too short for discs of {d:zg} m; allowed is "
-            f"{SHORTEST * d:zg} m or more"
+        raise FieldError(
+            "domain.x",
+            f"a periodic channel of {period:zg} m is too short for discs of {d:zg} m; allowed is "
+            f"{SHORTEST * d:zg} m or more",
         )
     aside = np.linspace(-d, d, LOOKS[0])
     x, y = (part.ravel() for part in np.meshgrid(aside, np.linspace(bottom, top, LOOKS[1])))
@@ -66,14 +67,15 @@ def check_walls(
         if one.motion.kind is not None:
             along, _ = way(one, begun.time(0), begun.time(begun.steps))
             if wrong := at_seam(wall.name, along, domain[0], d):
-                raise source.error(f"{field}.motion: {wrong}")
+                raise FieldError(f"{field}.motion", f"{wrong}")
             continue
         left, right = wall.distance(low + x, y), wall.distance(high + x, y)
         felt = np.minimum(left, right) < d / 2
         if (np.abs(left - right)[felt] > SAME * d).any():
-            raise source.error(
-                f"{field}: wall '{wall.name}' is not the same at both ends of the periodic channel, x = {low:zg} and "
-                f"{high:zg} m; let it end {d:zg} m before them, or reach {d:zg} m or more beyond both at one height"
+            raise FieldError(
+                field,
+                f"wall '{wall.name}' is not the same at both ends of the periodic channel, x = {low:zg} and "
+                f"{high:zg} m; let it end {d:zg} m before them, or reach {d:zg} m or more beyond both at one height",
             )
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Places of discs, inlets and gauges: in the domain, in no wall, in no other disc.
 
-Each check raises `CaseError` with the place in the file and the remedy.
+Each check raises `FieldError` with the remedy.
 """
 
 from __future__ import annotations
@@ -13,14 +13,13 @@ import numpy as np
 
 from lammps_jump.case.fields import CaseFields
 from lammps_jump.case.packing import deepest_overlap
-from lammps_jump.case.text import CaseSource
+from lammps_jump.errors import FieldError
 from lammps_jump.scene import Beginning, InletRow, Interval, MovingWall, Wall
 from lammps_jump.scene.shapes import open_ends
 
 
 def check_places(
     case: CaseFields,
-    source: CaseSource,
     scene: Beginning,
     inlets: tuple[InletRow, ...],
     walls: Iterable[MovingWall],
@@ -44,38 +43,40 @@ def check_places(
         overlap, *both = found
         i, j = sorted(int(one if one < count else images[one - count]) for one in both)
         field = "initial" if scene.fixed is None or not scene.fixed.holds([i + 1, j + 1]).all() else "walls"
-        raise source.error(
-            f"{field}: discs {i + 1} at ({positions[i, 0]:zg}, {positions[i, 1]:zg}) and {j + 1} at "
+        raise FieldError(
+            field,
+            f"discs {i + 1} at ({positions[i, 0]:zg}, {positions[i, 1]:zg}) and {j + 1} at "
             f"({positions[j, 0]:zg}, {positions[j, 1]:zg}) overlap by {overlap:z.3g} m at the start; allowed is d/n = "
-            f"{allowed:z.3g} m; {_less_jitter(case) if field == 'initial' else ''}move them apart"
+            f"{allowed:z.3g} m; {_less_jitter(case) if field == 'initial' else ''}move them apart",
         )
     if scene.fixed is not None:
         positions, diameters = positions[: scene.fixed.first - 1], diameters[: scene.fixed.first - 1]
     for one in walls:
         field = fields.get(one.wall.name, "initial")
         if wall := one.at(0):
-            _check_discs_free_of(wall, field, case, source, positions, diameters, allowed)
+            _check_discs_free_of(wall, field, case, positions, diameters, allowed)
         if isinf(one.motion.gone):
-            _check_inlets_free_of(one.wall, source, inlets, scene.largest)
+            _check_inlets_free_of(one.wall, inlets, scene.largest)
 
 
-def gauges(case: CaseFields, source: CaseSource, room: Interval) -> tuple[float, ...]:
+def gauges(case: CaseFields, room: Interval) -> tuple[float, ...]:
     """Places of the gauges along x (m), in the room of the domain and each once."""
     (low, high), asked = room, case.probes.gauges
     for index, place in enumerate(asked):
         if not low < place < high:
             where = "at the end of" if place in (low, high) else "outside"
-            raise source.error(
-                f"probes.gauges.{index}: {place:zg} m is {where} the domain; allowed is above {low:zg} m and below "
-                f"{high:zg} m: move the gauge or widen the domain"
+            raise FieldError(
+                f"probes.gauges.{index}",
+                f"{place:zg} m is {where} the domain; allowed is above {low:zg} m and below "
+                f"{high:zg} m: move the gauge or widen the domain",
             )
         if place in asked[:index]:
-            raise source.error(f"probes.gauges.{index}: {place:zg} m is there already: name each place once")
+            raise FieldError(f"probes.gauges.{index}", f"{place:zg} m is there already: name each place once")
     return asked
 
 
 def check_in_domain(
-    case: CaseFields, source: CaseSource, positions: np.ndarray, inlets: Sequence[InletRow], domain: Sequence[Interval]
+    case: CaseFields, positions: np.ndarray, inlets: Sequence[InletRow], domain: Sequence[Interval]
 ) -> None:
     """Refuse discs and inlets outside the domain."""
     for axis, label in enumerate("xy"):
@@ -84,15 +85,17 @@ def check_in_domain(
         outside = np.flatnonzero((positions[:, axis] <= low - on_seam * 1e-9) | (positions[:, axis] >= high))
         if outside.size:
             value = positions[outside[0], axis]
-            raise source.error(
-                f"{'domain' if case.domain else 'initial'}: disc {outside[0] + 1} starts at {label} = {value:zg} m, "
-                f"outside the domain [{low:zg}, {high:zg}]; widen domain.{label}"
+            raise FieldError(
+                f"{'domain' if case.domain else 'initial'}",
+                f"disc {outside[0] + 1} starts at {label} = {value:zg} m, "
+                f"outside the domain [{low:zg}, {high:zg}]; widen domain.{label}",
             )
         for row in inlets:
             if not low < (row.x, row.y)[axis] < high:
-                raise source.error(
-                    f"inflow: the inlet at {label} = {(row.x, row.y)[axis]:zg} m is outside domain.{label} "
-                    f"[{low:zg}, {high:zg}]"
+                raise FieldError(
+                    "inflow",
+                    f"the inlet at {label} = {(row.x, row.y)[axis]:zg} m is outside domain.{label} "
+                    f"[{low:zg}, {high:zg}]",
                 )
 
 
@@ -112,7 +115,6 @@ def _check_discs_free_of(
     wall: Wall,
     field: str,
     case: CaseFields,
-    source: CaseSource,
     positions: np.ndarray,
     diameters: np.ndarray,
     allowed: float,
@@ -125,10 +127,11 @@ def _check_discs_free_of(
         "; a line pushes discs on its left: reverse its points if they belong there" if open_ends(wall.faces) else ""
     )
     if depth[worst] > allowed * (1 + 1e-9):
-        raise source.error(
-            f"{field}: disc {worst + 1} at ({positions[worst, 0]:zg}, {positions[worst, 1]:zg}) starts "
+        raise FieldError(
+            field,
+            f"disc {worst + 1} at ({positions[worst, 0]:zg}, {positions[worst, 1]:zg}) starts "
             f"{depth[worst]:z.3g} m deep in wall '{wall.name}'; allowed is d/n = {allowed:z.3g} m; {_less_jitter(case)}"
-            f"move the wall or the discs{turned}"
+            f"move the wall or the discs{turned}",
         )
 
 
@@ -140,7 +143,7 @@ def depths(wall: Wall, positions: np.ndarray, diameters: np.ndarray) -> np.ndarr
     return diameters / 2 - gap
 
 
-def _check_inlets_free_of(wall: Wall, source: CaseSource, inlets: tuple[InletRow, ...], largest: float) -> None:
+def _check_inlets_free_of(wall: Wall, inlets: tuple[InletRow, ...], largest: float) -> None:
     if not inlets:
         return
     distances = wall.distance(*np.array([(row.x, row.y) for row in inlets]).T)
@@ -148,7 +151,8 @@ def _check_inlets_free_of(wall: Wall, source: CaseSource, inlets: tuple[InletRow
         distances = np.where(distances < -largest / 2, np.inf, distances)
     for number, (row, distance) in enumerate(zip(inlets, distances.tolist(), strict=True), 1):
         if distance < largest / 2 * (1 - 1e-6):
-            raise source.error(
-                f"inflow: row {number} enters at ({row.x:zg}, {row.y:zg}), {largest / 2 - distance:z.3g} m deep in "
-                f"wall '{wall.name}'; move the inlet (inflow.x, inflow.y) or the wall"
+            raise FieldError(
+                "inflow",
+                f"row {number} enters at ({row.x:zg}, {row.y:zg}), {largest / 2 - distance:z.3g} m deep in "
+                f"wall '{wall.name}'; move the inlet (inflow.x, inflow.y) or the wall",
             )

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lammps_jump.case.checks import MOST_STEPS
-from lammps_jump.case.text import CaseSource
+from lammps_jump.errors import FieldError
 from lammps_jump.physics.hydrograph import Hydrograph, entries_of_rows
 from lammps_jump.physics.inlet import (
     COARSEST_RASTER,
@@ -42,40 +42,42 @@ class Inlet(NamedTuple):
     hydrograph: Hydrograph | None = None
 
 
-def inlet_of(inflow: RowsInflow, source: CaseSource, begun: Beginning, seed: int) -> Inlet:
+def inlet_of(inflow: RowsInflow, begun: Beginning, seed: int) -> Inlet:
     """The inlet of an inflow by rows.
 
     Raises
     ------
-    CaseError
+    FieldError
         No row, too many of them, rows too slow, a schedule that sizes do not have.
     """
     graph, d, dt = inflow.hydrograph, begun.diameter, begun.time_step
     depth, field = max(graph.depths), "depth" if inflow.table is None else "table"
     if depth < d * (1 - 1e-9):
-        raise source.error(
-            f"inflow.{field}: {depth:zg} m holds no row of discs of {d:zg} m; allowed is one diameter or more: take "
-            'smaller discs (numbers are in m; text may have a unit, "100 mm") or a deeper inflow'
+        raise FieldError(
+            f"inflow.{field}",
+            f"{depth:zg} m holds no row of discs of {d:zg} m; allowed is one diameter or more: take "
+            'smaller discs (numbers are in m; text may have a unit, "100 mm") or a deeper inflow',
         )
     count = row_count(depth, begun.mean_square, begun.largest, graph.least_gap(inflow.spacing))
     if count > MOST_ROWS:
-        raise source.error(
-            f"inflow.{field}: {depth:zg} m holds {count} rows of discs of {d:zg} m; allowed are {MOST_ROWS}: "
-            "take larger discs"
+        raise FieldError(
+            f"inflow.{field}",
+            f"{depth:zg} m holds {count} rows of discs of {d:zg} m; allowed are {MOST_ROWS}: take larger discs",
         )
     if inflow.table is not None:
-        return Inlet(_rows_against_time(inflow, source, begun, seed), 1, graph)
+        return Inlet(_rows_against_time(inflow, begun, seed), 1, graph)
     speed = graph.speeds[0]
     slowest = count * begun.mean_square / (depth * speed * dt)
     if slowest > MOST_STEPS:
-        raise source.error(
-            f"inflow.{'mean_speed' if inflow.discharge is None else 'discharge'}: {speed:zg} m/s lets a disc in every "
-            f"{slowest:z.3g} steps; allowed are {MOST_STEPS:z.0e}: raise it or lower the stiffness"
+        raise FieldError(
+            f"inflow.{'mean_speed' if inflow.discharge is None else 'discharge'}",
+            f"{speed:zg} m/s lets a disc in every "
+            f"{slowest:z.3g} steps; allowed are {MOST_STEPS:z.0e}: raise it or lower the stiffness",
         )
     if inflow.schedule == "thesis":
         if begun.sizes:
-            raise source.error(
-                "inflow.schedule: 'thesis' is for equal discs; allowed is exact where discs.sizes is given"
+            raise FieldError(
+                "inflow.schedule", "'thesis' is for equal discs; allowed is exact where discs.sizes is given"
             )
         plan = thesis_rows(depth, d, speed, dt, profile=inflow.profile)
     else:
@@ -107,15 +109,16 @@ def inlet_back(inflow: object, largest: float) -> tuple[Plane, ...]:
     return (Plane(INLET_WALL, "x", inflow.x - INLET_CLEARANCE * largest, "above"),)
 
 
-def _rows_against_time(inflow: RowsInflow, source: CaseSource, begun: Beginning, seed: int) -> tuple[InletRow, ...]:
+def _rows_against_time(inflow: RowsInflow, begun: Beginning, seed: int) -> tuple[InletRow, ...]:
     """Rows with the step and the speed of each disc; those that let none in during the run are left out."""
     graph, dt, settle = inflow.hydrograph, begun.time_step, begun.settle_steps
     duration = (begun.steps - settle) * dt
     brought = duration * graph.means(0.0, duration)[1] / begun.mean_square
     if brought > MOST_ENTRIES:
-        raise source.error(
-            f"inflow.table: lets {brought:z.3g} discs in during the run; allowed are {MOST_ENTRIES:z.0e}: take larger "
-            "discs or a shorter run"
+        raise FieldError(
+            "inflow.table",
+            f"lets {brought:z.3g} discs in during the run; allowed are {MOST_ENTRIES:z.0e}: take larger "
+            "discs or a shorter run",
         )
     entries = entries_of_rows(
         graph,

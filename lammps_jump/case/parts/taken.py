@@ -15,9 +15,9 @@ from weakref import WeakValueDictionary
 import numpy as np
 
 from lammps_jump.case.fields import CaseFields
-from lammps_jump.case.text import Begun, CaseSource, PathKey, parse_source, read_text
+from lammps_jump.case.text import Begun, CaseSource, PathKey, Runs, parse_source, read_text
 from lammps_jump.dump.beside.ended import DISC, NONE, Ended, at_frame, read_ended
-from lammps_jump.errors import CaseError, DumpError
+from lammps_jump.errors import CaseError, DumpError, FieldError
 from lammps_jump.files import END_FILE, START_FILE, read_json
 from lammps_jump.folders import holder
 from lammps_jump.quoting import echoed
@@ -55,9 +55,10 @@ def read_runs(source: CaseSource) -> None:
         if old is None:
             old = Begun(name, time, _own(source, key) or _of_folder(source, path, name, time))
         if key is not None and key != old.state.key:
-            raise source.error(
-                f"initial.{index}.key: the discs of {name} are not those of key {echoed(key)}: that run was made anew; "
-                "drop key to begin from the discs that are there now"
+            raise FieldError(
+                f"initial.{index}.key",
+                f"the discs of {name} are not those of key {echoed(key)}: that run was made anew; "
+                "drop key to begin from the discs that are there now",
             )
         source.begun[path] = old
         KNOWN[old.state.key] = old.state
@@ -197,14 +198,16 @@ class Taken(NamedTuple):
 
 
 def take(
-    case: CaseFields, source: CaseSource, walls: Iterable[tuple[str, Wall]], allowed: float, random: np.random.Generator
-) -> Taken | None:
+    case: CaseFields, runs: Runs, walls: Iterable[tuple[str, Wall]], allowed: float,
+    random: np.random.Generator,
+) -> Taken | None:  # fmt: skip
     """The discs of all earlier runs of a case, with ids from 1 on; None where it names none.
 
     Parameters
     ----------
     case : CaseFields
-    source : CaseSource
+    runs : mapping of tuple to Begun
+        `CaseSource.begun`.
     walls : iterable of (str, Wall)
         Walls that stand there at the start, with their fields.
     allowed : float
@@ -220,8 +223,8 @@ def take(
     walls, parts, first = list(walls), [], 1
     for index, item in enumerate(case.initial):
         if isinstance(item, EarlierRun):
-            begun = source.begun["initial", index]
-            parts.append(_one(case, source, index, begun.state, walls, allowed, first, random))
+            state = runs["initial", index].state
+            parts.append(_one(case, index, state, walls, allowed, first, random))
             first += len(parts[-1].positions)
     if not parts:
         return None
@@ -240,25 +243,26 @@ def take(
 
 
 def _one(
-    case: CaseFields, source: CaseSource, index: int, state: Ended, walls: Sequence[tuple[str, Wall]], allowed: float,
+    case: CaseFields, index: int, state: Ended, walls: Sequence[tuple[str, Wall]], allowed: float,
     first: int, random: np.random.Generator,
 ) -> Taken:  # fmt: skip
     """The discs of one item, with ids from `first` on."""
     item: EarlierRun = case.initial[index]  # type: ignore[assignment]
     if abs(case.discs.density / state.density - 1) > SAME_DENSITY:
-        raise source.error(
-            f"discs.density: is {case.discs.density:zg} kg/m3, the discs of {item.folder} have {state.density:zg}; "
-            f"allowed is theirs: give density: {state.density!r}"
+        raise FieldError(
+            "discs.density",
+            f"is {case.discs.density:zg} kg/m3, the discs of {item.folder} have {state.density:zg}; "
+            f"allowed is theirs: give density: {state.density!r}",
         )
     discs = _chosen(item, state)
     if not len(discs):
-        raise source.error(f"initial.{index}.within: holds none of the {len(state.discs)} discs of {item.folder}")
+        raise FieldError(f"initial.{index}.within", f"holds none of the {len(state.discs)} discs of {item.folder}")
     places = np.column_stack([discs["x"], discs["y"]])
     if any(item.shift):
         places += item.shift
     if item.jitter:
         places += random.uniform(-item.jitter, item.jitter, places.shape) * case.discs.diameter
-    free = _free(item, source, index, (places, discs["diameter"]), walls, allowed)
+    free = _free(item, index, (places, discs["diameter"]), walls, allowed)
     dropped = int((~free).sum())
     discs, places = discs[free], places[free]
     rest = item.velocities == "rest"
@@ -281,7 +285,7 @@ def _one(
 
 
 def _free(
-    item: EarlierRun, source: CaseSource, index: int, discs: tuple[np.ndarray, np.ndarray],
+    item: EarlierRun, index: int, discs: tuple[np.ndarray, np.ndarray],
     walls: Sequence[tuple[str, Wall]], allowed: float,
 ) -> np.ndarray:  # fmt: skip
     """Whether each disc, of places and diameters, is free of walls; refused where the case does not drop the others."""
@@ -292,14 +296,15 @@ def _free(
         if deep.any() and item.in_walls == "refuse":
             worst = int(np.argmax(depth))
             x, y = discs[0][worst]
-            raise source.error(
-                f"initial.{index}: {int(deep.sum())} discs of {item.folder} lie deep in wall '{wall.name}' ({field}), "
+            raise FieldError(
+                f"initial.{index}",
+                f"{int(deep.sum())} discs of {item.folder} lie deep in wall '{wall.name}' ({field}), "
                 f"the deepest by {depth[worst]:z.3g} m at ({x:zg}, {y:zg}); allowed is d/n = {allowed:z.3g} m: "
-                "move the wall, take other discs (within, shift), or leave these out by in_walls: drop"
+                "move the wall, take other discs (within, shift), or leave these out by in_walls: drop",
             )
         free &= ~deep
     if not free.any():
-        raise source.error(f"initial.{index}.in_walls: all discs of {item.folder} lie deep in walls; move the walls")
+        raise FieldError(f"initial.{index}.in_walls", f"all discs of {item.folder} lie deep in walls; move the walls")
     return free
 
 
