@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from math import hypot, inf, isinf, pi, sqrt
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -73,7 +73,7 @@ def joined(case: CaseFields) -> tuple[CaseWall, ...]:
 
 def _joined(case: CaseFields, join: str) -> Line:
     """Lines of one join as one line, which goes from one to the next where ends meet."""
-    lines = {i: wall for i, wall in enumerate(case.walls) if isinstance(wall, Line) and wall.join == join}
+    lines = {i: cast(Line, wall) for i, wall in enumerate(case.walls) if getattr(wall, "join", None) == join}
     first, *others = lines
     if not others:
         raise FieldError(f"walls.{first}.join", f"no other line has join: {join}; drop it, or name the others too")
