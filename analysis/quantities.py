@@ -11,10 +11,10 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from lammps_jump.dump.beside.contacts import ContactFile
 from lammps_jump.dump.exports import write_netcdf, write_table
 from lammps_jump.dump.find import read_forces
 from lammps_jump.dump.read import Dump, open_dump
+from lammps_jump.dump.side_files.contacts import ContactFile
 from lammps_jump.errors import DumpError, SetupError
 from lammps_jump.files import CONTACTS_FILE, CURVES, plain, write_json
 from lammps_jump.units import as_summary, is_bound, numbers_of, shown
@@ -24,9 +24,9 @@ from .beds.slope import AlongBed, sloping_stretch
 from .budgets import depths, energy, grade, inflow, stations
 from .contacts import ContactCollector
 from .devices import drum, front, gaps, hopper, runup, tailgate, waves
-from .draw.aside import aside
 from .draw.chart import Bars, Chart, Drawings, Map
 from .draw.depths import depth_profile, xt_map
+from .draw.second_core import aside
 from .fields import write_fields
 from .flow import Flow
 from .forces import figures as forces

@@ -201,7 +201,7 @@ def blank_figures(names, shown, folder, dump, flow, ending="png") -> None:
 
 @contextmanager
 def on_the_spot(work, *given, **named):
-    """In place of `lammps_jump.analysis.draw.aside.aside`, whose second process costs more than blank figures."""
+    """In place of `lammps_jump.analysis.draw.second_core.aside`, whose second process costs more than blank figures."""
     work(*given, **named)
     yield
 

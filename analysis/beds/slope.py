@@ -19,8 +19,8 @@ from lammps_jump.analysis.jump.head import EnergyFluxes
 from lammps_jump.analysis.jump.summary import Jump
 from lammps_jump.analysis.passes import Gathered, Watcher
 from lammps_jump.analysis.profiles import Binner, add_means, bin_edges
-from lammps_jump.dump.beside.contacts import ContactFile
 from lammps_jump.dump.frame import Frame, make_frame
+from lammps_jump.dump.side_files.contacts import ContactFile
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.motion import Motion, MovingWall, Placed, Pose
 from lammps_jump.scene.walls import Wall

@@ -24,6 +24,7 @@ from lammps_jump.files import FIGURES, write_text
 from lammps_jump.physics.contact import Coefficients
 from lammps_jump.units import ABSENT, numbers_of
 
+from .curves_check import read_curves
 from .definitions import DEFINITIONS
 from .headline import against_water, belongs
 from .page import (
@@ -44,7 +45,6 @@ from .page import (
     render,
 )
 from .player import STILL
-from .received_curves import read_curves
 
 LARGEST = 5_000_000
 """Bytes of a report without its player; figures come first, the film only where it still fits."""

@@ -18,7 +18,7 @@ from lammps_jump.files import read_file
 from lammps_jump.quoting import shortened
 
 if TYPE_CHECKING:
-    from lammps_jump.dump.beside.ended import Ended
+    from lammps_jump.dump.side_files.ended import Ended
 
 PathKey = tuple[str | int, ...]
 

@@ -16,8 +16,8 @@ import lammps_jump
 from lammps_jump.errors import JumpError, SetupError
 
 from . import analyse, run, studies, tools
-from .early import start_early
 from .options import Commands
+from .prestart import start_early
 from .streams import patient_output
 
 app = typer.Typer(

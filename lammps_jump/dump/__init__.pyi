@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-from .beside.slices import write_slice as write_slice
 from .check import FrameCheck as FrameCheck
 from .check import damages as damages
 from .check import force_troubles as force_troubles
@@ -14,6 +13,7 @@ from .frame import Frame as Frame
 from .frame import make_frame as make_frame
 from .read import Dump as Dump
 from .read import open_dump as open_dump
+from .side_files.slices import write_slice as write_slice
 from .tables import Table as Table
 from .tables import read_table as read_table
 from .tables import table_of as table_of

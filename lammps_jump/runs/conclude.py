@@ -27,8 +27,8 @@ from lammps_jump.files import checksum, delete, text_of, write_text
 from lammps_jump.folders import clear, publish, staging
 from lammps_jump.identity import analysis_key
 
-from .ahead import Ahead
 from .folder import case_text, is_older
+from .live_analysis import Ahead
 from .state import outputs_of
 from .summary import compose, write_summary
 

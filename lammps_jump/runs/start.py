@@ -19,10 +19,10 @@ from lammps_jump.files import RANKS_FILE, RESULT_FILES
 from lammps_jump.folders import MARKER_FILE, clear, locked, read_marker, require_unlocked
 from lammps_jump.script.job import Site, write_job
 
-from .ahead import Ahead
 from .conclude import Conclusion, signals_end
 from .engine import choose_setting, with_header
 from .folder import require_case, result_of, run_folder, write_folder
+from .live_analysis import Ahead
 from .state import difference, has_output, left_to_do, marker_of, resumable
 from .summary import SUMMARY_FILE, read_summary
 

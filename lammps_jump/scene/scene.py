@@ -285,7 +285,7 @@ class Scene(Measures):
         Contacts that a disc remembers; 0: the contact law has no memory.
     contact_output : bool
         The native engine and the compiled kernel write the contacts of each frame with their forces
-        (`lammps_jump.dump.beside.contacts`).
+        (`lammps_jump.dump.side_files.contacts`).
     warnings, adapted : tuple of str
         What to beware of; which asked values whole steps have changed.
     stiffer : str

@@ -33,9 +33,9 @@ from lammps_jump.folders import require_no_link
 from lammps_jump.provenance import versions
 from lammps_jump.units import shown, two_digits
 
-from .held import Held
 from .players import by_member, by_point
 from .study import Axis, Collected, Study
+from .study_folder import Held
 from .table import DISAGREE, flat, records, statistics
 from .words import heading, unit, words
 

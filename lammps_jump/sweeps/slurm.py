@@ -17,8 +17,8 @@ from lammps_jump.files import ARRAY_FILE, write_text
 from lammps_jump.runs.engine import choose_setting
 from lammps_jump.script.job import Site, head, needs, run_and_requeue, seconds_of
 
-from .held import read_points
 from .members import run_member, state_of, told
+from .study_folder import read_points
 from .sweep import Sweep, open_sweep, prepare, require_new, study_folder
 
 AT_ONCE = 32

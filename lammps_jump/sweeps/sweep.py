@@ -27,10 +27,10 @@ from lammps_jump.runs.folder import run_folder
 from lammps_jump.runs.run import Case
 from lammps_jump.runs.state import OLD_WORDS
 
-from .held import POINTS_FILE, Held
 from .members import State, require_no_links, run_members
 from .pool import Pool
 from .study import read_study
+from .study_folder import POINTS_FILE, Held
 
 log = logging.getLogger(__name__)
 

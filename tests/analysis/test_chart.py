@@ -8,8 +8,8 @@ import threading
 import numpy as np
 import pytest
 
-from lammps_jump.analysis.draw.aside import aside
 from lammps_jump.analysis.draw.chart import MOST_POINTS, PLACE, TIME, Bars, Chart, Line, Panel, stairs, thinned
+from lammps_jump.analysis.draw.second_core import aside
 from lammps_jump.analysis.draw.style import drawn
 from lammps_jump.errors import DumpError
 from lammps_jump.files import plain

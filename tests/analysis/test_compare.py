@@ -10,8 +10,8 @@ import pytest
 
 from lammps_jump.analysis.draw.chart import TIME, Bars, Chart, Line, Panel
 from lammps_jump.analysis.report.compare import Side, comparison
+from lammps_jump.analysis.report.curves_check import read_curves
 from lammps_jump.analysis.report.page import Curve
-from lammps_jump.analysis.report.received_curves import read_curves
 from lammps_jump.errors import DumpError
 from lammps_jump.files import CURVES, write_json
 

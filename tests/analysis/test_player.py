@@ -8,8 +8,8 @@ from made_up import disc_frame, flow_context
 from lammps_jump.analysis.report import player
 from lammps_jump.analysis.report.frames import FramePacker
 from lammps_jump.analysis.report.player import make_player
-from lammps_jump.dump.beside.poses import PoseFile
 from lammps_jump.dump.exports import write_table
+from lammps_jump.dump.side_files.poses import PoseFile
 from lammps_jump.physics.jump import sequent_depth
 from lammps_jump.scene.chains import Chain
 from lammps_jump.scene.motion import Motion, MovingWall, gate

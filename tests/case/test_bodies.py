@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from lammps_jump.case import load_case
-from lammps_jump.dump.beside.bodies import read_bodies
+from lammps_jump.dump.side_files.bodies import read_bodies
 from lammps_jump.engines.checkpoint import read_checkpoint
 from lammps_jump.engines.choice import choose
 from lammps_jump.engines.native import NativeSimulation, run_native

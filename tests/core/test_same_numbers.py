@@ -15,7 +15,7 @@ from lammps_jump.analysis.draw.painter import View, blank, paint_discs
 from lammps_jump.analysis.grains.layers import add_discs
 from lammps_jump.analysis.profiles import Discs, bin_discs, connected, surface_of
 from lammps_jump.analysis.report.coder import encode
-from lammps_jump.analysis.report.received import holds_frames
+from lammps_jump.analysis.report.player_check import holds_frames
 from lammps_jump.dump import rows
 
 pytestmark = pytest.mark.usefixtures("compiled_core")

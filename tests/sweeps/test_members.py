@@ -8,7 +8,7 @@ import pytest
 from made_up import BOX, STUDY, call, files
 
 import lammps_jump as lj
-import lammps_jump.sweeps.held as held
+import lammps_jump.sweeps.study_folder as on_disk
 from lammps_jump.engines.child import Child
 from lammps_jump.sweeps import Pool, Start, Sweep, members, open_sweep, prepare, read_study, run_starts, study_folder
 from lammps_jump.sweeps.members import run_member, state_of
@@ -173,13 +173,13 @@ def test_the_status_makes_only_the_members_that_have_a_folder(tmp_path, monkeypa
     with study_folder(found.folder):
         prepare(found)
     planned, real = [], members.plan
-    monkeypatch.setattr(held, "plan", lambda case, starts, rest: planned.extend(starts) or real(case, starts, rest))
+    monkeypatch.setattr(on_disk, "plan", lambda case, starts, rest: planned.extend(starts) or real(case, starts, rest))
     assert open_sweep(found.folder).status() == "4 runs at 2 points: 4 waiting" and planned == []
     run_member(found.members[2], found.folder, False, True)
     assert open_sweep(found.folder).status() == "4 runs at 2 points: 1 done, 3 waiting" and planned == [found.starts[2]]
     (found.folder / "points.json").unlink()
     planned.clear()
     assert open_sweep(found.folder).status() == "4 runs at 2 points: 1 done, 3 waiting" and len(planned) == 4
-    monkeypatch.setattr(held, "MOST_UNLISTED", 3)
+    monkeypatch.setattr(on_disk, "MOST_UNLISTED", 3)
     with pytest.raises(lj.CaseError, match="does not list these 4 runs"):
         open_sweep(found.folder).status()

@@ -15,7 +15,7 @@ import lammps_jump as lj
 from lammps_jump.analysis.draw.style import drawing
 from lammps_jump.analysis.report.coder import LETTERS
 from lammps_jump.analysis.report.page import Choice, Player, Section, render
-from lammps_jump.analysis.report.received import read_player
+from lammps_jump.analysis.report.player_check import read_player
 from lammps_jump.case import load_case
 from lammps_jump.sweeps import Sweep, open_sweep, page, prepare, read_study, slurm, study_folder
 from lammps_jump.sweeps.players import by_member, by_point

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from lammps_jump.case.packing import deepest_overlap
-from lammps_jump.dump.beside.poses import PoseFile
 from lammps_jump.dump.find import read_dump
+from lammps_jump.dump.side_files.poses import PoseFile
 from lammps_jump.errors import DumpError
 from lammps_jump.files import POSES
 from lammps_jump.scene.motion import PUSHED_THERE, Pose, at_seam

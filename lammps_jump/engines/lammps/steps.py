@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from lammps_jump.dump.beside.ended import ended, write_ended
+from lammps_jump.dump.side_files.ended import ended, write_ended
 from lammps_jump.engines import step_hook
 from lammps_jump.engines.interrupts import save_request, stop_request
 from lammps_jump.engines.setting import Job

@@ -10,12 +10,12 @@ from pathlib import Path
 from time import perf_counter, process_time
 from typing import Any
 
-from lammps_jump.dump.beside.bodies import write_bodies
-from lammps_jump.dump.beside.contacts import ContactWriter
-from lammps_jump.dump.beside.ended import write_ended
-from lammps_jump.dump.beside.poses import PoseWriter
 from lammps_jump.dump.find import write_forces
 from lammps_jump.dump.frame import Frame, make_frame
+from lammps_jump.dump.side_files.bodies import write_bodies
+from lammps_jump.dump.side_files.contacts import ContactWriter
+from lammps_jump.dump.side_files.ended import write_ended
+from lammps_jump.dump.side_files.poses import PoseWriter
 from lammps_jump.dump.write import run_writer
 from lammps_jump.engines import step_hook
 from lammps_jump.engines.checkpoint import Checkpoint, CheckpointWriter, cut_back, remove_checkpoint

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lammps_jump.dump.beside.bodies import Row
+from lammps_jump.dump.side_files.bodies import Row
 from lammps_jump.physics.devices import Holding, gate_areas, gate_sees, gate_speed
 from lammps_jump.scene.motion import Pose
 from lammps_jump.scene.scene import Pour, Scene

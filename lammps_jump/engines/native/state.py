@@ -15,7 +15,7 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from lammps_jump.dump.beside.ended import Ended, ended
+from lammps_jump.dump.side_files.ended import Ended, ended
 from lammps_jump.errors import ResumeError
 from lammps_jump.files import read_arrays, write_arrays
 from lammps_jump.scene.scene import Scene

@@ -8,11 +8,11 @@ from math import inf
 import numpy as np
 
 from lammps_jump.analysis.report.page import Choice, Player, Text
-from lammps_jump.analysis.report.received import read_player
+from lammps_jump.analysis.report.player_check import read_player
 from lammps_jump.files import PLAYER
 from lammps_jump.runs.run import Run
 from lammps_jump.runs.summary import results_in
-from lammps_jump.sweeps.held import Held
+from lammps_jump.sweeps.study_folder import Held
 
 LARGEST = 10_000_000
 """Bytes of the packed frames on a page: eight members of most scenes."""

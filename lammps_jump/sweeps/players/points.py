@@ -18,7 +18,7 @@ from lammps_jump.errors import DumpError
 from lammps_jump.files import FIGURES
 from lammps_jump.runs.results import flow_of, packed
 from lammps_jump.runs.run import Run
-from lammps_jump.sweeps.held import Held
+from lammps_jump.sweeps.study_folder import Held
 from lammps_jump.sweeps.table import flat
 from lammps_jump.sweeps.words import unit, words
 from lammps_jump.units import shown
