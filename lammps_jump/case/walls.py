@@ -126,10 +126,9 @@ def _unjoined(
                 "points, so that the discs are on the left of both",
             )
     gap, index = min((hypot(*np.subtract(here, ends[i][0])), i) for i in left)
-    x, y = here
     return FieldError(
         f"walls.{index}.join",
-        f"no line of join '{lines[index].join}' begins at ({x:zg}, {y:zg}) m, where '{last.name}' "
+        f"no line of join '{lines[index].join}' begins at ({here[0]:zg}, {here[1]:zg}) m, where '{last.name}' "
         f"ends; '{lines[index].name}' begins {gap:z.3g} m away: give both the same point",
     )
 
@@ -198,9 +197,8 @@ def check_own_laws(
         if fraction > limit and not case.run.allow_unstable:
             raise FieldError(
                 f"{item.field}.stiffness",
-                f"{law.stiffness:zg} N/m is too stiff for run.time_step_fraction "
-                f"{fraction:zg}; at this wall allowed is a fraction up to {limit:z.3f}: lower one of the two, or set "
-                "run.allow_unstable: true",
+                f"{law.stiffness:zg} N/m is too stiff for run.time_step_fraction {fraction:zg}; at this wall allowed "
+                f"is a fraction up to {limit:z.3f}: lower one of the two, or set run.allow_unstable: true",
             )
         if fraction > 0.8 * limit:
             notes.append(
@@ -248,15 +246,14 @@ def reachable(one: MovingWall, begun: Beginning, domain: tuple[Interval, Interva
 def groups(case: CaseFields, moving: Sequence[MovingWall], taken: set[str]) -> tuple[tuple[str, tuple[str, ...]], ...]:
     """Groups of walls whose forces are summed; `taken`: further names that a group must not have."""
     by_name = {one.wall.name: one for one in moving}
-    walls = list(by_name)
     for name, members in case.probes.groups.items():
         place = f"probes.groups.{name}"
-        if name in taken or name in walls:
+        if name in taken or name in by_name:
             raise FieldError(place, "is the name of a wall or of a part of one; give the group another name")
         if not members:
             raise FieldError(place, "holds no wall; name one or more")
         for index, member in enumerate(members):
-            require_wall(case, f"{place}.{index}", member, walls)
+            require_wall(case, f"{place}.{index}", member, list(by_name))
             if member in members[:index]:
                 raise FieldError(f"{place}.{index}", f"'{member}' stands twice, so that its force would count twice")
         arms(name, [by_name[member] for member in members])
