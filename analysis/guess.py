@@ -27,6 +27,8 @@ from .flow import Flow, radii_of
 PACKED, CLOSE, AROUND = 20, 0.15, 1.5
 """So many discs are packed where half of them have their third neighbour within 1.5 times the closest distance, which
 may lie 15 % above a diameter that is given."""
+GRAVITY = {"cgs": 981.0}
+"""Where none is given, by the units that a dump names; 9.81 m/s^2 of others."""
 OF_CGS = (0.8, 20.0)
 """Densities of solids and water in g/cm3: a dump whose masses tell one is hardly in kg and m."""
 LOOSE = 1.03
@@ -42,11 +44,12 @@ def from_dump(
     bin_width: float | None = None,
     time_step: float | None = None,
     kind: str | None = None,
+    gravity: float | None = None,
 ) -> Flow:
     """Flow of a bare dump; what is not given is guessed, and said so in ``notes``.
 
     It has a level floor where most of the channel has its lowest discs, up to a place from which they fall, and gravity
-    of 9.81 m/s^2 towards it. The stiffness stays unknown: there is no elastic energy and no contact stress.
+    towards it. The stiffness stays unknown: there is no elastic energy and no contact stress.
 
     Parameters
     ----------
@@ -66,6 +69,8 @@ def from_dump(
         s, for dumps without ``ITEM: TIME``. Without either, steps stand in place of times, and nothing is made of them.
     kind : {'spheres', 'cylinders', 'discs'}, optional
         What masses are of, where masses and diameters do not tell it (`lammps_jump.physics.bodies`).
+    gravity : float, optional
+        m/s^2; default 9.81, and 981 of a dump that names the units cgs.
 
     Raises
     ------
@@ -74,6 +79,7 @@ def from_dump(
     """
     types = dict(diameter) if isinstance(diameter, Mapping) else {}
     given: list[tuple[str, Any]] = [("density", density), ("time_step", time_step), ("bin_width", bin_width)]
+    given.append(("gravity", gravity))
     given += [*(("diameter", value) for value in (types.values() if types else [diameter]))]
     for what, value in given:
         if value is not None and not (np.isfinite(value) and value > 0):
@@ -91,7 +97,12 @@ def from_dump(
 
     diameters = np.broadcast_to(2 * own_radii(frame), frame.n)
     mass = _mass(frame, diameters, density, kind, notes)
-    notes.append("Gravity taken as 9.81 m/s2.")
+    if gravity is None:
+        gravity = GRAVITY.get(dump.units or "", 9.81)
+        notes.append(
+            f"Gravity taken as {gravity:zg} m/s2, downward: Froude numbers, heads and times of rest hold where that is "
+            "right in the dump's units. Give another one by --gravity."
+        )
     edges = [_edges(f, own_radii(f)) for f in frames if f.n]
     left, low, right = (np.concatenate(part) for part in zip(*edges, strict=True))
     floor = _floor(left, low, right, 5 * nominal, 0.5 * nominal, notes)
@@ -103,7 +114,7 @@ def from_dump(
         description="",
         diameter=nominal,
         density=mass / nominal**2,  # of discs that stand in squares: a depth by mass is one of the same discs
-        gravity=(0.0, -9.81),
+        gravity=(0.0, -gravity),
         coefficients=known_coefficients(mass=mass, time_step=time_step),
         friction_law="viscous",
         rotation=False,

@@ -123,6 +123,7 @@ def feed(frames: Iterable[Frame], flow: Flow, collectors: Iterable[Watcher]) -> 
 def with_velocities(dump: Dump, flow: Flow, warnings: list[str]) -> Iterator[Frame]:
     """The frames; where the file has no vx, vy they are differences of the positions between two frames.
 
+    In a periodic box they are those to the nearest image: a disc that has gone over its side stands at the other one.
     The other frame is the one before or, for a disc that is not in it, the next one. A disc that is in neither has the
     velocity NaN, as have all discs where there are no times.
 
@@ -139,6 +140,8 @@ def with_velocities(dump: Dump, flow: Flow, warnings: list[str]) -> Iterator[Fra
         "velocities are differences of positions between frames; a disc seen once has none, is left out of means, and "
         "is drawn as one at rest"
     )
+    if flow.knows_contacts:
+        made += ". Forces of contacts take these velocities for dashpots and friction, and 0 of a disc that has none"
     warnings.append(
         f"The dump has no vx, vy: {made if flow.velocities else 'without times there are no velocities'}; write "
         "'dump … custom … id x y vx vy' for better ones."
@@ -149,18 +152,30 @@ def with_velocities(dump: Dump, flow: Flow, warnings: list[str]) -> Iterator[Fra
         speeds = np.full((2, now.n), np.nan)
         for other in (after, before) if flow.velocities else ():  # what the frame before tells counts
             if other is not None:
-                _set_velocities(speeds, now, other, flow)
+                _set_velocities(speeds, now, other, flow, _periods(dump, now, flow))
         yield make_frame(now.step, now.time, now.box, {**now.columns, "vx": speeds[0], "vy": speeds[1]})
         before, now = now, after
 
 
-def _set_velocities(speeds: np.ndarray, frame: Frame, other: Frame, flow: Flow) -> None:
+def _periods(dump: Dump, frame: Frame, flow: Flow) -> tuple[float | None, float | None]:
+    """Lengths along x and y after which places repeat, m: of the scene, else of the dump's box; None where none do."""
+    found: list[float | None] = []
+    for axis, periodic, (low, high) in zip("xy", dump.periodic, frame.box, strict=False):
+        wrapped = bool({axis, f"{axis}s"} & set(frame.columns))  # others run on over the sides
+        found.append(float(high - low) if periodic and wrapped and high > low else None)
+    return flow.scene.period or found[0], found[1]
+
+
+def _set_velocities(
+    speeds: np.ndarray, frame: Frame, other: Frame, flow: Flow, periods: tuple[float | None, float | None]
+) -> None:
     """Set the velocities of the discs, shape (2, n), that another frame holds too, m/s."""
-    span, period = flow.time(frame) - flow.time(other), flow.scene.period
+    span = flow.time(frame) - flow.time(other)
     if span == 0:
         return
     _, here, there = np.intersect1d(frame.ids, other.ids, return_indices=True)
-    dx, dy = frame.x[here] - other.x[there], frame.y[here] - other.y[there]
-    if period is not None:  # a disc that has gone over the seam stands at the other end
-        dx -= period * np.rint(dx / period)
-    speeds[:, here] = np.array([dx, dy]) / span + 0.0  # no -0
+    ways = np.array([frame.x[here] - other.x[there], frame.y[here] - other.y[there]])
+    for way, period in zip(ways, periods, strict=True):
+        if period is not None:  # a disc that has gone over the seam stands at the other end
+            way -= period * np.rint(way / period)
+    speeds[:, here] = ways / span + 0.0  # no -0

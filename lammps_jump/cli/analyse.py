@@ -58,6 +58,9 @@ def analyze(
     time_step: Annotated[
         float | None, quantity("s", "Time step, s or '0.1 ms' (of a bare dump without times).")
     ] = None,
+    gravity: Annotated[
+        float | None, quantity("m/s^2", "Gravity, downward, m/s^2 (of a bare dump; default: 9.81).")
+    ] = None,
     bin_width: Annotated[float | None, quantity("m", "Width of a profile bin, m.")] = None,
     stations: Annotated[
         Any,
@@ -82,6 +85,7 @@ def analyze(
     asked = {"jump": jump, "front": front, "heap": heap, "rest": rest, "layers": layers, "hopper": outlet}
     analyses = tuple(name for name, wanted in asked.items() if wanted)
     guessed = {"--diameter": diameter, "--density": density, "--time-step": time_step, "--bodies": bodies}
+    guessed["--gravity"] = gravity
     of_a_dump = {"--out": out, "--case": case, **guessed}
     target = targets[0]
     if len(targets) == 1 and target.is_dir() and (target / "case.yaml").exists():
@@ -107,7 +111,7 @@ def analyze(
     loaded = None if case is None else lj.load_case(case, set_ or [])
     with told(quiet):
         path = dump.find_dump(*targets)
-        given = runs.results.Given(diameter, density, time_step, bin_width, bodies, analyses, stations or ())
+        given = runs.results.Given(diameter, density, time_step, bin_width, bodies, analyses, stations or (), gravity)
         summary, folder = runs.results.analyse_dump(path, loaded, given, out)
     if not quiet:
         print_summary(summary, folder, verbose=verbose)

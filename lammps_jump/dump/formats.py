@@ -114,6 +114,8 @@ def _text_header(dump: DumpFile, buffer: Lines) -> tuple[FrameHeader, np.ndarray
                 raise _wrong(dump, buffer.line_number, str(n), "a number of discs, zero or more")
         elif item == "BOX":
             box, tilt = _box(dump, buffer)
+            sides = [word for word in rest.split() if len(word) == 2 and not set(word) - set("pfsm")]
+            dump.periodic = (sides[:1] == ["pp"], sides[1:2] == ["pp"])
         elif item == "ATOMS":
             if step is None or n is None or box is None:
                 first = "TIMESTEP" if step is None else "NUMBER OF ATOMS" if n is None else "BOX BOUNDS"
@@ -252,7 +254,8 @@ def _binary_frame(dump: DumpFile, source: Bytes, wanted: bool) -> tuple[FrameHea
             "LAMMPS' binary2txt and add them to 'ITEM: ATOMS'."
         )
     step, n, triclinic = number("q"), number("q"), number("i")
-    take(24)
+    sides = np.frombuffer(take(24), np.int32)  # 0: periodic; both sides of an axis
+    dump.periodic = (not sides[:2].any(), not sides[2:4].any())
     box = np.frombuffer(take(48)).reshape(3, 2).copy()
     tilt = float(np.abs(np.frombuffer(take(24))).sum()) if triclinic else 0.0
     width = number("i")

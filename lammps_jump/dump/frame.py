@@ -149,6 +149,8 @@ class DumpFile:
         Column names of the first frame, words included.
     units : str or None
         LAMMPS unit style where the file tells.
+    periodic : (bool, bool)
+        Whether what leaves the box of the last frame along x, and along y, enters at its other side.
     warnings : list of str
         What the last pass found odd: a truncated last frame, columns of words.
     """
@@ -158,6 +160,7 @@ class DumpFile:
         self.files = [path]
         self.columns: tuple[str, ...] = ()
         self.units: str | None = None
+        self.periodic = (False, False)
         self.warnings: list[str] = []
 
     @property

@@ -63,6 +63,8 @@ class Given:
         m.
     bodies : str, optional
         spheres, cylinders or discs.
+    gravity : float, optional
+        m/s^2; default 9.81.
     analyses : tuple of str
         Names of quantities to look for, by default `OF_A_DUMP`.
     stations : tuple of float
@@ -76,6 +78,7 @@ class Given:
     bodies: str | None = None
     analyses: tuple[str, ...] = ()
     stations: tuple[float, ...] = ()
+    gravity: float | None = None
 
     @property
     def wanted(self) -> tuple[str, ...]:
@@ -262,6 +265,7 @@ def _flow(path: Path, case: ReadCase | None, given: Given = NOTHING_GIVEN) -> Fl
         bin_width=given.bin_width,
         time_step=given.time_step,
         kind=given.bodies,
+        gravity=given.gravity,
     )
     return replace(flow, heads_at=given.stations)
 

@@ -153,6 +153,7 @@ def test_the_command_takes_files_of_a_frame_units_and_types(monkeypatch, capsys,
         ("--diameter", "1=0.2,2", "several types"), ("--diameter", "1=0.2,2=-1", "allowed is > 0 m"),
         ("--time-step", "0.1 m", "expected a number in s"), ("--time-step", "0", "allowed is > 0 s"),
         ("--density", "1 g", "expected a number in kg/m^3"), ("--bin-width", "wide", "expected a number in m"),
+        ("--gravity", "0", "allowed is > 0 m/s^2"),
     ],
 )  # fmt: skip
 def test_options_that_say_nothing(monkeypatch, capsys, tmp_path, option, value, said):
@@ -210,6 +211,17 @@ def test_discs_behind_each_other_are_told(tmp_path):
         warnings: list[str] = []
         gather(open_dump(path), from_dump(open_dump(path), diameter=diameter), [], warnings)
         assert any("times the area below the surface" in note for note in warnings) is told
+
+
+def test_gravity_is_given_or_that_of_the_units_and_told(tmp_path):
+    path = bore(tmp_path, frames=2)
+    assert from_dump(open_dump(path), diameter=D, gravity=1.62).scene.gravity == (0.0, -1.62)
+    for units, gravity in (("si", "9.81"), ("cgs", "981"), ("lj", "9.81")):
+        path.write_text(path.read_text().replace("UNITS\nsi", f"UNITS\n{units}"))
+        flow = from_dump(open_dump(path), diameter=D)
+        assert flow.gravity == float(gravity)
+        assert any(f"Gravity taken as {gravity} m/s2" in note and "--gravity" in note for note in flow.notes)
+        path.write_text(path.read_text().replace(f"UNITS\n{units}", "UNITS\nsi"))
 
 
 def test_a_guessed_diameter_says_that_it_is_the_smallest(tmp_path):

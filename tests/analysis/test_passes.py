@@ -170,6 +170,23 @@ def test_a_disc_that_goes_over_the_seam_keeps_its_velocity(tmp_path):
     assert made_velocities(path, flow)[0] == [pytest.approx([8.0])] * 3
 
 
+def test_the_box_of_a_bare_dump_tells_where_places_repeat(tmp_path):
+    """From -5 to 45 m: the disc goes over the side; one that is told to run on does not come back."""
+    frames = [([x], [0.1], [0.0]) for x in (44.0, 44.8, -4.4)]
+    path = dump_of(tmp_path / "d", frames, columns=("id", "x", "y"))
+    path.write_text(path.read_text().replace("BOX BOUNDS ff", "BOX BOUNDS pp"))
+    assert made_velocities(path, context())[0] == [pytest.approx([8.0])] * 3
+    further = path.with_name("further")
+    further.write_text(path.read_text().replace("id x y", "id xu y"))
+    assert made_velocities(further, context())[0][-1] == pytest.approx([-492.0])
+
+
+def test_contact_forces_say_which_velocities_they_take(tmp_path):
+    path = dump_of(tmp_path / "d", [([1.0], [0.1], [0.0])] * 2, columns=("id", "x", "y"))
+    assert "Forces of contacts take these velocities" in made_velocities(path, context())[1][0]
+    assert "Forces of contacts" not in made_velocities(path, context(stiffness=None))[1][0]
+
+
 def test_a_dump_without_velocities_has_the_means_of_one_with_them(tmp_path):
     """Discs go at 4 m/s through a channel that fills: those that come and the first frame count with what they have."""
     x, y, _ = bore(20.0)
