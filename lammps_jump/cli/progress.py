@@ -31,6 +31,8 @@ LIVE_INTERVAL = 0.5
 class ProgressLine:
     """Prints `Progress` reports: a bar on a terminal, elsewhere a line every ten seconds.
 
+    The first report starts the clock and shows nothing: before it the C++ is compiled, or the engine starts.
+
     Parameters
     ----------
     end_time : float
@@ -39,8 +41,6 @@ class ProgressLine:
         Print nothing.
     stream : file, optional
         Default stderr.
-    first_step : int or None
-        Where this part of the run begins; None: at the first report.
     fixed : int
         Discs of rough beds, which it leaves out.
     clock : callable
@@ -53,7 +53,6 @@ class ProgressLine:
         *,
         quiet: bool = False,
         stream: TextIO | None = None,
-        first_step: int | None = 0,
         fixed: int = 0,
         clock: Callable[[], float] = time.perf_counter,
     ):
@@ -61,14 +60,18 @@ class ProgressLine:
         self.stream = stream or sys.stderr
         self.live = self.stream.isatty()
         self.begin = self.shown = clock()
-        self.first_step = self.step = first_step
+        self.first_step: int | None = None
+        self.step = 0
         self.doing = ""
         self._bar: rich.progress.Progress | None = None
 
     def __call__(self, report: Progress) -> None:
         """Show one report."""
-        if self.first_step is None or self.step is None:
+        if self.first_step is None:
             self.first_step = self.step = report.step
+            self.begin = self.shown = self.clock()
+            if not report.doing:
+                return
         news, self.doing = report.doing != self.doing, report.doing
         seconds = self._time_to_show(at_once=news and self.live)
         if not seconds:
@@ -79,13 +82,14 @@ class ProgressLine:
         rate = (report.step - self.step) * report.discs / seconds
         self.step = report.step
         here = report.step - self.first_step
-        left = (self.shown - self.begin) * (report.steps - report.step) / here if here > 0 else float("nan")
+        left = (self.shown - self.begin) * (report.steps - report.step) / here if here > 0 else None
         share = report.step / max(report.steps, 1)
         threads = f"  {report.threads} threads" if report.threads > 1 else ""
         self._show(
             share,
             f"t = {report.time:z.3f} of {self.end_time:zg} s  {100 * share:z3.0f} %  "
-            f"{report.discs - self.fixed} discs  {rate / 1e6:z.1f} M disc-steps/s{threads}  {_duration(left)} left",
+            f"{report.discs - self.fixed} discs  {rate / 1e6:z.1f} M disc-steps/s{threads}"
+            f"{'' if left is None else f'  {_duration(left)} left'}",
         )
 
     def _time_to_show(self, *, at_once: bool = False) -> float:

@@ -110,9 +110,7 @@ def _run(
             "--live out"
         )
     fixed = case.scene().fixed
-    line = ProgressLine(
-        case.fields.run.duration, quiet=quiet, first_step=None if resume else 0, fixed=fixed.count if fixed else 0
-    )
+    line = ProgressLine(case.fields.run.duration, quiet=quiet, fixed=fixed.count if fixed else 0)
     view = cli.live.LiveView(case.scene(), folder, line) if live else line
     with options.told(quiet):
         try:

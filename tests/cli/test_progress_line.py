@@ -73,7 +73,7 @@ def terminal(monkeypatch):
 def test_a_run_has_one_line_with_its_newest_numbers(terminal):
     seconds = iter(range(0, 100, 10))
     line = ProgressLine(10.0, stream=terminal.stream, clock=lambda: next(seconds))
-    for step in (1000, 5000):
+    for step in (0, 1000, 5000):
         line(Progress(step=step, steps=10_000, time=step / 1000, discs=1_000_000))
     [row] = terminal.lines()
     assert len(row) <= WIDTH and row.startswith("━") and "t = 1.000" not in row

@@ -387,8 +387,9 @@ def test_message_says_how_to_go_on():
 
 
 def test_progress_of_a_part_tells_its_own_speed(capsys):
-    clock = iter((0.0, 20.0))
-    line = ProgressLine(10.0, stream=sys.stdout, first_step=900, clock=lambda: next(clock))
+    clock = iter((0.0, 0.0, 20.0))
+    line = ProgressLine(10.0, stream=sys.stdout, clock=lambda: next(clock))
+    line(Progress(step=900, steps=1000, time=9.0, discs=10**6))
     line(Progress(step=950, steps=1000, time=9.5, discs=10**6))
     assert "95 %" in (text := capsys.readouterr().out) and "2.5 M disc-steps/s" in text and "20 s left" in text
 

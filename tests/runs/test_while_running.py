@@ -273,14 +273,17 @@ def test_a_screen_that_does_not_answer_leads_to_the_file(tmp_path, scene, monkey
 
 def test_progress_line_tells_time_discs_and_time_left():
     stream = io.StringIO()
-    clock = iter((0.0, 20.0))
+    clock = iter((0.0, 90.0, 110.0))
     line = ProgressLine(10.0, stream=stream, clock=lambda: next(clock))
+    line(Progress(step=0, steps=1000, time=0.0, discs=1234))
+    assert stream.getvalue() == ""  # 90 s of compiling are no time of steps
     line(Progress(step=500, steps=1000, time=5.0, discs=1234))
     text = stream.getvalue()
     assert "t = 5.000 of 10 s" in text and "50 %" in text and "1234 discs" in text and "20 s left" in text
     quiet = io.StringIO()
-    silent = ProgressLine(10.0, quiet=True, stream=quiet, clock=iter((0.0, 20.0)).__next__)
+    silent = ProgressLine(10.0, quiet=True, stream=quiet, clock=iter((0.0, 1.0, 20.0)).__next__)
     silent(Progress(1, 2, 1.0, 1))
+    silent(Progress(2, 2, 1.0, 1))
     silent.finish()
     assert quiet.getvalue() == ""
 
@@ -309,18 +312,19 @@ def test_progress_on_a_terminal_is_one_bar_with_the_same_numbers(monkeypatch):
 
 def test_progress_of_a_part_that_goes_on_counts_from_its_first_report():
     stream, clock = io.StringIO(), iter((0.0, 5.0, 20.0))
-    line = ProgressLine(10.0, stream=stream, first_step=None, clock=lambda: next(clock))
+    line = ProgressLine(10.0, stream=stream, clock=lambda: next(clock))
     line(Progress(step=900, steps=1000, time=9.0, discs=10))
     line(Progress(step=950, steps=1000, time=9.5, discs=10))
-    assert "95 %" in stream.getvalue() and "20 s left" in stream.getvalue()
+    assert "95 %" in stream.getvalue() and "15 s left" in stream.getvalue()
 
 
 def test_progress_line_goes_on_with_the_analysis(monkeypatch):
     """It used to stand still at the last step it had shown, with no time left."""
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setenv("COLUMNS", "120")
-    stream, clock = Terminal(), iter((0.0, 10.0, 10.1, 10.2, 10.3))
+    stream, clock = Terminal(), iter((0.0, 0.0, 10.0, 10.1, 10.2, 10.3))
     line = ProgressLine(10.0, stream=stream, clock=lambda: next(clock))
+    line(Progress(step=0, steps=1000, time=0.0, discs=10))
     line(Progress(step=870, steps=1000, time=8.7, discs=10))
     for doing in ("analysis: reading", "analysis: reading", "analysis: report"):
         line(Progress(step=1000, steps=1000, time=10.0, discs=10, doing=doing))
