@@ -19,7 +19,7 @@ from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Line, Panel
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.report.page import Section, Table, Text, described
-from lammps_jump.analysis.statistics import STUDENT, mean_of
+from lammps_jump.analysis.statistics import STUDENT, Mean, mean_of
 from lammps_jump.dump.frame import Frame
 from lammps_jump.physics.devices import GATE_LOOKS, Holding, gate_areas, gate_sees
 from lammps_jump.scene import MovingWall
@@ -50,6 +50,8 @@ class Tailgate:
     held_interval: float = number("m", "± of that, 95 % from the swings of one run", default=nan)
     last_height: float = number("m", "height y of the crest at the end", default=nan)
     reason: str | None = None
+    no_interval: str | None = None
+    """Why what it holds has no interval."""
     table: Mapping[str, np.ndarray] = field(default_factory=dict, metadata={"summary": False})
 
 
@@ -112,14 +114,20 @@ def _found(flow: Flow, one: MovingWall, record: Record) -> Tailgate:
     first = int(far[-1]) + 1 if far.size else 0
     found, held = mean_of(height[first:]) if first < len(time) else mean_of(height[last]), mean_of(seen[last])
     common: dict[str, Any] = {
-        "at_limit": limit, "target": holding.target, "held": held.value, "held_interval": STUDENT * held.error,
+        "at_limit": limit, "target": holding.target, "held": held.value, "held_interval": _interval(held),
         "last_height": float(height[-1]), "table": table,
+        "no_interval": None if held.error else "it is the same in all of the last frames: the discs stand still",
     }  # fmt: skip
     stands = first < len(time) and bool(time[first] <= time[last][0])
     reason = _why_not(holding, limit, int(end[-1]), held.value, stands)
     if reason:
         return Tailgate(**common, reason=reason)
-    return Tailgate(height=found.value, height_interval=STUDENT * found.error, settled_at=float(time[first]), **common)
+    return Tailgate(height=found.value, height_interval=_interval(found), settled_at=float(time[first]), **common)
+
+
+def _interval(mean: Mean) -> float:
+    """Half of the 95 % interval, m; NaN where nothing swings: an error of 0 would be a flow that is frozen."""
+    return STUDENT * mean.error if mean.error else nan
 
 
 def _smooth(time: np.ndarray, height: np.ndarray, over: float) -> np.ndarray:
@@ -187,6 +195,8 @@ def section(gates: Mapping[str, Mapping[str, Any]]) -> Section:
     for name, gate in gates.items():
         keys: Sequence[str] = [key for key in KEYS if gate.get(key) is not None]
         blocks.append(Table(described(Tailgate, gate, *keys), (f"Tailgate {name}", "")))
+        if gate.get("no_interval"):
+            blocks.append(Text(f"What the gate {name} holds has no ±: {gate['no_interval']}.", "warn"))
         if gate.get("reason"):
             blocks.append(Text(f"The gate {name} has found no height: {gate['reason']}.", "warn"))
     return Section("Tailgate", blocks)

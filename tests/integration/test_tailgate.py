@@ -9,6 +9,10 @@ import numpy as np
 import pytest
 from made_up import engine_setting
 
+from lammps_jump.analysis.devices import tailgate
+from lammps_jump.analysis.draw.sketch.preview import scene_drawing
+from lammps_jump.analysis.flow import from_scene
+from lammps_jump.analysis.passes import Gathered
 from lammps_jump.case import load_case
 from lammps_jump.dump.read import open_dump
 from lammps_jump.dump.side_files.poses import PoseFile
@@ -41,6 +45,8 @@ SMALL = {
 }  # fmt: skip
 SETS = {
     "front outside": ("walls.sill.motion.front=99", "99 m is outside the channel before the gate; allowed is 0 to 10"),
+    "front behind": ("walls.sill.motion.front=12", "12 m is outside the channel before the gate; allowed is 0 to 10"),
+    "front at the gate": ("walls.sill.motion.front=10", "10 m is outside the channel before the gate"),
     "range empty": ("walls.sill.motion.range=[1, 1]", "range: [1, 1] is no way from where the case has the wall"),
     "range beside": ("walls.sill.motion.range=[1, 2]", "low <= 0 <= high"),
     "both": ("walls.sill.motion.depth=2", "one of the two"),
@@ -59,6 +65,23 @@ def test_what_cannot_be_held_is_one_sentence(change, text):
     with pytest.raises(CaseError) as error:
         load_case(SMALL, [change]).scene()
     assert text in str(error.value)
+
+
+def test_the_preview_draws_the_range_of_a_gate():
+    shapes = scene_drawing(load_case(SMALL).scene(), []).shapes
+    ghosts = np.concatenate([shape.rings[0] for shape in shapes if shape.look == "ghost"])
+    assert (ghosts[:, 0].min(), ghosts[:, 0].max()) == (10.0, 10.6)
+    assert ghosts[:, 1].max() == pytest.approx(0.6 + 2.0)
+
+
+def test_what_is_held_by_a_frozen_flow_has_no_interval():
+    flow, time = from_scene(load_case(SMALL).scene()), np.linspace(0.1, 10.0, 80)
+    still, swings = 4.0 + 0.0 * time, 4.0 + 0.01 * np.sin(7.0 * time)
+    for seen, is_known in ((still, False), (swings, True)):
+        record = tailgate.Record(time, 0.6 + 0.0 * time, seen, 0.0 * time)
+        found = tailgate.analyse(Gathered(flow, None, None, {"tailgate": {"sill": record}}, {}))["sill"]
+        assert found.held == pytest.approx(4.0, abs=1e-3) and np.isnan(found.height_interval)
+        assert np.isfinite(found.held_interval) == is_known == (found.no_interval is None)
 
 
 def test_the_depth_lies_before_the_gate():

@@ -78,7 +78,11 @@ def scene_drawing(
 
 
 def _way(one: MovingWall, scene: Scene) -> list[Pose]:
-    """Poses along the way of a wall in time; empty where it stands or where discs push it."""
+    """Poses along the way of a wall in time, of a gate that holds a flow over its range; empty of others."""
+    if holding := one.motion.holding:
+        ends = sorted((holding.lowest, holding.highest), key=abs, reverse=True)  # the arrow goes to the further one
+        half = SAMPLES // 2
+        return [Pose(0.0, float(y)) for y in (*np.linspace(0.0, ends[0], half), *np.linspace(0.0, ends[1], half))]
     if one.motion.kind is None or one.motion.is_state:
         return []
     last = min(float(scene.steps), one.motion.gone - 1)

@@ -56,8 +56,8 @@ def _holding(
             f"between {left:zg} and {domain[1]:zg} m, in the domain and behind the inlet",
         )
     width = STRETCH * begun.diameter
-    beyond = place - 0.5 * width < left or place + 0.5 * width > face
-    if not domain[0] <= place <= domain[1] or (kind.depth is not None and beyond):
+    half = 0.5 * width if kind.depth is not None else 0.0
+    if not left <= place - half <= place + half <= face or place == face:  # a front behind the gate cannot be held
         inner = (left + 0.5 * width, face - 0.5 * width) if kind.depth is not None else (left, face)
         raise FieldError(
             f"{field}.{name}",
