@@ -186,21 +186,34 @@ def analyse(gathered: Gathered) -> Rest:
         slow,
         float(top[-1]),
         float(before - top[-1]) / d,
-        None if isfinite(history.begin) else _restless(slow, short=rests(history, flow) is None),
+        None if isfinite(history.begin) else _restless(slow, short=_is_short(history, flow)),
         history,
     )
 
 
 def rests(history: RestHistory, flow: Flow) -> bool | None:
-    """Whether the discs rest at the end; None where the record is too short to tell, or nothing says what rest is."""
+    """Whether the discs rest at the end, or move: their median speed is above 0.01 sqrt(g d).
+
+    None where nothing says what rest is, and where discs are slower and have not rested for the whole stretch: what is
+    slower than that does not move, and is not known to stay.
+    """
     if isfinite(history.begin):
         return True
-    if flow.g <= 0 or not flow.timed or not len(history.time) or isnan(history.speed[-1]):
+    if (
+        flow.g <= 0
+        or not flow.timed
+        or not len(history.time)
+        or not history.speed[-1] >= SLOW * sqrt(flow.g * flow.scene.diameter)
+    ):
         return None
-    d = flow.scene.diameter
+    return False
+
+
+def _is_short(history: RestHistory, flow: Flow) -> bool:
+    """Whether the record is too short to show rest."""
     counted = history.time[history.time >= begin_of(flow.scene)]
-    short = len(counted) < FEWEST or counted[-1] - counted[0] < SPAN * sqrt(d / flow.g) * (1.0 - 1e-9)
-    return None if short and history.speed[-1] < SLOW * sqrt(flow.g * d) else False
+    stretch = SPAN * sqrt(flow.scene.diameter / flow.g) * (1.0 - 1e-9)
+    return len(counted) < FEWEST or bool(counted[-1] - counted[0] < stretch)
 
 
 def _restless(speed: float, *, short: bool) -> str:

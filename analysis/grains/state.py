@@ -36,7 +36,7 @@ class State:
     height: float = number("m", "height that 98 % of the discs take", default=nan)
     rest_time: float = number("s", "time from which on the discs rest", default=nan)
     at_rest: bool | None = None
-    """None where the record is too short to tell."""
+    """None where slow discs have not rested for 20 sqrt(d/g) yet (`rest.rests`)."""
 
 
 class StateWatch(RestWatch):

@@ -22,8 +22,8 @@ def _outlet(summary: Mapping[str, Any]) -> str:
         where = f" at x = {place(gaps[0])} m" if gaps else ""
         through = f"a gap of {shown(hopper['slot'])} m{where}"
     else:
-        each = zip(hopper["gap_discharge"], gaps, strict=True)
-        shares = ", ".join(f"{shown(one / 1e3)} at x = {place(x)} m" for one, x in each)
+        each = zip(hopper["gap_discharge"], hopper["gap_width"], gaps, strict=True)
+        shares = ", ".join(f"{shown(one / 1e3)} through {shown(w)} m at x = {place(x)} m" for one, w, x in each)
         through = f"{len(gaps)} gaps: {shares}"
     return f"Discs leave at {shown(rate / 1e3)} t/s per metre through {through}."
 

@@ -87,9 +87,7 @@ def _falls_on(summary: Mapping[str, Any]) -> str:
     share = state.get("speed_over_root_gd")
     if state.get("at_rest") or share is None or share >= SLOW:
         return ""
-    if state.get("at_rest") is None:
-        return "the discs are slow, and the record is too short to tell whether they rest: run longer"
-    return "the discs are slow, yet their top or their number changed at the end: run longer"
+    return "the discs are slow, and have not rested for 20 √(d/g) yet: run longer"
 
 
 def _lost(summary: Mapping[str, Any]) -> str:

@@ -142,7 +142,7 @@ DOUBTFUL = [
     ({"force": {"quay": {**FORCE["quay"], "peak_unfiltered": 14070.0}}}, "3.0 times as high"),
     ({"force": {**FORCE, "identity": {"x": {"complete": True, "relative": 0.2}}}}, "miss the momentum of the discs by 20 %"),
     ({"energy": {**ENERGY, "max_deviation": 0.05}}, "changes by 5.0 %"),
-    ({"state": {**STATE, "at_rest": False, "speed_over_root_gd": 0.001}}, "slow, yet"),
+    ({"state": {**STATE, "at_rest": False, "speed_over_root_gd": 0.001}}, "have not rested"),
     ({"state": {**STATE, "first_discs": 310}}, "10 of 310 discs have left"),
     (DUMP, "not in a dump"),
 ]  # fmt: skip
