@@ -24,7 +24,6 @@ from lammps_jump.scene.tracks import Held
 from .derived import Derived
 from .explain import explain
 from .fields import CaseFields
-from .parts import old_words
 from .parts.base import HOW_TO_CHANGE
 from .parts.taken import from_run, read_runs, with_found
 from .tables import read_tables
@@ -77,23 +76,16 @@ class ReadCase:
         path = Path(source)
         if (path / "case.yaml").is_file():
             path /= "case.yaml"
-        read = read_source(path)
-        if old_words.written_by_us(path):
-            old_words.translate(read)
-        return cls._read(read, changes or (), path.stem)
+        return cls._read(read_source(path), changes or (), path.stem)
 
     @classmethod
-    def parse(
-        cls, text: str, file: str = "<case>", changes: Changes = (), *, stored: bool = False, folder: Path | None = None
-    ) -> Self:
-        """As `load`, from YAML text; `file` is its name in messages, `stored` says that this program wrote it.
+    def parse(cls, text: str, file: str = "<case>", changes: Changes = (), *, folder: Path | None = None) -> Self:
+        """As `load`, from YAML text; `file` is its name in messages.
 
         Tables and runs that it names lie in `folder`.
         """
         read = parse_source(text, file)
         read.folder = folder
-        if stored:
-            old_words.translate(read)
         return cls._read(read, changes, Path(file).stem)
 
     @classmethod
@@ -141,11 +133,6 @@ class ReadCase:
         for group, name in (("run", "checkpoint_interval"), ("engine", "threads")):
             data[group] = {key: value for key, value in data[group].items() if key != name}
         return data
-
-    @property
-    def core_as_written(self) -> dict[str, Any]:
-        """`core` in the words of the version that wrote the case."""
-        return old_words.as_written(self.core) if self.source.translated else self.core
 
     @cached_property
     def rest(self) -> dict[str, Any]:
@@ -222,16 +209,9 @@ class ReadCase:
         """
         return Derived(self.fields, self.scene(), self.source.left_out)
 
-    def to_yaml(self, *, as_written: bool = False) -> str:
-        """The case as YAML text, every default filled in, in the order of the fields.
-
-        Parameters
-        ----------
-        as_written : bool
-            In the words of the version before.
-        """
-        data = old_words.as_written(self._data) if as_written else self._data
-        return yaml.safe_dump(data, sort_keys=False, allow_unicode=True, width=110, default_flow_style=None)
+    def to_yaml(self) -> str:
+        """The case as YAML text, every default filled in, in the order of the fields."""
+        return yaml.safe_dump(self._data, sort_keys=False, allow_unicode=True, width=110, default_flow_style=None)
 
 
 def _kind_first(data: Any) -> Any:
@@ -268,7 +248,6 @@ def _validated(source: CaseSource, changes: Changes, default_name: str) -> CaseF
         changes = [f"{path}={_json_text(value)}" for path, value in changes.items()]
     for assignment in changes:
         override(source, assignment)
-    old_words.refuse(source)
     read_tables(source)
     read_runs(source)
     data = dict(source.whole)

@@ -97,8 +97,6 @@ class CaseSource:
         Path of an item of ``initial`` -> the discs of the run that it names.
     options : dict
         Field -> the option of the command line that gives it, in place of the file.
-    translated : bool
-        An earlier version wrote it with words that are old now.
     """
 
     file: str
@@ -112,7 +110,6 @@ class CaseSource:
     tables: dict[PathKey, Table] = field(default_factory=dict)
     begun: dict[PathKey, Begun] = field(default_factory=dict)
     options: dict[str, str] = field(default_factory=dict)
-    translated: bool = False
 
     @property
     def whole(self) -> dict[str, Any]:

@@ -27,7 +27,7 @@ from lammps_jump.files import checksum, delete, text_of, write_text
 from lammps_jump.folders import clear, publish, staging
 from lammps_jump.identity import analysis_key
 
-from .folder import case_text, is_older
+from .folder import case_text
 from .live_analysis import Ahead
 from .state import outputs_of
 from .summary import compose, write_summary
@@ -219,7 +219,7 @@ class Conclusion:
         self._write(summary, None)  # ended between here and the last line: it is analysed again
         clear(folder, ["report.html", *self.stored.get("files", ())])
         names = publish(stage, folder)
-        text, path = case_text(self.case, as_written=is_older(folder)), folder / "case.yaml"
+        text, path = case_text(self.case), folder / "case.yaml"
         if not path.exists() or text_of(path, "replace") != text:
             write_text(path, text)
         files = {name: checksum(folder / name) for name in names}

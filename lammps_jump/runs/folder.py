@@ -11,7 +11,6 @@ from typing import Any
 
 from lammps_jump import folders
 from lammps_jump.case.case import ReadCase
-from lammps_jump.case.parts.old_words import in_case
 from lammps_jump.case.text import read_text as read_case
 from lammps_jump.dump.find import read_dump
 from lammps_jump.dump.side_files.ended import write_ended
@@ -61,16 +60,9 @@ def run_folder(folder: Path, marker: folders.Marker) -> Iterator[None]:
         yield
 
 
-def is_older(folder: Path) -> bool:
-    """Whether the run in a folder was begun by an earlier version, whose words are old."""
-    marker = folders.read_marker(folder)
-    written = marker and marker.about.get("case")
-    return in_case(written) != written
-
-
-def case_text(case: ReadCase, *, as_written: bool = False) -> str:
+def case_text(case: ReadCase) -> str:
     """What ``case.yaml`` of a run folder holds: the case, and hashes by which an edit is found; see `to_yaml`."""
-    text = case.to_yaml(as_written=as_written)
+    text = case.to_yaml()
     return f"{MADE} {' '.join(f'{field}={found}' for field, found in field_keys(text).items())}\n{text}"
 
 

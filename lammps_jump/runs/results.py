@@ -299,7 +299,7 @@ def flow_of_dump(folder: Path) -> Flow:
         The dump is gone.
     """
     summary = summary_of_dump(folder)
-    case = ReadCase.parse(summary["case_yaml"], stored=True) if "case_yaml" in summary else None
+    case = ReadCase.parse(summary["case_yaml"]) if "case_yaml" in summary else None
     return _flow(find_dump(folder), case, Given.of(summary))
 
 

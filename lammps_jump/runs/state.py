@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any, Literal
 
 from lammps_jump.case.case import ReadCase
-from lammps_jump.case.parts.old_words import in_case
 from lammps_jump.engines.checkpoint import ANEW, Checkpoint, has_checkpoint, read_checkpoint
 from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import DumpError, ResumeError, SetupError
@@ -17,17 +16,12 @@ from lammps_jump.folders import Marker, force_tables, read_marker, require_ours,
 from lammps_jump.identity import analysis_key, run_key, scene_key
 
 from .engine import program_of
-from .folder import is_older, result_of_files
+from .folder import result_of_files
 from .summary import read_summary
 
 ToDo = Literal["run", "analyse", "nothing"]
 OUTPUTS = (*DUMP_NAMES.values(), "forces.csv", CONTACTS_FILE, "log.lammps")
 """What an engine leaves of a run."""
-OLD_WORDS = (
-    "{}: was written by an earlier version of lammps-jump, in words of its own; only that version can go on with it, "
-    "this one analyses and shows it; {}"
-)
-"""Why a run cannot go on; the second blank is for what to do."""
 FEWEST = 3
 """Differences that a message names."""
 
@@ -79,17 +73,14 @@ def left_to_do(case: ReadCase, folder: Path, setting: Setting, *, force: bool = 
     status = _status(case, folder, setting, stored)
     if status in ("complete", "unchecked"):
         return "nothing" if is_analysed(case, folder, stored) else "analyse"
-    older = is_older(folder)
     if resume and (status == "interrupted" or stored.get("can_go_on")):
-        if older:
-            raise ResumeError(OLD_WORDS.format(folder, ANEW))
         return "run"
     if resume:
         raise ResumeError(
             f"{folder}: the run has {status} and would fail again from its checkpoint; correct the case and start a "
             "new run"
         )
-    goes_on = "--resume goes on with it, " if has_checkpoint(folder) and not older else ""
+    goes_on = "--resume goes on with it, " if has_checkpoint(folder) else ""
     was = {"interrupted": "was interrupted", "failed": "failed"}[status]
     raise SetupError(
         f"{folder}: holds a run of this case that {was}; {goes_on}--force deletes it and starts anew, --out names "
@@ -138,7 +129,7 @@ def is_analysed(case: ReadCase, folder: Path, stored: Mapping[str, Any]) -> bool
 
 def difference(case: ReadCase, setting: Setting | None, marker: Marker) -> str:
     """What differs between the run of a folder and a case (and its setting), in words; empty where nothing does."""
-    there, here = dict(_leaves(in_case(marker.about.get("case")))), dict(_leaves(case.core))
+    there, here = dict(_leaves(marker.about.get("case"))), dict(_leaves(case.core))
     if setting is not None:
         there |= dict(_leaves(marker.about.get("program")))
         here |= program_of(setting)

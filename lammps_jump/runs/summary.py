@@ -27,7 +27,6 @@ from pydantic import (
 
 from lammps_jump import analysis, dump
 from lammps_jump.case.case import ReadCase
-from lammps_jump.case.parts.old_words import new_word
 from lammps_jump.engines import RunResult, Setting
 from lammps_jump.errors import DumpError
 from lammps_jump.files import MOST_TEXT, RESULT_FILES, plain, read_file, read_json, write_json
@@ -365,6 +364,4 @@ def read_summary(folder: Path) -> dict[str, Any]:
         first = error.errors()[0]
         place = "".join(f" {name}:" for name in (place, *first["loc"]) if name != "")
         raise DumpError(f"{path}:{place} {first['msg']}, got {echoed(plain(first['input']))}; {NO_SUMMARY}") from None
-    if law := found.get("friction_law"):
-        found["friction_law"] = new_word("contact.friction_law", law)
     return found

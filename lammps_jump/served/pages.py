@@ -9,7 +9,6 @@ from threading import Lock
 from typing import Any
 
 from lammps_jump.case.case import ReadCase
-from lammps_jump.case.parts.old_words import in_case
 from lammps_jump.errors import JumpError, SetupError
 from lammps_jump.folders import read_marker
 from lammps_jump.runs.folder import default_folder, require_case
@@ -166,7 +165,7 @@ def holds(folder: Path, case: ReadCase) -> bool:
         marker = read_marker(folder)
     except JumpError:
         return False
-    return marker is not None and marker.kind == "run" and in_case(marker.about.get("case")) == case.core
+    return marker is not None and marker.kind == "run" and marker.about.get("case") == case.core
 
 
 def text_of(asked: Mapping[str, Any], name: str) -> str:

@@ -104,7 +104,7 @@ def plan(case: Case, starts: Iterable[Start], analysis: Mapping[str, object]) ->
     for start, one in zip(starts, cases, strict=True):
         if start.point not in settings:
             settings[start.point] = choose_setting(one)[1]
-        runs.append(run_key(with_accuracy(one)[0].core_as_written, program_of(settings[start.point])))
+        runs.append(run_key(with_accuracy(one)[0].core, program_of(settings[start.point])))
     asked = {(run, short_hash(one.rest)) for run, one in zip(runs, cases, strict=True)}
     shared = Counter(run for run, _ in asked)  # points that differ in their analysis alone need folders of their own
     keys = [run if shared[run] == 1 else member_key(run, one.rest) for run, one in zip(runs, cases, strict=True)]

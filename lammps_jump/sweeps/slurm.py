@@ -19,7 +19,7 @@ from lammps_jump.script.job import Site, head, needs, run_and_requeue, seconds_o
 
 from .members import run_member, state_of, told
 from .study_folder import read_points
-from .sweep import Sweep, open_sweep, prepare, require_new, study_folder
+from .sweep import Sweep, open_sweep, prepare, study_folder
 
 AT_ONCE = 32
 """Tasks at once, where no number is given."""
@@ -146,7 +146,6 @@ def run_task(folder: Path, members: str, *, retry: bool = False) -> None:
 
 def _run_each(folder: Path, members: str, retry: bool) -> list[str]:
     """Run some members, one after the other; what is to be said of those that failed."""
-    require_new(folder)
     found = open_sweep(folder)
     asked = re.fullmatch(r"(\d{1,7})(?:-(\d{1,7}))?", members)
     numbers = range(int(asked[1]), min(int(asked[2] or asked[1]) + 1, len(found.members))) if asked else ()

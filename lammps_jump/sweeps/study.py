@@ -19,7 +19,6 @@ from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.analysis.report.page import heading
 from lammps_jump.case.case import ReadCase
 from lammps_jump.case.explain import explain
-from lammps_jump.case.parts import old_words
 from lammps_jump.case.parts.base import Strict
 from lammps_jump.case.text import CaseSource, nearest, parse_source, read_source, read_text
 from lammps_jump.errors import CaseError, FieldError
@@ -233,8 +232,6 @@ def read_study(source: str | Path | Mapping[str, object] | ReadCase, **given: An
     else:
         path = Path(source) / "study.yaml" if (Path(source) / "study.yaml").is_file() else Path(source)
         file, place = read_source(path), path.parent
-        if old_words.written_by_us(path):
-            old_words.translate(file, study=True)
         if "case" not in file.data and {"discs", "run"} & file.data.keys():
             file.data = {"case": path.name}
     if isinstance(given.get("set"), Mapping):
@@ -242,7 +239,6 @@ def read_study(source: str | Path | Mapping[str, object] | ReadCase, **given: An
     file.data |= given
     if not isinstance(source, Mapping):
         file.options = {name: OPTIONS.get(name, f"--{name}") for name in given if name in StudyFields.model_fields}
-    old_words.refuse(file, study=True)
     if file.data.get("kind") == "calibrate":
         said = f"this study is a calibration; `lammps-jump calibrate {file.file}` runs it"
         raise file.located(FieldError("kind", said))
@@ -255,7 +251,6 @@ def read_study(source: str | Path | Mapping[str, object] | ReadCase, **given: An
         if isinstance(fields.case, dict)
         else case_in(place / fields.case, fields.set)
     )
-    case.source.translated = file.translated  # the names of its run folders are made of old words
     if not fields.members:
         seeds = tuple(range(1, (case.fields.run.members or 1) + 1))
         fields = fields.model_copy(update={"members": seeds})

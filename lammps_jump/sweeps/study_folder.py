@@ -15,7 +15,6 @@ from pydantic import BaseModel, Field, NonNegativeInt, ValidationError, model_va
 import lammps_jump.sweeps as sweeps
 from lammps_jump.analysis.statistics import Mean
 from lammps_jump.analysis.tables.rows import Row, rows_of
-from lammps_jump.case.parts.old_words import in_changes
 from lammps_jump.errors import CaseError
 from lammps_jump.files import plain, read_json
 from lammps_jump.quoting import echoed
@@ -68,8 +67,7 @@ def read_points(folder: Path) -> Listed | None:
     """
     path = folder / POINTS_FILE
     try:
-        listed = Listed.model_validate(read_json(path))
-        return listed.model_copy(update={"points": list(map(in_changes, listed.points))})
+        return Listed.model_validate(read_json(path))
     except (FileNotFoundError, NotADirectoryError):
         return None
     except ValidationError as error:

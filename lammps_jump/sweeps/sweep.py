@@ -16,16 +16,13 @@ from typing import Any, Literal
 
 import lammps_jump.sweeps as sweeps
 from lammps_jump.case.case import ReadCase
-from lammps_jump.case.parts import old_words
-from lammps_jump.case.text import read_text
 from lammps_jump.dump.exports import csv_text, write_netcdf
-from lammps_jump.errors import CaseError, ResumeError, RunInterrupted
+from lammps_jump.errors import CaseError, RunInterrupted
 from lammps_jump.files import SWEEP_FILES, write_json, write_text
 from lammps_jump.folders import Marker, clear
 from lammps_jump.provenance import usable_cores
 from lammps_jump.runs.folder import run_folder
 from lammps_jump.runs.run import Case
-from lammps_jump.runs.state import OLD_WORDS
 
 from .members import State, require_no_links, run_members
 from .pool import Pool
@@ -187,7 +184,6 @@ def sweep(
     found = Sweep(read, place)
     ranks = read.case.fields.engine.ranks
     most = jobs or max(1, usable_cores() // (ranks if isinstance(ranks, int) else 1))
-    require_new(place)
     members = found.members  # what cannot be run is refused before the folder is made
     with study_folder(place), Pool(min(most, len(members))) as pool:
         Thread(target=_load_page).start()
@@ -195,13 +191,6 @@ def sweep(
         pool.close()
         found.write()
     return found
-
-
-def require_new(folder: Path) -> None:
-    """ResumeError where the folder holds a study of an earlier version, whose words are old."""
-    path = folder / "study.yaml"
-    if path.is_file() and old_words.LIKELY.search(read_text(path)) and read_study(folder).case.source.translated:
-        raise ResumeError(OLD_WORDS.format(folder, "name another folder with --out"))
 
 
 def _load_page() -> None:

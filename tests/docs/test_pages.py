@@ -34,10 +34,9 @@ SUMMARY = {
     "run.profiles",
     "run.frames",
     "run.analyse",
-}
+    "run.results",
+} | {f"run.{name}" for name in QUANTITIES}
 """Of the Python object that pages call ``run``."""
-FORMER = {"contact.penetration_fraction"}
-"""Told as words of earlier versions."""
 OF_SUMMARY = {f"{key}.{name}" for key, quantity in QUANTITIES.items() for name in numbers_of(quantity.result)}
 """Keys of ``summary.json``."""
 OF_FOLDERS = {*RUN_FILES, *RESULT_FILES, "contact.py", "contact.derive", "discs.fixed", "probes.groups.structures"} | {
@@ -54,7 +53,7 @@ def exists(name: str) -> bool:
     name = re.sub(r"\.\d+$", "", name)
     group, _, rest = name.partition(".")
     short = f"{group}.{rest.partition('.')[2]}" if group in LISTS else name
-    return bool({name, short} & (NAMES | SUMMARY | FORMER | OF_SUMMARY | OF_FOLDERS))
+    return bool({name, short} & (NAMES | SUMMARY | OF_SUMMARY | OF_FOLDERS))
 
 
 def test_every_field_named_on_a_page_exists():
