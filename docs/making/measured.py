@@ -26,7 +26,7 @@ from lammps_jump.studies.stress import limits
 from lammps_jump.studies.stress.study import draw_map
 from lammps_jump.studies.table import markdown
 
-from . import crossed, jumps, laws
+from . import calibrated, crossed, jumps, laws
 
 ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "docs" / "measured"
@@ -278,6 +278,16 @@ def _stability_keys() -> Keys:
     return {name: scene_key(limits.arrangement_scene(name, 0.2, 0.2, "velocity_verlet")) for name in PACKED}
 
 
+def _calibration(name: str) -> Measure:
+    return Measure(
+        f"calibrate validation/calibrate/{name}.yaml",
+        partial(calibrated.keys, name),
+        calibrated.rows,
+        partial(calibrated.table, name),
+        partial(calibrated.figures, name),
+    )
+
+
 MEASURES: dict[str, Measure] = {
     **{f"sensitivity_{name}": _sensitivity(name) for name in sensitivity.STUDIES},
     "collision": Measure(
@@ -313,6 +323,12 @@ MEASURES: dict[str, Measure] = {
         lambda: case_keys({}),
         jumps.starts_rows,
         jumps.starts_table,
+    ),
+    "calibration_discs": _calibration("discs"),
+    "calibration_rods": _calibration("rods"),
+    "calibration_water": _calibration("like_water"),
+    "calibration_twins": Measure(
+        "benchmarks/calibration_twins.py", calibrated.twin_keys, calibrated.twin_rows, calibrated.twin_table
     ),
     "validation": Measure("validate", laws.keys, laws.rows, laws.table),
 }

@@ -83,10 +83,16 @@ class Emulator:
         """Mean square of the left-out differences over what was expected of them; about 1 for a fair emulator."""
         return float(np.mean((self.left_out / self.left_out_sd) ** 2))
 
+    @property
+    def fitted(self) -> float:
+        """Points over points less fitted numbers: a size and lengths that are fitted make the variance too small."""
+        points, numbers = len(self.left_out), len(self.process.kernel_.theta)
+        return points / max(points - numbers, 1)
+
     def at(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Mean of the runs at places of the unit cube, and the variance of what is known of it.
 
-        The variance grows with `chi2` where the left-out points say that it is too small.
+        The variance grows with `fitted`, and with `chi2` where the left-out points say that it is too small.
 
         Parameters
         ----------
@@ -101,7 +107,7 @@ class Emulator:
             mean, sd = self.process.predict(places, return_std=True)
         own = 0.0 if np.isnan(self.scatter) else self.scatter
         variance = np.maximum(self.scale**2 * sd**2 - own, 0.0)
-        return self.centre + self.scale * mean, max(1.0, self.chi2) * variance
+        return self.centre + self.scale * mean, max(1.0, self.chi2) * self.fitted * variance
 
 
 def emulate(places: np.ndarray, values: np.ndarray, noise: np.ndarray | None) -> Emulator:

@@ -21,7 +21,8 @@ FAR = 12.0
 """Drop of the log likelihood behind which nothing is looked for: 4.9 standard deviations of one number."""
 LOOKS, LEAST = 12, 0.7
 """Times that the looked-at box may shrink, and the share of its size above which it does no more."""
-MASS = 0.95
+MASS, NEAR = 0.95, 0.005
+"""Of a range; distance from an end of the prior that is none."""
 
 LogLikelihood = Callable[[np.ndarray], np.ndarray]
 """Of places in the unit cube, shape (n, varied), to shape (n,)."""
@@ -73,9 +74,10 @@ class Posterior:
     best: np.ndarray
 
     def range_of(self, number: int) -> tuple[float, float]:
-        """The shortest range that holds 95 % of one varied number, widened to `best` where that lies outside."""
+        """The shortest range that holds 95 % of one varied number, widened to `best`, and to an end that is `NEAR`."""
         low, high = shortest(self.places[:, number], self.weights)
-        return min(low, float(self.best[number])), max(high, float(self.best[number]))
+        low, high = min(low, float(self.best[number])), max(high, float(self.best[number]))
+        return low if low > NEAR else 0.0, high if high < 1.0 - NEAR else 1.0
 
     @property
     def covariance(self) -> np.ndarray:

@@ -75,10 +75,8 @@ def notes(data: Mapping[str, Any]) -> list[str]:
         if one["at_edge"]:
             side = "upper" if one["edge"] == "high" else "lower"
             end = one["prior"][1 if side == "upper" else 0]
-            said.append(
-                f"The best {named(path)} lies at the {side} edge of its range, {end:zg}: better values may lie behind "
-                "it. Widen the range (--vary)."
-            )
+            wider = ": values behind it may be as likely. Widen the range (--vary)" if end or side == "upper" else ""
+            said.append(f"What is likely of the {named(path)} reaches the {side} edge of its range, {end:zg}{wider}.")
         if not one["identified"]:
             said += hidden_text(path, data)
     for name, loo in data["loo"].items():

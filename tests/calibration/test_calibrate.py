@@ -83,7 +83,10 @@ def test_a_best_value_at_the_edge_asks_for_a_wider_range(monkeypatch, tmp_path):
     found = calibrated(monkeypatch, tmp_path / "out", ["heap.angle=20.2 ± 0.3"], vary={FRICTION: [0.1, 0.5]})
     one = found.parameters[FRICTION]
     assert one["at_edge"] and one["edge"] == "high"
-    assert any("lies at the upper edge of its range, 0.5: better values may lie behind" in note for note in found.notes)
+    assert any(
+        "reaches the upper edge of its range, 0.5: values behind it may be as likely. Widen" in note
+        for note in found.notes
+    )
 
 
 def test_one_start_says_that_the_scatter_is_not_known(monkeypatch, tmp_path):

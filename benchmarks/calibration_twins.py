@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Twins of `calibrate`: data made by runs at known numbers, with noise, and whether the 95 % ranges hold the truth.
+
+Run as ``python benchmarks/calibration_twins.py --out FOLDER [--jobs N] [KIND …]``; it goes on where it stopped. The
+twins of a kind, with one and with two varied numbers, share the runs of one Sobol design. The truth of each is drawn.
+Its data are those of one run at the truth, with a start of its own and an error of measurement. ``twins.json`` holds
+for each kind how many truths lie in their ranges, and the mean width of the ranges beside the least: that of an
+emulator which knows all but the scatter of one experiment. ``ensembles.json`` holds the same runs for other methods
+(``calibration_peer.py``).
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Mapping
+from dataclasses import replace
+from math import ceil, inf
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from lammps_jump.calibration.model import Model, model_of
+from lammps_jump.calibration.posterior import log_t, sample
+from lammps_jump.calibration.search import OVER, Observed, Search, design
+from lammps_jump.calibration.study import Calibration, read_calibration
+from lammps_jump.calibration.targets import Target
+from lammps_jump.files import plain
+from lammps_jump.sweeps import Pool, run_starts
+from lammps_jump.sweeps.members import Start
+
+CASES = Path(__file__).parent / "twins"
+TWINS, MEMBERS = 10, 2
+POINTS = {1: 8, 2: 16}
+"""Points of the design, by how many numbers are varied."""
+AT = np.round(np.linspace(-0.45, 0.45, 19), 3).tolist()
+"""Places of a measured shape of a heap, m."""
+FIRST_SEED = 10_000
+"""Of the starts of the truths."""
+
+
+class Kind(NamedTuple):
+    """Twins of one kind: case, ranges, targets as (field of a study, error)."""
+
+    case: str
+    vary: Mapping[str, tuple[float, float]]
+    targets: tuple[Mapping[str, Any], ...]
+
+
+def number(key: str, error: float) -> dict[str, Any]:
+    """A measured number; its value is that of the twin."""
+    return {"key": key, "value": 1.0, "error": error}
+
+
+SHAPE = {"curve": "heap.depth", "axis": "x", "at": AT, "values": [0.0] * len(AT), "errors": [0.004] * len(AT)}
+FRICTION, ROLLING = "contact.friction", "contact.rolling.friction"
+KINDS = {
+    "heap shape, 1": Kind("heap", {FRICTION: (0.1, 0.9)}, (SHAPE,)),
+    "heap shape, 2": Kind("heap", {FRICTION: (0.1, 0.9), ROLLING: (0.0, 0.4)}, (SHAPE,)),
+    "column run-out, 1": Kind("column", {FRICTION: (0.1, 0.9)}, (number("heap.run_out", 0.05),)),
+    "column run-out, 2": Kind("column", {FRICTION: (0.1, 0.9), ROLLING: (0.0, 0.4)},
+                              (number("heap.run_out", 0.05), number("heap.height", 0.03))),
+    "hopper discharge, 1": Kind("hopper", {FRICTION: (0.05, 0.8)}, (number("hopper.discharge", 60.0),)),
+    "hopper discharge, 2": Kind("hopper", {FRICTION: (0.05, 0.8), "discs.density": (2000.0, 3000.0)},
+                                (number("hopper.discharge", 60.0), number("discs.present", 2.0))),
+    "jump depth and length, 1": Kind("jump", {FRICTION: (0.0, 0.06)},
+                                     (number("jump.y2", 0.03), number("jump.length", 0.2))),
+    "jump depth and length, 2": Kind("jump", {FRICTION: (0.0, 0.06), "inflow.mean_speed": (9.0, 11.0)},
+                                     (number("jump.y2", 0.03), number("jump.length", 0.2))),
+}  # fmt: skip
+
+
+def study_of(kind: Kind) -> Calibration:
+    """The calibration whose first round is the design."""
+    points = POINTS[len(kind.vary)]
+    given = {"vary": kind.vary, "targets": [dict(one) for one in kind.targets], "members": MEMBERS}
+    return read_calibration({"case": str(CASES / f"{kind.case}.yaml"), **given, "budget": (points + 1) * MEMBERS})
+
+
+def runs_of_design(study: Calibration, folder: Path, pool: Pool) -> tuple[np.ndarray, Observed]:
+    """Points of the design, and what their runs gave."""
+    folder.mkdir(parents=True, exist_ok=True)
+    search = Search(study, folder, False, lambda _: None)
+    places = design(POINTS[len(study.vary)], len(study.vary), study.seed)
+    search.rounds = [{"of": OVER, "points": study.points(places).tolist()}]
+    return search.points, search.run(pool)
+
+
+def truths(study: Calibration, folder: Path, pool: Pool) -> list[tuple[list[float], list[Target]]]:
+    """Known numbers, and what is measured of a run at them: with scatter, by its own start, and error."""
+    rng = np.random.default_rng(study.seed)
+    points = study.points(rng.random((3 * TWINS, len(study.vary)))).tolist()
+    found: list[tuple[list[float], list[Target]]] = []
+    for first in range(0, len(points), TWINS):
+        some = [dict(zip(study.paths, one, strict=True)) for one in points[first : first + TWINS]]
+        starts = [Start(number, one, FIRST_SEED + first + number) for number, one in enumerate(some)]
+        for point, made in zip(points[first:], run_starts(study.case, starts, folder, pool), strict=False):
+            values = [target.of_run(made.folder, made.summary) for target in study.targets] if made.summary else []
+            if values and all(np.isfinite(one).all() for one in values):
+                noisy = [replace(target, measured=one + target.error * rng.normal(size=len(one)))
+                         for target, one in zip(study.targets, values, strict=True)]  # fmt: skip
+                found.append((point, noisy))
+        if len(found) >= TWINS:
+            break
+    return found[:TWINS]
+
+
+def twin_of(model: Model, targets: list[Target]) -> Model:
+    """The model of the design against the data of a twin."""
+    pairs = list(zip(model.parts, targets, strict=True))
+    kept = [np.isin(target.at, part.target.at) if target.axis else np.array([True]) for part, target in pairs]
+    measured = [part.into(target.measured[k]) for (part, target), k in zip(pairs, kept, strict=True)]
+    return replace(model, measured=np.concatenate(measured))
+
+
+def widths_of(model: Model, varied: int) -> tuple[list[tuple[float, float]], list[float]]:
+    """95 % ranges, and the widths that a perfect emulator and a known scatter would leave."""
+    found = sample(model.log_likelihood, varied)
+
+    def perfect(places: np.ndarray) -> np.ndarray:
+        mean, _ = model.at(places)
+        whole = np.broadcast_to(model.error + model.scatter, (len(places), *model.error.shape))
+        return log_t(model.measured - mean, whole, np.full(len(places), inf))
+
+    best = sample(perfect, varied)
+    ranges = [found.range_of(k) for k in range(varied)]
+    return ranges, [float(np.subtract(*reversed(best.range_of(k)))) for k in range(varied)]
+
+
+def study_kind(name: str, folder: Path, pool: Pool) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Row of a kind, and its runs for other methods."""
+    kind = KINDS[name]
+    study, place = study_of(kind), folder / name.replace(", ", "_").replace(" ", "_")
+    points, observed = runs_of_design(study, place, pool)
+    good = sorted(observed.summaries)
+    values = {target: array[good] for target, array in observed.values.items()}
+    twins = truths(study, place / "truths", pool)
+    model = model_of(study.unit(points[good]), study.targets, values)
+    inside, widths, least = [], [], []
+    for truth, targets in twins:
+        ranges, best = widths_of(twin_of(model, targets), len(kind.vary))
+        inside.append([low <= one <= high for (low, high), one in zip(ranges, study.unit([truth])[0], strict=True)])
+        widths.append([high - low for low, high in ranges])
+        least.append(best)
+    mean, best = np.mean(widths, axis=0), np.mean(least, axis=0)
+    row = {
+        "kind": name, "varied": study.paths, "runs": int(MEMBERS * len(points)), "failed": len(observed.failures),
+        "twins": len(twins), "inside": np.sum(inside, axis=0).tolist(), "width": mean.tolist(),
+        "least": best.tolist(), "grid": MEMBERS * int(np.prod([ceil(4 / one) for one in mean])),
+    }  # fmt: skip
+    runs = {
+        "paths": study.paths, "low": study.bounds[:, 0], "high": study.bounds[:, 1], "points": points[good],
+        "values": {one: np.nanmean(array, axis=1) for one, array in values.items()},
+        "twins": [{"truth": truth, "measured": {one.name: one.measured for one in data}} for truth, data in twins],
+        "ranges": widths,
+    }  # fmt: skip
+    return plain(row), plain(runs)
+
+
+def main() -> None:
+    """Run, and write both files after each kind."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("kinds", nargs="*", default=list(KINDS))
+    parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--jobs", type=int, default=2)
+    given = parser.parse_args()
+    given.out.mkdir(parents=True, exist_ok=True)
+    rows, runs = {}, {}
+    with Pool(given.jobs) as pool:
+        for name in given.kinds:
+            rows[name], runs[name] = study_kind(name, given.out, pool)
+            print(name, rows[name], flush=True)
+            (given.out / "twins.json").write_text(json.dumps({"rows": list(rows.values())}, indent=1))
+            (given.out / "ensembles.json").write_text(json.dumps(runs))
+
+
+if __name__ == "__main__":
+    main()
