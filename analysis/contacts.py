@@ -18,7 +18,7 @@ from lammps_jump.dump.frame import Frame
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.chains import FACE, records_of
 from lammps_jump.scene.motion import Placed
-from lammps_jump.scene.near import Grid, grid_of
+from lammps_jump.scene.near import FaceGrid, grid_of
 from lammps_jump.scene.walls import Wall
 
 from .beds.images import fixed_discs
@@ -106,7 +106,7 @@ class Touching(NamedTuple):
 
 
 @lru_cache
-def _grid(wall: Wall, reach: float) -> Grid:
+def _grid(wall: Wall, reach: float) -> FaceGrid:
     """Where discs of radii up to `reach` (m) find the faces of a wall."""
     return grid_of(wall.faces, 2 * reach, reach)
 

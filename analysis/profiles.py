@@ -121,7 +121,7 @@ class Binner:
         """Add a frame."""
         flow, low, width, bins = self.flow, self.edges[0], self.flow.bin_width, len(self.edges) - 1
         radius, mass = flow.radii(frame), flow.relative_masses(frame)
-        discs = Discs.of(frame.x, frame.y, frame.vx, frame.vy, radius, mass)
+        discs = FrameDiscs.of(frame.x, frame.y, frame.vx, frame.vy, radius, mass)
         known = np.isfinite(discs.u)
         sums, beyond = bin_discs(discs, low, width, bins) if known.all() else bin_known(discs, known, low, width, bins)
         joined = connected(discs, flow.bed_height(discs.x), REACH * 2.0 * flow.largest_radius(frame))
@@ -292,7 +292,7 @@ def _mean_velocity(discharge: np.ndarray, depth: np.ndarray) -> tuple[np.ndarray
         return mean, block_average((discharge - mean * depth) / deep)[1]
 
 
-class Discs(NamedTuple):
+class FrameDiscs(NamedTuple):
     """Discs of a frame as float64: place (m), velocity (m/s), radius (m), and mass in that of a nominal disc."""
 
     x: np.ndarray
@@ -303,12 +303,12 @@ class Discs(NamedTuple):
     mass: np.ndarray
 
     @classmethod
-    def of(cls, *columns: np.ndarray) -> Discs:
+    def of(cls, *columns: np.ndarray) -> FrameDiscs:
         """The same, contiguous."""
         return cls(*(np.ascontiguousarray(column, float) for column in columns))
 
 
-def bin_discs(discs: Discs, low: float, width: float, bins: int) -> tuple[np.ndarray, np.ndarray]:
+def bin_discs(discs: FrameDiscs, low: float, width: float, bins: int) -> tuple[np.ndarray, np.ndarray]:
     """Sums of discs in bins from `low` on, by the shares of their areas.
 
     Returns
@@ -334,13 +334,15 @@ def bin_discs(discs: Discs, low: float, width: float, bins: int) -> tuple[np.nda
     return sums, beyond
 
 
-def bin_known(discs: Discs, known: np.ndarray, low: float, width: float, bins: int) -> tuple[np.ndarray, np.ndarray]:
+def bin_known(
+    discs: FrameDiscs, known: np.ndarray, low: float, width: float, bins: int
+) -> tuple[np.ndarray, np.ndarray]:
     """`bin_discs` where velocities are known of some discs only, bool, shape (n,).
 
     What moves in a bin is the mean of the discs whose velocity is known, by mass, times the mass of all; NaN without.
     """
     sums, beyond = bin_discs(discs._replace(u=np.zeros(len(known)), v=np.zeros(len(known))), low, width, bins)
-    moved, _ = bin_discs(Discs.of(*(column[known] for column in discs)), low, width, bins)
+    moved, _ = bin_discs(FrameDiscs.of(*(column[known] for column in discs)), low, width, bins)
     with np.errstate(invalid="ignore", divide="ignore"):
         sums[1:4] = np.where(sums[0] > 0, moved[1:4] * sums[0] / moved[0], 0.0)
     return sums, beyond
@@ -360,7 +362,7 @@ def shares(x: np.ndarray, radius: np.ndarray, low: float, width: float, bins: in
     return np.clip(place, -1, bins).astype(int) + 1, np.diff(upto, axis=0, prepend=0.0)
 
 
-def connected(discs: Discs, bed: np.ndarray, reach: float) -> np.ndarray:
+def connected(discs: FrameDiscs, bed: np.ndarray, reach: float) -> np.ndarray:
     """Whether each disc is connected to the bed, shape (n,): a chain of centres no further apart than `reach`.
 
     The first of a chain has at most a diameter of air under it, never where `bed` under it is NaN.
@@ -384,7 +386,7 @@ def connected(discs: Discs, bed: np.ndarray, reach: float) -> np.ndarray:
 
 
 def surface_of(
-    discs: Discs, joined: np.ndarray, bed_lines: np.ndarray, low: float, width: float, bins: int
+    discs: FrameDiscs, joined: np.ndarray, bed_lines: np.ndarray, low: float, width: float, bins: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """Depth of the free surface (m) and mean u of the discs that form it (m/s, NaN where dry), a value a bin.
 
@@ -412,7 +414,7 @@ def surface_of(
     return depths / each, np.where(number, speeds / np.maximum(number, 1), np.nan)
 
 
-def _top_of_lines(discs: Discs, joined: np.ndarray, low: float, spacing: float, lines: int) -> np.ndarray:
+def _top_of_lines(discs: FrameDiscs, joined: np.ndarray, low: float, spacing: float, lines: int) -> np.ndarray:
     """The disc with the highest top edge at each line, -1 where none cuts it; of two as high the first."""
     index = np.flatnonzero(joined)
     x, radius = discs.x[index], discs.radius[index]

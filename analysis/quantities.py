@@ -94,7 +94,9 @@ QUANTITIES = {
     "runup": Quantity(runup.RunUp, runup.RunUpWatch, runup.analyse, runup.tables, runup.figures, runup.section),
     "drum": Quantity(drum.Drum, drum.SurfaceAngles, drum.analyse, drum.tables, drum.figures, drum.section),
     "hopper": Quantity(hopper.Hopper, gaps.Crossings, hopper.analyse, hopper.tables, hopper.figures, hopper.section),
-    "layers": Quantity(layers.Layers, layers.LayerSums, layers.analyse, layers.tables, layers.figures, layers.section),
+    "layers": Quantity(
+        layers.LayerProfiles, layers.LayerSums, layers.analyse, layers.tables, layers.figures, layers.section
+    ),
     "heap": Quantity(heap.Heap, heap.HeapWatch, heap.analyse, heap.tables, heap.figures, heap.section),
     "rest": Quantity(rest.Rest, rest.RestWatch, rest.analyse, rest.tables, rest.figures, rest.section),
     "tailgate": Quantity(
@@ -107,7 +109,7 @@ QUANTITIES = {
         tailgate.summary,
     ),
     "depth": Quantity(depths.Depths, None, depths.analyse, lambda _: {}, lambda *_: {}, depths.section),
-    "state": Quantity(state.State, state.StateWatch, state.analyse, lambda _: {}, lambda *_: {}, lambda _: None),
+    "state": Quantity(state.DiscState, state.StateWatch, state.analyse, lambda _: {}, lambda *_: {}, lambda _: None),
 }
 """By the key in ``summary.json``, in the order of the report."""
 BESIDE_FORCES = {"reflected_wave": ReflectedWave, "identity": Identity}

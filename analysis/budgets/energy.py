@@ -12,7 +12,7 @@ from math import nan
 import numpy as np
 
 from lammps_jump.analysis.contacts import ContactCollector
-from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Line, Panel
+from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.forces.impulse import window_lengths
 from lammps_jump.analysis.passes import Gathered, Tables
@@ -228,8 +228,8 @@ def energy_chart(energy: Energy) -> Chart | None:
         parts += (("work of the walls", history.work_of_walls, "fit"),)
     always = ("total", "kinetic", "elastic")
     kept = [one for one in parts if np.isfinite(one[1]).any() and (one[0] in always or np.any(one[1]))]
-    panels = [Panel(f"Energy [{unit}]", [Line(label, time, part / scale, look) for label, part, look in kept])]
+    panels = [Panel(f"Energy [{unit}]", [Trace(label, time, part / scale, look) for label, part, look in kept])]
     if energy.conservative and total[0] != 0:
-        off = Line("deviation from the start", time, 100 * (total / total[0] - 1))
+        off = Trace("deviation from the start", time, 100 * (total / total[0] - 1))
         panels.append(Panel("Deviation from\nthe start [%]", [off]))
     return Chart("energy of the discs", TIME, panels)

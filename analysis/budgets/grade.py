@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from lammps_jump.analysis.draw.chart import PLACE, Chart, Drawings, Line, Panel
+from lammps_jump.analysis.draw.chart import PLACE, Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.profiles import window_of, within
@@ -200,11 +200,11 @@ def figures(grade: Grade, gathered: Gathered) -> Drawings:
         return {}
     marks = {f"{station.x:z.4g} m": station.x for station in grade.stations}
     lines = [
-        Line("head H = z + p + k", line.x, line.head),
-        Line("level z + p", line.x, line.level, "third"),
-        Line("bed", line.x, line.bed, "faint"),
+        Trace("head H = z + p + k", line.x, line.head),
+        Trace("level z + p", line.x, line.level, "third"),
+        Trace("bed", line.x, line.bed, "faint"),
     ]
-    lost = Line("", line.x, grade.head_upstream - line.head)
+    lost = Trace("", line.x, grade.head_upstream - line.head)
     panels = (
         Panel("Energy head [m]", lines, marks=marks, height=1.6),
         Panel(f"Head lost since\nx = {grade.upstream:z.4g} m [m]", [lost], marks=marks),

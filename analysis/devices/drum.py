@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from lammps_jump.analysis.contacts import ContactCollector
-from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Line, Panel
+from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.profiles import window_of, within
@@ -135,7 +135,7 @@ def figures(drum: Drum, gathered: Gathered) -> Drawings:
     """Angle against time."""
     if drum.time is None or drum.angles is None:
         return {}
-    panel = Panel("Angle of the\nsurface [degrees]", [Line("", drum.time, drum.angles)])
+    panel = Panel("Angle of the\nsurface [degrees]", [Trace("", drum.time, drum.angles)])
     return {"drum": Chart("surface of the discs in the drum", TIME, [panel])}
 
 

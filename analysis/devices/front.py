@@ -17,7 +17,7 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 
 from lammps_jump.analysis.contacts import ContactCollector
-from lammps_jump.analysis.draw.chart import Chart, Drawings, Line, Panel
+from lammps_jump.analysis.draw.chart import Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.report.page import Section, Table, Text, described, percent
@@ -399,17 +399,17 @@ def front_chart(history: FrontHistory, flow: Flow) -> Chart | None:
     if not np.isfinite(history.bulk).any():
         return None
     (base, depth), gravity, time = history.column, flow.gravity, history.time
-    fronts = [Line("bulk front", time, history.bulk), Line("99 % of the discs", time, history.quantile, "second")]
+    fronts = [Trace("bulk front", time, history.bulk), Trace("99 % of the discs", time, history.quantile, "second")]
     if flow.water and gravity > 0 and depth > 0 and flow.timed:
         limit = waves.ritter_wall_time(base, depth, gravity)
         t = np.linspace(0, max(min(limit, time.max()), 1e-9), 20)
         label = f"Ritter, until its wave meets the back wall (t = {limit:z.2g} s)"
-        fronts.append(Line(label, t, base + 2 * t * np.sqrt(gravity * depth), "theory"))
-    speeds = (Line("surface, mean", time, history.top_speed), Line("tip (last 5 d)", time, history.tip_speed, "second"))
+        fronts.append(Trace(label, t, base + 2 * t * np.sqrt(gravity * depth), "theory"))
+    both = (Trace("surface, mean", time, history.top_speed), Trace("tip (last 5 d)", time, history.tip_speed, "second"))
     panels = (
         Panel("Distance from\nthe back wall [m]", fronts, height=1.5),
-        Panel("Column at the\nback wall [m]", (Line("column", time, history.height),), ylim=(0.0, None)),
-        Panel("Velocity u [m/s]", speeds),
+        Panel("Column at the\nback wall [m]", (Trace("column", time, history.height),), ylim=(0.0, None)),
+        Panel("Velocity u [m/s]", both),
     )
     return Chart("front and column", flow.time_axis, panels)
 
@@ -424,12 +424,12 @@ def martin_moyce_chart(history: FrontHistory, flow: Flow) -> Chart | None:
         return None
     ahead, same = way(flow, history, base), abs(depth / base - ASPECT) < 0.1
     fronts = [
-        Line("bulk front", values["T"][live], values["Z"][live]),
-        Line("99 % of the discs", values["T"][live], values["Z99"][live], "second"),
+        Trace("bulk front", values["T"][live], values["Z"][live]),
+        Trace("99 % of the discs", values["T"][live], values["Z99"][live], "second"),
     ]
-    columns = [Line("column", values["tau"][live], values["h"][live])]
-    for lines, table in ((fronts, measured.MARTIN_MOYCE_FRONT), (columns, measured.MARTIN_MOYCE_HEIGHT)):
-        lines += [Line("Martin & Moyce 1952, n² = 2", np.array(table.x), np.array(table.y), "measured")] if same else []
+    columns = [Trace("column", values["tau"][live], values["h"][live])]
+    for each, table in ((fronts, measured.MARTIN_MOYCE_FRONT), (columns, measured.MARTIN_MOYCE_HEIGHT)):
+        each += [Trace("Martin & Moyce 1952, n² = 2", np.array(table.x), np.array(table.y), "measured")] if same else []
     free = ahead.length / base if ahead.blocked else inf
     top = max(5.0, 1.08 * min(free, 6))
     obstacle = {"first obstacle": free} if free < top else {}

@@ -57,7 +57,7 @@ class Gap(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Outlet:
+class GapFlow:
     """A gap and the discs that have passed it, in the direction of most.
 
     Attributes
@@ -220,7 +220,7 @@ class Crossings:
                 when = since + share[inside] * (time - since)
                 self._events.append((np.full(hit.size, number), ids[hit], when, side, mass[hit]))
 
-    def outlets(self) -> list[Outlet]:
+    def outlets(self) -> list[GapFlow]:
         """The gaps that discs pass; of those behind each other the narrowest."""
         if not self._events:
             return []
@@ -238,7 +238,7 @@ class Crossings:
         return self
 
 
-def _passed(gap: Gap, ids: np.ndarray, time: np.ndarray, side: np.ndarray, mass: np.ndarray) -> Outlet:
+def _passed(gap: Gap, ids: np.ndarray, time: np.ndarray, side: np.ndarray, mass: np.ndarray) -> GapFlow:
     """The discs that end on the other side of a gap than they began, in the direction of most."""
     known, index = np.unique(ids, return_inverse=True)
     net = np.bincount(index, side)
@@ -247,12 +247,12 @@ def _passed(gap: Gap, ids: np.ndarray, time: np.ndarray, side: np.ndarray, mass:
     np.maximum.at(last, index, np.arange(len(ids)))  # events are in the order of time
     last = last[net * way > 0]
     last = last[np.argsort(time[last], kind="stable")]
-    return Outlet(gap, way, ids[last], time[last], mass[last])
+    return GapFlow(gap, way, ids[last], time[last], mass[last])
 
 
-def in_parallel(every: Sequence[Outlet]) -> list[Outlet]:
+def in_parallel(every: Sequence[GapFlow]) -> list[GapFlow]:
     """Of outlets, the narrowest first, those that do not share their discs with a narrower one."""
-    kept: list[Outlet] = []
+    kept: list[GapFlow] = []
     for one in every:
         common = [len(np.intersect1d(one.ids, other.ids)) / min(len(one.ids), len(other.ids)) for other in kept]
         if max(common, default=0.0) <= SERIES:

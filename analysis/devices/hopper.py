@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Line, Panel
+from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.report.page import Section, Table, Text, described, percent
@@ -25,7 +25,7 @@ from lammps_jump.analysis.statistics import piece_bounds, piece_error
 from lammps_jump.physics import devices
 from lammps_jump.units import Estimates, estimate, number
 
-from .gaps import Crossings, Outlet
+from .gaps import Crossings, GapFlow
 
 PIECE = 0.05
 """Share of the record over which the discharge at a time is taken."""
@@ -91,7 +91,7 @@ def analyse(gathered: Gathered) -> Hopper:
     return Hopper(**known, **_discharge(flow, outlets, known, window, ends=flow_ends(time, passed.sum(axis=0))))
 
 
-def _sum_until(outlet: Outlet, time: np.ndarray) -> np.ndarray:
+def _sum_until(outlet: GapFlow, time: np.ndarray) -> np.ndarray:
     """Sum of the masses that have passed up to each time."""
     total = np.append(0.0, np.cumsum(outlet.mass))
     return total[np.searchsorted(outlet.time, time, side="right")]
@@ -127,7 +127,7 @@ def flow_ends(time: np.ndarray, passed: np.ndarray) -> bool:
     return bool(passed[time >= time[-1] - PIECE * (time[-1] - time[0])][0] == passed[-1])
 
 
-def _gaps(outlets: Sequence[Outlet]) -> dict[str, Any]:
+def _gaps(outlets: Sequence[GapFlow]) -> dict[str, Any]:
     """Places, widths and directions of the gaps, by key."""
     return {
         "gaps": len(outlets),
@@ -139,7 +139,7 @@ def _gaps(outlets: Sequence[Outlet]) -> dict[str, Any]:
 
 
 def _discharge(
-    flow: Flow, outlets: Sequence[Outlet], known: Mapping[str, Any], window: tuple[float, float], *, ends: bool
+    flow: Flow, outlets: Sequence[GapFlow], known: Mapping[str, Any], window: tuple[float, float], *, ends: bool
 ) -> dict[str, Any]:
     """Numbers of the window, by key."""
     time, passed, mass, scene = known["time"], known["passed"], known["mass"], flow.scene
@@ -186,7 +186,7 @@ def _no_beverloo(width: float, turn: float) -> str:
     return ""
 
 
-def _above(flow: Flow, found: Crossings, outlets: Sequence[Outlet], passed: np.ndarray) -> np.ndarray | None:
+def _above(flow: Flow, found: Crossings, outlets: Sequence[GapFlow], passed: np.ndarray) -> np.ndarray | None:
     """Mass before the gaps at each time, kg/m; None where discs come in meanwhile."""
     frame, scene = found.begin, flow.scene
     if frame is None or scene.inlets or scene.pours:
@@ -236,10 +236,10 @@ def figures(hopper: Hopper, gathered: Gathered) -> Drawings:
         return {}
     total = hopper.passed.sum(axis=0)
     mean = {"mean of the window": hopper.discharge / 1e3} if isfinite(hopper.discharge) else {}
-    rates = [Line("", hopper.time, discharge_over_time(hopper.time, total) / 1e3)]
+    rates = [Trace("", hopper.time, discharge_over_time(hopper.time, total) / 1e3)]
     label, mass = ("Mass above the\nslot [t/m]", hopper.mass) if hopper.mass is not None else ("Passed [t/m]", total)
     panels = (
-        Panel(label, [Line("", hopper.time, mass / 1e3)]),
+        Panel(label, [Trace("", hopper.time, mass / 1e3)]),
         Panel("Discharge\n[t/s per metre]", rates, levels=mean, ylim=(0.0, None)),
     )
     window = (hopper.begin, hopper.end) if isfinite(hopper.begin) else None

@@ -17,7 +17,7 @@ import numpy as np
 
 from lammps_jump.analysis.contacts import ContactCollector
 from lammps_jump.analysis.devices.front import bulk_front, stack_top
-from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Line, Panel
+from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.report.page import Section, Table, described
@@ -322,8 +322,8 @@ def figures(runup: RunUp, gathered: Gathered) -> Drawings:
         return {}
     time, height, over = runup.history
     levels = {"crest": runup.crest} | ({"still water": runup.still} if isfinite(runup.still) else {})
-    panels = [Panel("Highest water\non the obstacle, y [m]", [Line("", time, height)], levels=levels)]
-    panels += [Panel("Gone over the\ncrest [m²]", [Line("", time, over)])] if over[-1] > 0 else []
+    panels = [Panel("Highest water\non the obstacle, y [m]", [Trace("", time, height)], levels=levels)]
+    panels += [Panel("Gone over the\ncrest [m²]", [Trace("", time, over)])] if over[-1] > 0 else []
     return {"runup": Chart("run-up and overtopping", TIME, panels)}
 
 

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lammps_jump.analysis.contacts import ContactCollector
-from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Line, Panel
+from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.report.page import Section, Table, Text, described
@@ -182,8 +182,8 @@ def figures(gates: Mapping[str, Tailgate], _: Gathered) -> Drawings:
             continue
         found = {"found": gate.height} if isfinite(gate.height) else {}
         panels += [
-            Panel(f"Crest of {name},\ny [m]", [Line("", time, gate.table["height"])], levels=found),
-            Panel("Front x or\nmass depth [m]", [Line("", time, gate.table["seen"])], levels={"asked": gate.target}),
+            Panel(f"Crest of {name},\ny [m]", [Trace("", time, gate.table["height"])], levels=found),
+            Panel("Front x or\nmass depth [m]", [Trace("", time, gate.table["seen"])], levels={"asked": gate.target}),
         ]
         since = (gate.settled_at, float(time[-1])) if isfinite(gate.settled_at) else since
     return {"tailgate": Chart("tailgate", TIME, tuple(panels), since)} if panels else {}

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Line, Panel
+from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.profiles import window_of, within
@@ -106,7 +106,7 @@ def figures(waves: Waves, gathered: Gathered) -> Drawings:
     """Depth at the gauges against time."""
     assert waves.time is not None and waves.records is not None
     lines = [
-        Line(f"x = {place:zg} m", waves.time, record, LOOKS[k % len(LOOKS)])
+        Trace(f"x = {place:zg} m", waves.time, record, LOOKS[k % len(LOOKS)])
         for k, (place, record) in enumerate(zip(waves.gauges, waves.records, strict=True))
     ]
     return {"gauges": Chart("depth at the gauges", TIME, [Panel("Depth of the\nfree surface [m]", lines)])}

@@ -16,7 +16,7 @@ MOST_POINTS = 1000
 """Points of a line on the page: a screen has that many columns of pixels."""
 
 
-class Line(NamedTuple):
+class Trace(NamedTuple):
     """One curve.
 
     Attributes
@@ -46,7 +46,7 @@ class Panel:
     ----------
     y : str
         Name and unit of the ordinate.
-    lines : sequence of Line
+    lines : sequence of Trace
     x : str
         Of the abscissa, where it is not that of the chart.
     levels, marks : mapping of label to number
@@ -60,7 +60,7 @@ class Panel:
     """
 
     y: str
-    lines: Sequence[Line]
+    lines: Sequence[Trace]
     x: str = ""
     levels: Mapping[str, float] = field(default_factory=dict)
     marks: Mapping[str, float] = field(default_factory=dict)
@@ -156,7 +156,7 @@ class Map(Described):
         Name and unit of y.
     signed : bool
         The colours do not begin at zero.
-    lines : sequence of Line
+    lines : sequence of Trace
         On top, y over x.
     solids : sequence of ndarray, shape (corners, 2)
         Walls.
@@ -170,7 +170,7 @@ class Map(Described):
     values: np.ndarray
     side: str
     signed: bool = False
-    lines: Sequence[Line] = ()
+    lines: Sequence[Trace] = ()
     solids: Sequence[np.ndarray] = ()
     to_scale: bool = False
 
@@ -189,9 +189,9 @@ def edges_of(middles: np.ndarray) -> np.ndarray:
     return np.concatenate([[2 * middles[0] - between[0]], between, [2 * middles[-1] - between[-1]]])
 
 
-def stairs(label: str, values: np.ndarray, edges: np.ndarray, look: str = "first") -> Line:
+def stairs(label: str, values: np.ndarray, edges: np.ndarray, look: str = "first") -> Trace:
     """A line that is constant in each bin; values of shape (n,), edges of shape (n + 1,)."""
-    return Line(label, np.repeat(edges, 2)[1:-1], np.repeat(values, 2), look)
+    return Trace(label, np.repeat(edges, 2)[1:-1], np.repeat(values, 2), look)
 
 
 def _plain_panel(panel: Panel) -> dict[str, Any]:
@@ -212,7 +212,7 @@ def _digits(values: np.ndarray) -> list[float | None]:
     return [float(f"{value:z.5g}") if value == value else None for value in np.asarray(values, float).tolist()]
 
 
-def thinned(line: Line, most: int = MOST_POINTS) -> Line:
+def thinned(line: Trace, most: int = MOST_POINTS) -> Trace:
     """The least and the largest value of equal pieces of a long line: it looks the same where a piece is a pixel."""
     count = len(line.x)
     if count <= most:

@@ -12,7 +12,7 @@ import xarray as xr
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.scene.walls import Interval
 
-from .chart import PLACE, TIME, Chart, Line, Map, Panel, shown_walls
+from .chart import PLACE, TIME, Chart, Map, Panel, Trace, shown_walls
 
 
 def axis_label(quantity: xr.DataArray) -> str:
@@ -46,16 +46,16 @@ def depth_profile(profiles: xr.Dataset, flow: Flow, *, lines: Mapping[str, float
     solids = shown_walls(flow.standing_at(profiles.attrs["window_end"]), x, y)
     upper = Panel("Height above y = 0 [m]", (surface, mass), "", lines, marks, solids, x, y, 2.2)
     speed = _mean(profiles, "velocity", 0.0, "mean discharge over mean depth")
-    skin = Line("at the surface", profiles.x.values, profiles.surface_velocity_mean.values, "second")
+    skin = Trace("at the surface", profiles.x.values, profiles.surface_velocity_mean.values, "second")
     lower = Panel("Velocity [m/s]", (speed, skin), marks=marks, xlim=x)
     begin, end, frames = (profiles.attrs[f"window_{name}"] for name in ("begin", "end", "frames"))
     return Chart(f"mean of {frames} frames, {flow.clock(begin, end)}", PLACE, (upper, lower))
 
 
-def _mean(profiles: xr.Dataset, name: str, above: Any, label: str, look: str = "first") -> Line:
+def _mean(profiles: xr.Dataset, name: str, above: Any, label: str, look: str = "first") -> Trace:
     """A mean of the window, drawn `above` this height, with its standard error."""
     values, error = profiles[f"{name}_mean"].values + above, profiles[f"{name}_stderr"].values
-    return Line(label, profiles.x.values, values, look, error)
+    return Trace(label, profiles.x.values, values, look, error)
 
 
 def _bin_edges(profiles: xr.Dataset) -> np.ndarray:
@@ -101,5 +101,5 @@ def xt_map(
         values,
         TIME if profiles.time.attrs.get("units") != "1" else "Step",
         bool(np.nanmin(values, initial=0.0) < 0),
-        () if toe is None else (Line("front", *toe, "theory"),),
+        () if toe is None else (Trace("front", *toe, "theory"),),
     )

@@ -8,13 +8,13 @@ import xarray as xr
 
 from lammps_jump.analysis.flow import Flow
 
-from .chart import PLACE, Chart, Line, Map, Panel, edges_of, shown_walls
+from .chart import PLACE, Chart, Map, Panel, Trace, edges_of, shown_walls
 from .depths import axis_label
 
 
-def _ring(corners: np.ndarray) -> Line:
+def _ring(corners: np.ndarray) -> Trace:
     x, y = np.vstack([corners, corners[:1]]).T
-    return Line("", x, y, "sum")
+    return Trace("", x, y, "sum")
 
 
 def field_map(fields: xr.Dataset, flow: Flow, variable: str = "pressure") -> Map:
@@ -90,8 +90,8 @@ def bed_pressure_chart(fields: xr.Dataset) -> Chart:
     pressure = bed_pressure(fields)
     x, stress, weight = pressure.x.values, pressure.stress.values / 1e3, pressure.hydrostatic.values / 1e3
     lines = (
-        Line("contact and kinetic stress at the bed", x, stress),
-        Line("hydrostatic: weight above", x, weight, "theory"),
+        Trace("contact and kinetic stress at the bed", x, stress),
+        Trace("hydrostatic: weight above", x, weight, "theory"),
     )
     lowest = min(0.0, float(np.min(stress[np.isfinite(stress)], initial=0.0)))
     panel = Panel("Vertical stress [kPa]", lines, ylim=(lowest, None))

@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 from lammps_jump.analysis.budgets.inflow import Arrivals
-from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Line, Map, Panel
+from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Map, Panel, Trace
 from lammps_jump.analysis.draw.depths import xt_map
 from lammps_jump.analysis.passes import Gathered
 from lammps_jump.analysis.report import Block
@@ -104,18 +104,18 @@ def _history_panel(name: str, force: Force) -> Panel:
     table, component = force.table, force.component or ""
     time, smooth = table["time"], {key: table[f"{key}_smooth"] / 1e3 for key in ("fx", "fy")}
     named = component.replace("f", "F")
-    lines = [Line(f"{named} as recorded", time, table[component] / 1e3, "faint")]
+    lines = [Trace(f"{named} as recorded", time, table[component] / 1e3, "faint")]
     largest = {key: float(np.nanmax(np.abs(values), initial=0.0)) for key, values in smooth.items()}
     for (key, values), look in zip(smooth.items(), LOOKS, strict=False):
         if largest[key] > LEAST * max(largest.values()):
-            lines.append(Line(f"{key.replace('f', 'F')}, {LOW_PASS:zg} s mean", time, values, look))
+            lines.append(Trace(f"{key.replace('f', 'F')}, {LOW_PASS:zg} s mean", time, values, look))
     if force.component == "fx" and np.isfinite(table["hydrostatic"]).any():
         sign = np.sign(force.peak) or 1.0
-        lines.append(Line("hydrostatic, wetted face", time, sign * table["hydrostatic"] / 1e3, "theory"))
+        lines.append(Trace("hydrostatic, wetted face", time, sign * table["hydrostatic"] / 1e3, "theory"))
         if force.wall is not None and force.wall.finite:
-            lines.append(Line("oncoming, ρsu² + ρgs²/2", time, sign * table["oncoming"] / 1e3, "third"))
+            lines.append(Trace("oncoming, ρsu² + ρgs²/2", time, sign * table["oncoming"] / 1e3, "third"))
     if np.isfinite(force.peak):
-        lines.append(Line(f"peak {named}", np.array([force.peak_time]), np.array([force.peak / 1e3]), "measured"))
+        lines.append(Trace(f"peak {named}", np.array([force.peak_time]), np.array([force.peak / 1e3]), "measured"))
     shown = np.concatenate([[0.0], *smooth.values()])
     room = 0.2 * (np.nanmax(shown) - np.nanmin(shown))
     ends = np.nanmin(shown) - 0.5 * room, np.nanmax(shown) + room
@@ -131,11 +131,11 @@ def impulse_chart(result: Forces) -> Chart | None:
         look, table, component = LOOKS[i % len(LOOKS)], force.table, force.component or ""
         time, moment = table["time"], table["moment_smooth"]
         impulses.append(
-            Line(f"{name}, {component.replace('f', 'F')}", time, table[f"impulse_{component[1]}"] / 1e3, look)
+            Trace(f"{name}, {component.replace('f', 'F')}", time, table[f"impulse_{component[1]}"] / 1e3, look)
         )
         if np.isfinite(moment).any() and force.component == "fx":
             point = "the foot" if force.wall is not None else "its point"
-            moments.append(Line(f"{name}, about {point}, anticlockwise", time, moment / 1e3, look))
+            moments.append(Trace(f"{name}, about {point}, anticlockwise", time, moment / 1e3, look))
     panels = [Panel("Running impulse [kN s/m]", impulses)]
     panels += [Panel(f"Moment, {LOW_PASS:zg} s mean [kN m/m]", moments)] if moments else []
     return Chart("impulse and overturning moment", TIME, panels)
@@ -150,5 +150,5 @@ def reflected_map(result: Forces, profiles: xr.Dataset) -> Map | None:
     ends = wave.time[good][[0, -1]]
     label = f"fit {wave.speed:+z.2f} m/s; bore theory {wave.bore_speed:+z.2f} m/s"
     shown = xt_map(profiles, "mass_depth", title=f"wave thrown back by {wave.structure}")
-    front = Line("reflected front", wave.position[good], wave.time[good], "measured")
-    return replace(shown, lines=(front, Line(label, wave.start + wave.speed * ends, ends, "theory")))
+    front = Trace("reflected front", wave.position[good], wave.time[good], "measured")
+    return replace(shown, lines=(front, Trace(label, wave.start + wave.speed * ends, ends, "theory")))

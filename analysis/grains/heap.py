@@ -19,7 +19,7 @@ from scipy.special import stdtrit
 
 from lammps_jump.analysis.contacts import ContactCollector
 from lammps_jump.analysis.devices.front import bulk_front, quantile_front
-from lammps_jump.analysis.draw.chart import PLACE, Chart, Drawings, Line, Panel
+from lammps_jump.analysis.draw.chart import PLACE, Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.profiles import bin_frames
@@ -114,7 +114,7 @@ class Flank(NamedTuple):
     y: tuple[float, float] = (nan, nan)
 
 
-class Column(NamedTuple):
+class StandingColumn(NamedTuple):
     """A column at the start, m: its ends and height, and whether it is free to fall to the left and to the right."""
 
     left: float
@@ -145,7 +145,7 @@ class Remains(NamedTuple):
 
     frame: Frame | None
     time: float
-    column: Column | None
+    column: StandingColumn | None
 
 
 def flank_of(x: np.ndarray, surface: np.ndarray, depth: np.ndarray, side: int) -> Flank:
@@ -193,7 +193,7 @@ class HeapWatch:
     def __init__(self, flow: Flow, _: ContactCollector | None = None):
         self.flow = flow
         self._last: tuple[Frame | None, float] = (None, nan)
-        self._column: Column | None = None
+        self._column: StandingColumn | None = None
         self._ids = np.zeros(0, np.int64)
         self._fed = False
 
@@ -206,7 +206,7 @@ class HeapWatch:
         self._fed = self._fed or not np.isin(frame.ids, self._ids).all()
         self._last = frame, time
 
-    def _column_of(self, frame: Frame) -> Column | None:
+    def _column_of(self, frame: Frame) -> StandingColumn | None:
         """The discs of a frame as a column; None where walls hold them on both sides, or where they hang in the air."""
         radii, d = self.flow.radii(frame), self.flow.scene.diameter
         left, right = float((frame.x - radii).min()), float((frame.x + radii).max())
@@ -217,7 +217,7 @@ class HeapWatch:
         if bottom - bed > d:
             return None
         height = top - float(bed if np.isfinite(bed) else bottom)
-        return Column(left, right, height, free) if any(free) and height > 0 else None
+        return StandingColumn(left, right, height, free) if any(free) and height > 0 else None
 
     def result(self) -> Remains:
         """What is left of all frames."""
@@ -326,7 +326,7 @@ def _run_out(remains: Remains, flow: Flow, shape: Shape) -> dict[str, Any]:
     }
 
 
-def published_shape(column: Column | None) -> measured.DiscHeap | None:
+def published_shape(column: StandingColumn | None) -> measured.DiscHeap | None:
     """The published heap of a column of this aspect; None where there is none."""
     if column is None:
         return None
@@ -334,7 +334,7 @@ def published_shape(column: Column | None) -> measured.DiscHeap | None:
     return next((one for one in measured.DISC_HEAPS if abs(aspect / one.aspect - 1.0) < SAME_ASPECT), None)
 
 
-def _shape_off(shape: Shape, column: Column) -> float:
+def _shape_off(shape: Shape, column: StandingColumn) -> float:
     """Root mean square of h/L0 less that of published discs; NaN where there are none of this aspect."""
     theirs = published_shape(column)
     if theirs is None:
@@ -357,16 +357,19 @@ def figures(heap: Heap, gathered: Gathered) -> Drawings:
     shape, remains = heap.shape, gathered.histories.get("heap")
     if shape is None:
         return {}
-    lines = [Line("discs, last frame", shape.x, shape.bed + shape.depth), Line("bed", shape.x, shape.bed, "faint")]
+    lines = [
+        Trace("discs, last frame", shape.x, shape.bed + shape.depth),
+        Trace("bed", shape.x, shape.bed, "faint"),
+    ]
     for flank, angle in zip(shape.flanks, (heap.angle_left, heap.angle_right), strict=True):
         if isfinite(angle):
-            lines.append(Line(f"flank, {angle:z.1f} degrees", np.array(flank.x), np.array(flank.y), "fit"))
+            lines.append(Trace(f"flank, {angle:z.1f} degrees", np.array(flank.x), np.array(flank.y), "fit"))
     column = remains.column if isinstance(remains, Remains) else None
     theirs = published_shape(column)
     if theirs is not None and column is not None:
         x = column.back + column.sides[-1] * column.base * np.array(theirs.shape.x)
         y = np.interp(x, shape.x, shape.bed) + column.base * np.array(theirs.shape.y)
-        lines.append(Line("discs by contact dynamics", x, y, "measured"))
+        lines.append(Trace("discs by contact dynamics", x, y, "measured"))
     panel = Panel("Height [m]", lines, xlim=(heap.left - 2 * heap.height, heap.right + 2 * heap.height))
     return {"heap": Chart("shape of the heap", PLACE, [panel])}
 

@@ -17,10 +17,10 @@ from typing import Any
 import numpy as np
 
 from lammps_jump.analysis.contacts import ContactCollector, touching, whole_forces
-from lammps_jump.analysis.draw.chart import Chart, Drawings, Line, Panel
+from lammps_jump.analysis.draw.chart import Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
-from lammps_jump.analysis.profiles import Discs, shares, window_of, within
+from lammps_jump.analysis.profiles import FrameDiscs, shares, window_of, within
 from lammps_jump.analysis.report.page import Section, Table, described
 from lammps_jump.core.library import INTEGER, INTEGERS, REALS, core, function
 from lammps_jump.dump.frame import Frame
@@ -43,7 +43,7 @@ _add_contacts = function(
 
 
 @dataclass(frozen=True)
-class Layers:
+class LayerProfiles:
     """Profiles over y in a stretch of x, means of the window; `shear_rate` … are by mass over all layers with discs."""
 
     layers: int = number("", "layers with discs", default=0)
@@ -157,7 +157,7 @@ class LayerSums:
         where = np.array([*self.stretch, self.edges[0], self.edges[1] - self.edges[0]])
         if frame.n:
             mass = flow.scene.mass * flow.relative_masses(frame)
-            discs = Discs.of(frame.x, frame.y, frame.vx, frame.vy, flow.radii(frame), mass)
+            discs = FrameDiscs.of(frame.x, frame.y, frame.vx, frame.vy, flow.radii(frame), mass)
             add_discs(discs, where, sums)
             if flow.knows_contacts:
                 found = touching(frame, flow)
@@ -176,7 +176,7 @@ class LayerSums:
         return Sums(np.array(self._times), sums, self.edges, self.stretch, self.flow.knows_contacts)
 
 
-def add_discs(discs: Discs, where: np.ndarray, sums: np.ndarray) -> None:
+def add_discs(discs: FrameDiscs, where: np.ndarray, sums: np.ndarray) -> None:
     """Add discs to the sums of the layers; `where` holds begin and end in x, lowest edge and height of a layer, m.
 
     At the ends of the stretch the share in x times that in y stands for the share of the area in both. The mass of
@@ -249,7 +249,7 @@ def _slopes(y: np.ndarray, u: np.ndarray) -> np.ndarray:
     return found
 
 
-def analyse(gathered: Gathered) -> Layers:
+def analyse(gathered: Gathered) -> LayerProfiles:
     """Profiles over the layers of a run, of the frames in its window."""
     flow, found = gathered.flow, gathered.histories["layers"]
     assert isinstance(found, Sums)
@@ -261,13 +261,13 @@ def analyse(gathered: Gathered) -> Layers:
         "end": found.stretch[1],
     }
     if not found.sums[inside, MASS].any():
-        return Layers(**about, reason="no disc is in the stretch within the window")
+        return LayerProfiles(**about, reason="no disc is in the stretch within the window")
     if unknown.all(where=inside):
-        return Layers(**about, reason="every frame of the window has a disc whose velocity is not known")
+        return LayerProfiles(**about, reason="every frame of the window has a disc whose velocity is not known")
     inside &= ~unknown
     profile = profile_of(found, inside, flow)
     mass = found.sums[inside, MASS].mean(axis=0)[: len(profile.y)]
-    return Layers(
+    return LayerProfiles(
         layers=int((mass > 0).sum()),
         **about,
         frames=int(inside.sum()),
@@ -295,31 +295,31 @@ def _by_mass(values: np.ndarray, mass: np.ndarray) -> float:
     return float(np.average(values[there], weights=mass[there])) if there.any() else nan
 
 
-def tables(layers: Layers) -> Tables:
+def tables(layers: LayerProfiles) -> Tables:
     """The profile, a row a layer."""
     return {} if layers.profile is None else {"layers.csv": vars(layers.profile)}
 
 
-def figures(layers: Layers, gathered: Gathered) -> Drawings:
+def figures(layers: LayerProfiles, gathered: Gathered) -> Drawings:
     """Velocity, packing, stress and inertial number over the height."""
     profile = layers.profile
     if profile is None:
         return {}
     y, scale = profile.y, 1e3
     panels = [
-        Panel("Velocity u\nalong x [m/s]", [Line("", y, profile.velocity)]),
-        Panel("Solid\nfraction", [Line("", y, profile.packing)], ylim=(0.0, None)),
-        Panel("Granular\ntemperature\n[m²/s²]", [Line("", y, profile.temperature)], ylim=(0.0, None)),
+        Panel("Velocity u\nalong x [m/s]", [Trace("", y, profile.velocity)]),
+        Panel("Solid\nfraction", [Trace("", y, profile.packing)], ylim=(0.0, None)),
+        Panel("Granular\ntemperature\n[m²/s²]", [Trace("", y, profile.temperature)], ylim=(0.0, None)),
     ]
     if np.isfinite(profile.stress_yy).any():
         stresses = (
-            Line("σ_yy", y, profile.stress_yy / scale),
-            Line("σ_xx", y, profile.stress_xx / scale, "second"),
-            Line("τ", y, profile.stress_xy / scale, "third"),
+            Trace("σ_yy", y, profile.stress_yy / scale),
+            Trace("σ_xx", y, profile.stress_xx / scale, "second"),
+            Trace("τ", y, profile.stress_xy / scale, "third"),
         )
         panels.append(Panel("Stress [kPa]", stresses))
-        panels.append(Panel("Inertial\nnumber I", [Line("", y, profile.inertial_number)], ylim=(0.0, None)))
-        panels.append(Panel("Friction\nμ = |τ|/σ_yy", [Line("", y, profile.friction)], ylim=(0.0, None)))
+        panels.append(Panel("Inertial\nnumber I", [Trace("", y, profile.inertial_number)], ylim=(0.0, None)))
+        panels.append(Panel("Friction\nμ = |τ|/σ_yy", [Trace("", y, profile.friction)], ylim=(0.0, None)))
     stretch = f"x = {layers.begin:z.3g} … {layers.end:z.3g} m"
     return {"layers": Chart(f"layers, {stretch}", "Height y [m]", panels)}
 
@@ -330,4 +330,4 @@ def section(layers: Mapping[str, Any]) -> Section:
         return Section("Layers", [])
     keys = ("begin", "end", "height", "layers", "packing", "velocity", "fastest")
     known = [key for key in ("pressure", "inertial_number", "friction") if isfinite(layers.get(key) or nan)]
-    return Section("Layers", [Table(described(Layers, layers, *keys, *known))])
+    return Section("Layers", [Table(described(LayerProfiles, layers, *keys, *known))])

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from lammps_jump.analysis.contacts import ContactCollector
-from lammps_jump.analysis.draw.chart import Chart, Drawings, Line, Panel
+from lammps_jump.analysis.draw.chart import Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.report.page import Section, Table, Text, described
@@ -245,9 +245,9 @@ def figures(rest: Rest, gathered: Gathered) -> Drawings:
     with np.errstate(divide="ignore", invalid="ignore"):
         digits = np.log10(np.maximum(history.speed / scale, LOWEST))
     panels = (
-        Panel("Median speed,\nlog₁₀ of v/√(g d)", [Line("", history.time, digits)],
+        Panel("Median speed,\nlog₁₀ of v/√(g d)", [Trace("", history.time, digits)],
               levels={f"rest: {SLOW:zg}": float(np.log10(SLOW))}, marks=marks),
-        Panel("Highest edge\nof the discs [m]", [Line("", history.time, history.top)], marks=marks),
+        Panel("Highest edge\nof the discs [m]", [Trace("", history.time, history.top)], marks=marks),
     )  # fmt: skip
     return {"rest": Chart("the discs come to rest", flow.time_axis, panels)}
 

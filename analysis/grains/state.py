@@ -22,7 +22,7 @@ MIDDLE = (0.01, 0.99)
 
 
 @dataclass(frozen=True)
-class State:
+class DiscState:
     """The discs of the last frame that holds some; NaN where a dump has no velocities."""
 
     time: float = number("s", "time of the last frame with discs", default=nan)
@@ -59,13 +59,13 @@ class StateWatch(RestWatch):
         return self
 
 
-def analyse(gathered: Gathered) -> State:
+def analyse(gathered: Gathered) -> DiscState:
     """Numbers of the last frame that holds discs."""
     flow, watch = gathered.flow, gathered.histories["state"]
     assert isinstance(watch, StateWatch)
     frame, time = watch.last
     if frame is None:
-        return State()
+        return DiscState()
     radii, mass = flow.radii(frame), flow.relative_masses(frame)
     room = [float(np.diff(np.quantile(place, MIDDLE))[0] + 2.0 * radii.mean()) for place in (frame.x, frame.y)]
     known: dict[str, Any] = {"time": time if flow.timed else nan, "discs": frame.n, "first_discs": watch.first}
@@ -73,11 +73,11 @@ def analyse(gathered: Gathered) -> State:
     speeds = np.hypot(frame.vx, frame.vy)
     told = np.isfinite(speeds)
     if not told.any():
-        return State(**known)
+        return DiscState(**known)
     speeds, mass = speeds[told], mass[told]
     median = float(np.median(speeds))
     rest = RestWatch.result(watch)
-    return State(
+    return DiscState(
         **known,
         speed=median,
         speed_over_root_gd=median / sqrt(flow.g * flow.scene.diameter) if flow.g > 0 else nan,

@@ -8,7 +8,7 @@ from math import isfinite
 
 import numpy as np
 
-from lammps_jump.analysis.draw.chart import PLACE, Bars, Chart, Line, Panel, stairs
+from lammps_jump.analysis.draw.chart import PLACE, Bars, Chart, Panel, Trace, stairs
 from lammps_jump.units import numbers_of
 
 from .stream import running_median
@@ -22,16 +22,16 @@ def track_chart(jump: Jump) -> Chart | None:
     if track is None or not track.found.any():
         return None
     lines = [
-        Line("toe", track.time, track.toe),
-        Line("end", track.time, track.end, "second"),
-        Line("front of equal mass", track.time, track.position, "sum"),
+        Trace("toe", track.time, track.toe),
+        Trace("end", track.time, track.end, "second"),
+        Trace("front of equal mass", track.time, track.position, "sum"),
     ]
     if track.compression is not None and np.isfinite(track.compression).any():
-        lines.append(Line("", track.time, track.compression, "dots"))
-        lines.append(Line("front of the compression", track.time, running_median(track.compression), "third"))
+        lines.append(Trace("", track.time, track.compression, "dots"))
+        lines.append(Trace("front of the compression", track.time, running_median(track.compression), "third"))
     if result.motion is not None:
         ends = np.array(result.window)
-        lines.append(Line("fit in the window", ends, result.motion.start + result.motion.speed * ends, "fit"))
+        lines.append(Trace("fit in the window", ends, result.motion.start + result.motion.speed * ends, "fit"))
     return Chart(result.verdict, result.flow.time_axis, (Panel(PLACE, lines),), result.window)
 
 
@@ -66,18 +66,18 @@ def frame_chart(jump: Jump) -> Chart | None:
     covered = xi[np.isfinite(depth)]
     limits = max(result.upstream.zone[0] - 2, covered[0]), min(result.downstream.zone[1] + 2, covered[-1])
     lines = [
-        Line("free surface h", xi, mean("surface_depth")),
-        Line("mass depth s", xi, depth, "second"),
+        Trace("free surface h", xi, mean("surface_depth")),
+        Trace("mass depth s", xi, depth, "second"),
     ]
     for state, name in ((result.upstream, "s₁"), (result.downstream, "s₂")):
-        lines.append(Line(name, np.array(state.zone), np.full(2, state.mass_depth), "fit"))
+        lines.append(Trace(name, np.array(state.zone), np.full(2, state.mass_depth), "fit"))
     levels = {f"Bélanger, {jump.of}": jump.belanger_y2} if jump.belanger_y2 > 0 else {}
     marks = {"toe": result.surface_toe, "end": result.surface_end}
     top = 1.1 * max(np.nanmax(depth), np.nan_to_num(jump.belanger_y2))
     with np.errstate(invalid="ignore", divide="ignore"):
         speeds = [
-            Line("mean velocity u", xi, mean("discharge") / depth),
-            Line("at the surface", xi, mean("surface_velocity"), "second"),
+            Trace("mean velocity u", xi, mean("discharge") / depth),
+            Trace("at the surface", xi, mean("surface_velocity"), "second"),
         ]
     panels = (
         Panel("Depth [m]", lines, "", levels, marks, (), limits, (0.0, top), 1.8),

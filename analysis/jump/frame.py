@@ -149,7 +149,7 @@ def crossing(xi: np.ndarray, values: np.ndarray, level: float, around: float) ->
 
 
 @dataclass(frozen=True)
-class State:
+class FlowState:
     """The flow on one side of the jump.
 
     Attributes
@@ -231,7 +231,7 @@ def share(part: float, whole: float) -> float:
     return part / whole if whole else nan
 
 
-def measure_state(moving: Moving, zone: tuple[float, float], speed: float, gravity: float) -> State:
+def measure_state(moving: Moving, zone: tuple[float, float], speed: float, gravity: float) -> FlowState:
     """Averages over a stretch of the moving frame, m from the front; the velocity is discharge over mass depth."""
     share = moving.shares(*zone)
     chosen = np.flatnonzero(share > 0)
@@ -247,7 +247,7 @@ def measure_state(moving: Moving, zone: tuple[float, float], speed: float, gravi
     means = {name: float(known_mean(inside(name))) for name in names}
     thrust = mean_of(inside("thrust")) if "thrust" in moving.fields else Mean(nan, nan)
     velocity = means["discharge"] / means["mass_depth"]
-    return State(zone, speed, gravity, velocity, **means, **as_fields(thrust=thrust))
+    return FlowState(zone, speed, gravity, velocity, **means, **as_fields(thrust=thrust))
 
 
 def zones(
@@ -315,7 +315,7 @@ class Balance:
     lower_bounds: tuple[str, ...] = ("pressure",)
 
 
-def balance(moving: Moving, one: State, two: State, along: float) -> Balance:
+def balance(moving: Moving, one: FlowState, two: FlowState, along: float) -> Balance:
     """Momentum balance between the middles of the two states' zones.
 
     Parameters
@@ -323,12 +323,12 @@ def balance(moving: Moving, one: State, two: State, along: float) -> Balance:
     moving : Moving
         With ``mass_depth``, ``discharge`` and, where contacts are known, ``thrust`` and ``bed`` (force of the walls on
         the discs over the bin width and density, m^2/s^2).
-    one, two : State
+    one, two : FlowState
     along : float
         Gravity along the bed, m/s^2.
     """
 
-    def change(part: Callable[[State], float]) -> float:
+    def change(part: Callable[[FlowState], float]) -> float:
         return part(one) - part(two)
 
     def between(values: np.ndarray) -> np.ndarray:
@@ -371,7 +371,7 @@ class Mass:
     speed_from_mass: float = number("m/s", "from mass, (s₂u₂ − s₁u₁)/(s₂ − s₁)")
 
 
-def mass_balance(moving: Moving, one: State, two: State) -> Mass:
+def mass_balance(moving: Moving, one: FlowState, two: FlowState) -> Mass:
     """Mass fluxes through the moving front, their relative difference, storage in between."""
     flux_1, flux_2 = one.mass_flux, two.mass_flux
     growth = growth_rate(moving.time, moving.integral(moving.fields["mass_depth"], one.middle, two.middle))

@@ -24,7 +24,7 @@ from lammps_jump.units import number
 from . import frame
 from .stream import Stream, compression_front, measure_stream
 from .tail import Tail, measure_tail
-from .track import TO_THE_END, AlongStream, JumpTrack, Motion, piece_speeds, straight_motion, track_jump
+from .track import TO_THE_END, AlongStream, FrontMotion, JumpTrack, piece_speeds, straight_motion, track_jump
 
 Stretches = tuple[tuple[float, float], tuple[float, float]]
 
@@ -46,7 +46,7 @@ INLET_REACH = 2.0
 
 
 @dataclass(frozen=True)
-class Heap:
+class StandingHeap:
     """Discs behind the jump that stand still."""
 
     standing_share: float = number("", "share of the discs behind the toe that stand still", default=nan)
@@ -75,19 +75,19 @@ class JumpResult(AlongStream):
     track : JumpTrack or None
     toe_speed, end_speed : float
         Of the toe and the end, along x, m/s.
-    motion : Motion or None
+    motion : FrontMotion or None
         Of the front of equal mass.
     moving : frame.Moving or None
     toe, end : float
         In the moving frame, from the mean mass depth, m along the stream from the front; `surface_toe`, `surface_end`
         from the surface.
-    upstream, downstream : frame.State or None
+    upstream, downstream : frame.FlowState or None
     developed : bool or None
         A level stretch behind the end was there to be measured.
     balance : frame.Balance or None
     mass : frame.Mass or None
     roller : frame.Roller or None
-    heap : Heap or None
+    heap : StandingHeap or None
     tail : Tail or None
     """
 
@@ -101,19 +101,19 @@ class JumpResult(AlongStream):
     track: JumpTrack | None = None
     toe_speed: float = nan
     end_speed: float = nan
-    motion: Motion | None = None
+    motion: FrontMotion | None = None
     moving: frame.Moving | None = None
     toe: float = nan
     end: float = nan
     surface_toe: float = nan
     surface_end: float = nan
-    upstream: frame.State | None = None
-    downstream: frame.State | None = None
+    upstream: frame.FlowState | None = None
+    downstream: frame.FlowState | None = None
     developed: bool | None = None
     balance: frame.Balance | None = None
     mass: frame.Mass | None = None
     roller: frame.Roller | None = None
-    heap: Heap | None = None
+    heap: StandingHeap | None = None
     tail: Tail | None = None
     stream: Stream | None = None
     pieces: tuple[JumpResult, ...] = ()
@@ -286,7 +286,7 @@ def _pieces(whole: JumpResult) -> tuple[JumpResult, ...]:
     for (first, stop), toe, end, front in zip(bounds, *speeds, strict=True):
         inside = np.zeros_like(whole.in_window)
         inside[frames[first:stop]] = True
-        motion = Motion(float(front), nan, nan, 2)
+        motion = FrontMotion(float(front), nan, nan, 2)
         moved = replace(whole, in_window=inside, toe_speed=float(toe), end_speed=float(end), motion=motion)
         zones_kept = whole.upstream.zone, whole.downstream.zone
         moving = whole.moving.cut(slice(first, stop))
@@ -295,7 +295,7 @@ def _pieces(whole: JumpResult) -> tuple[JumpResult, ...]:
     return tuple(result) if known else ()
 
 
-def _ends(moving: frame.Moving, name: str, one: frame.State, two: frame.State, toe, end) -> tuple[float, float]:
+def _ends(moving: frame.Moving, name: str, one: frame.FlowState, two: frame.FlowState, toe, end) -> tuple[float, float]:
     """Where the mean profile of a depth has made 5 % and 95 % of its rise; the given places where it does not cross."""
     profile, level = moving.smoothed(name, frame.SMOOTHED * two.mass_depth), getattr(one, name)
     rise = getattr(two, name) - level
@@ -304,17 +304,17 @@ def _ends(moving: frame.Moving, name: str, one: frame.State, two: frame.State, t
     return toe, max(end, toe)
 
 
-def _heap(stream: xr.Dataset, start: float, gravity: float) -> Heap:
+def _heap(stream: xr.Dataset, start: float, gravity: float) -> StandingHeap:
     """How much of the discs behind the jump stands still, and how steep their surface is."""
     x, depth, discharge = stream.x.values, *(stream[name].values.mean(axis=0) for name in ("mass_depth", "discharge"))
     behind = (x > start) & (depth > 0)
     x, s, q = x[behind], depth[behind], discharge[behind]
     if len(x) < 3:
-        return Heap()
+        return StandingHeap()
     standing = np.abs(q / s) < STILL * np.sqrt(gravity * s)
     crest = int(np.argmax(s))
     slope = float(np.polyfit(x[crest:], s[crest:], 1)[0]) if len(s) - crest >= 3 else nan
-    return Heap(float(s[standing].sum() / s.sum()), slope)
+    return StandingHeap(float(s[standing].sum() / s.sum()), slope)
 
 
 def _judge(result: JumpResult, used: np.ndarray, gravity: float, to_inlet: float, drowned: bool) -> tuple[str, str]:

@@ -18,7 +18,7 @@ from lammps_jump.units import Estimates, estimate, number
 from .certainty import LOCAL_BOUNDS, LOWER_BOUNDS, Drift, Members, drift, errors, members
 from .frame import Balance, Mass, Roller, measure_state, share
 from .head import Budget
-from .result import Heap, JumpResult
+from .result import JumpResult, StandingHeap
 from .stream import Stream
 from .tail import Tail, against, froude
 
@@ -102,7 +102,7 @@ class Jump(Estimates):
     frames_found: int | None = None
     frames_in_window: int | None = None
     share_found: float = number("", "share of the window's frames that have a jump", default=nan)
-    heap: Heap | None = None
+    heap: StandingHeap | None = None
     filling: bool | None = None
     time: float = number("s", "time of the last frame used", default=nan)
     position: float = number("m", "front at that time", default=nan)

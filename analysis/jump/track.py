@@ -256,7 +256,7 @@ def equivalent_position(
 
 
 @dataclass(frozen=True)
-class Motion(AlongStream):
+class FrontMotion(AlongStream):
     """Straight-line motion.
 
     Attributes
@@ -275,16 +275,16 @@ class Motion(AlongStream):
     points: int
 
 
-def straight_motion(time: np.ndarray, position: np.ndarray) -> Motion:
+def straight_motion(time: np.ndarray, position: np.ndarray) -> FrontMotion:
     """Speed by least squares; NaN with fewer than two points, its error with fewer than two points a piece."""
     good = np.isfinite(position) & np.isfinite(time)
     t, x = time[good], position[good]
     n = len(t)
     if n < 2 or np.ptp(t) == 0:
-        return Motion(nan, nan, nan, n)
+        return FrontMotion(nan, nan, nan, n)
     centred = t - t.mean()
     speed = float(centred @ x) / float(centred @ centred)
-    return Motion(speed, piece_error(piece_speeds(t, x)), float(x.mean() - speed * t.mean()), n)
+    return FrontMotion(speed, piece_error(piece_speeds(t, x)), float(x.mean() - speed * t.mean()), n)
 
 
 def piece_speeds(time: np.ndarray, position: np.ndarray) -> np.ndarray:

@@ -23,11 +23,11 @@ Ends = tuple[Number | None, Number | None]
 Labelled = Annotated[list[tuple[Text, Number | None]], Field(max_length=MOST_LINES)]
 
 
-class _Part(BaseModel, strict=True, extra="forbid"):
+class _CurvePart(BaseModel, strict=True, extra="forbid"):
     pass
 
 
-class _Line(_Part):
+class _Line(_CurvePart):
     label: Text
     look: Literal["first", "second", "third", "sum", "theory", "measured", "fit", "faint", "dots"]
     x: Values | None = None
@@ -35,7 +35,7 @@ class _Line(_Part):
     error: Values | None = None
 
 
-class _Panel(_Part):
+class _Panel(_CurvePart):
     y: Text
     x: Text
     lines: Annotated[list[_Line], Field(max_length=MOST_LINES)]
@@ -58,7 +58,7 @@ class _Panel(_Part):
         return self
 
 
-class _Chart(_Part):
+class _Chart(_CurvePart):
     title: Text
     x: Text
     time: bool
@@ -66,13 +66,13 @@ class _Chart(_Part):
     panels: Annotated[list[_Panel], Field(max_length=MOST_PANELS)]
 
 
-class _Bars(_Part):
+class _Bars(_CurvePart):
     title: Text
     x: Text
     bars: Labelled
 
 
-class _Stored(RootModel[dict[Text, _Chart | _Bars]]):
+class _StoredCurves(RootModel[dict[Text, _Chart | _Bars]]):
     pass
 
 
@@ -86,7 +86,7 @@ def read_curves(folder: Path) -> dict[str, dict[str, Any]]:
     """
     path = folder / CURVES
     try:
-        stored = _Stored.model_validate_json(read_file(path, MOST_JSON))
+        stored = _StoredCurves.model_validate_json(read_file(path, MOST_JSON))
     except FileNotFoundError:
         return {}
     except OSError as error:

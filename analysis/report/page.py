@@ -67,7 +67,7 @@ class Table(NamedTuple):
         return [any(len(row) > i and _is_number(row[i]) for row in self.rows) for i in range(columns)]
 
 
-class Box(NamedTuple):
+class NumberBox(NamedTuple):
     """One of the few numbers at the top, half its interval as text, and what it is compared with."""
 
     label: str
@@ -80,7 +80,7 @@ class Box(NamedTuple):
 class Boxes(NamedTuple):
     """Numbers at the top of a page."""
 
-    numbers: Sequence[Box]
+    numbers: Sequence[NumberBox]
 
 
 class Items(NamedTuple):
@@ -126,7 +126,7 @@ class Slider(NamedTuple):
     values: Sequence[str]
 
 
-class Choice(NamedTuple):
+class PlayerChoice(NamedTuple):
     """A player with a list of runs by name, of which it shows one; the number `shown` first.
 
     `axes` are sliders that choose the run at their `places`, the number of a value on each axis for each run. `sides`
@@ -157,7 +157,7 @@ class Beside(NamedTuple):
         return self.blocks
 
 
-Block = Text | Table | Boxes | Items | Code | Picture | Curve | Player | Choice | Beside
+Block = Text | Table | Boxes | Items | Code | Picture | Curve | Player | PlayerChoice | Beside
 
 
 class Section(NamedTuple):
@@ -181,7 +181,7 @@ def render(
         for heading, blocks in filter(None, sections)
     ]
     given = [block for section in full for block in section.blocks]
-    blocks = [one for block in given for one in (block.parts if isinstance(block, Beside | Choice) else [block])]
+    blocks = [one for block in given for one in (block.parts if isinstance(block, Beside | PlayerChoice) else [block])]
     players = [block._replace(frames=_packed(block.frames)) for block in blocks if isinstance(block, Player)]
     curves = [block for block in blocks if isinstance(block, Curve)]
     numbers: list[np.ndarray] = [np.zeros(1)]

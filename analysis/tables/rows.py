@@ -23,11 +23,11 @@ from lammps_jump.analysis.devices.runup import RunUp
 from lammps_jump.analysis.devices.waves import Waves
 from lammps_jump.analysis.forces.history import Force
 from lammps_jump.analysis.grains.heap import Heap
-from lammps_jump.analysis.grains.layers import Layers
+from lammps_jump.analysis.grains.layers import LayerProfiles
 from lammps_jump.analysis.grains.rest import Rest
 from lammps_jump.analysis.jump.summary import Jump
 from lammps_jump.analysis.report.headline import A_JUMP, COMPARED, against_water, belongs
-from lammps_jump.analysis.report.page import Box, heading
+from lammps_jump.analysis.report.page import NumberBox, heading
 from lammps_jump.analysis.statistics import Mean
 from lammps_jump.analysis.verdicts import is_shown
 from lammps_jump.units import ABSENT, POWERS, ROUND_OFF, numbers_of, shown
@@ -67,7 +67,7 @@ class Wanted(NamedTuple):
     plain: bool = False
 
 
-class Row(NamedTuple):
+class MeasuredRow(NamedTuple):
     """A measured number, theory (at the path `held`) and their difference; NaN where there is none."""
 
     path: str
@@ -147,10 +147,10 @@ FOUND = (
     Wanted("heap.height", Heap),
     Wanted("hopper.slot_in_diameters", Hopper, label="width of the gap over the diameter"),
     Wanted("hopper.change", Hopper, label="discharge, second half of the window over the first", **PERCENT),
-    Wanted("layers.inertial_number", Layers),
-    Wanted("layers.friction", Layers),
-    Wanted("layers.packing", Layers),
-    Wanted("layers.velocity", Layers),
+    Wanted("layers.inertial_number", LayerProfiles),
+    Wanted("layers.friction", LayerProfiles),
+    Wanted("layers.packing", LayerProfiles),
+    Wanted("layers.velocity", LayerProfiles),
     Wanted("front.position", Front, label="front after {time}"),
     Wanted("front.speed", Front, "Ritter", WATER),
     Wanted("front.speed", Front),
@@ -183,7 +183,7 @@ def lone(values: Sequence[float]) -> Mean:
 
 def rows_of(
     summaries: Sequence[Mapping], mean: Callable[[Sequence[float]], Mean] = lone, *, most: int = MOST
-) -> list[Row]:
+) -> list[MeasuredRow]:
     """The numbers of one run, or their means over starts of one case.
 
     Parameters
@@ -199,7 +199,9 @@ def rows_of(
     return [row for row, _ in zip(found, range(most), strict=False)]
 
 
-def _rows(wanted: Wanted, summaries: Sequence[Mapping], mean: Callable[[Sequence[float]], Mean]) -> Iterator[Row]:
+def _rows(
+    wanted: Wanted, summaries: Sequence[Mapping], mean: Callable[[Sequence[float]], Mean]
+) -> Iterator[MeasuredRow]:
     first = summaries[0] if summaries else {}
     key = wanted.path.rpartition(".")[2]
     for name, component in _structures(key, first).items() if "*" in wanted.path else [("", "")]:
@@ -217,7 +219,7 @@ def _rows(wanted: Wanted, summaries: Sequence[Mapping], mean: Callable[[Sequence
         ends = [_at(first, f"grade.{key}") for key in ("upstream", "downstream")]
         when["stations"] = " to ".join(f"{x:z.3g}" for x in ends if isinstance(x, int | float)) + " m"
         when |= {"component": component.replace("f", "F")}
-        yield Row(
+        yield MeasuredRow(
             path,
             other,
             (wanted.label or number.meaning).format(**when),
@@ -276,9 +278,9 @@ def _text(found: Mean, *, alone: bool = False) -> str:
     return (f"{found.value:z.0f}" if whole else f"{found.value:z#.3g}".rstrip(".")).replace("-", "−")
 
 
-def tiles(rows: Sequence[Row]) -> list[Box]:
+def tiles(rows: Sequence[MeasuredRow]) -> list[NumberBox]:
     """The numbers at the top of a page; a number that is held against two theories stands once."""
-    boxes: dict[str, Box] = {}
+    boxes: dict[str, NumberBox] = {}
     for row in rows:
         against = ", ".join(filter(None, row.numbers()[1:]))
         against += f", because it is {HOLDS[row.words]}" if row.far else ""
@@ -286,11 +288,11 @@ def tiles(rows: Sequence[Row]) -> list[Box]:
             boxes[row.label] = before._replace(against="; ".join(filter(None, (before.against, against))))
             continue
         value, _, error = _text(row.measured).partition(" ± ")
-        boxes[row.label] = Box(heading(row.label, ""), value, row.unit.translate(POWERS), error, against)
+        boxes[row.label] = NumberBox(heading(row.label, ""), value, row.unit.translate(POWERS), error, against)
     return list(boxes.values())
 
 
-def table(rows: Sequence[Row], width: int) -> list[str]:
+def table(rows: Sequence[MeasuredRow], width: int) -> list[str]:
     """The numbers as lines of a screen of so many columns."""
     labels = [row.label if k == 0 or row.label != rows[k - 1].label else "" for k, row in enumerate(rows)]
     cells = [("", "measured", "theory", "difference")]

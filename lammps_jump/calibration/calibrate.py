@@ -23,7 +23,7 @@ from lammps_jump.sweeps import Pool, Sweep, open_sweep, slurm
 
 from .answer import answer, no_answer, with_words
 from .emulator import require_sklearn
-from .search import POINTS, Fit, Observed, Progress, Search
+from .search import POINTS, Fit, Observed, Search, SearchProgress
 from .study import Calibration, read_calibration
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ def calibrate(
     *,
     budget: int | None = None,
     members: int | None = None,
-    progress: Callable[[Progress], None] = lambda progress: None,
+    progress: Callable[[SearchProgress], None] = lambda progress: None,
     **more: Unpack[More],
 ) -> Calibrated:
     """Find numbers of a case from measurements; what the folder holds is not run again.
@@ -72,7 +72,7 @@ def calibrate(
     members : int, optional
         Starts of each point; default 2.
     progress : callable, optional
-        Called with a `Progress`.
+        Called with a `SearchProgress`.
     more
         seed of the points; set, changed values of the case; jobs, processes at once; retry what failed.
 

@@ -12,12 +12,12 @@ import numpy as np
 
 from lammps_jump.analysis.draw.style import BLACK, BLUE, GOLD, GREY, RED, drawing, save
 from lammps_jump.analysis.report.page import (
-    Box,
     Boxes,
-    Choice,
     Code,
     Items,
+    NumberBox,
     Player,
+    PlayerChoice,
     Section,
     Table,
     Text,
@@ -84,17 +84,17 @@ def nearest_first(data: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     return sorted(data["points"], key=lambda one: np.inf if one["distance"] is None else one["distance"])
 
 
-def boxes(data: Mapping[str, Any]) -> list[Box]:
+def boxes(data: Mapping[str, Any]) -> list[NumberBox]:
     """Best values with their ranges."""
     return [
-        Box(named(path), brief(one["best"]) if one["identified"] else ABSENT, unit(path), "",
+        NumberBox(named(path), brief(one["best"]) if one["identified"] else ABSENT, unit(path), "",
             f"95 %: {brief(one['low'])} to {brief(one['high'])}")
         for path, one in data["parameters"].items()
         if one["best"] is not None
     ]  # fmt: skip
 
 
-def players(data: Mapping[str, Any], folder: Path) -> list[Choice | Text]:
+def players(data: Mapping[str, Any], folder: Path) -> list[PlayerChoice | Text]:
     """Runs of the points that are nearest to the measurements, as many as the page has room for."""
     kept: list[Player] = []
     names: list[str] = []
@@ -111,7 +111,10 @@ def players(data: Mapping[str, Any], folder: Path) -> list[Choice | Text]:
                 names.append(f"{point_text(one['values'])}, start {start}")
     if not kept:
         return []
-    return [Choice(kept, names, 0), Text("The runs that are nearest to the measurements, the nearest first.", "small")]
+    return [
+        PlayerChoice(kept, names, 0),
+        Text("The runs that are nearest to the measurements, the nearest first.", "small"),
+    ]
 
 
 def sections(

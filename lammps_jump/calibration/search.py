@@ -78,7 +78,7 @@ def has_settled(before: list[tuple[float, float]], now: list[tuple[float, float]
 
 
 @dataclass(frozen=True)
-class Progress:
+class SearchProgress:
     """How far a calibration has come.
 
     Attributes
@@ -174,12 +174,12 @@ class Search:
     retry : bool
         Runs that failed are made again.
     progress : callable
-        Called with a `Progress`.
+        Called with a `SearchProgress`.
     """
 
-    def __init__(self, study: Calibration, folder: Path, retry: bool, progress: Callable[[Progress], None]):
+    def __init__(self, study: Calibration, folder: Path, retry: bool, progress: Callable[[SearchProgress], None]):
         self.study, self.folder, self.retry, self.progress = study, folder, retry, progress
-        self.now = Progress(0, 0, study.budget, 0.0, 0.0, "")
+        self.now = SearchProgress(0, 0, study.budget, 0.0, 0.0, "")
         self.rounds: list[dict[str, Any]] = self._stored()
         self.refused: dict[int, str] = {}
         self._least, self._fits = inf, dict[int, Fit]()

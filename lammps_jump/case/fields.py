@@ -208,7 +208,7 @@ STILL_INTERVAL = 0.1
 """Time between frames without gravity, s."""
 
 
-class Run(Strict):
+class RunFields(Strict):
     """Duration, time step and output."""
 
     duration: units.Second = Field(**TIME)
@@ -337,7 +337,7 @@ class CaseFields(Strict):
     initial: tuple[InitialField, ...] = ()
     inflow: InflowField | None = None
     outflow: tuple[Outflow, ...] = ()
-    run: Run
+    run: RunFields
     probes: Probes = Probes()
     analysis: Analysis = Analysis()
     engine: Engine = Engine()

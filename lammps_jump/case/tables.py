@@ -9,7 +9,7 @@ from lammps_jump.quoting import echoed
 from lammps_jump.scene.tracks import MOST_ROWS
 from lammps_jump.units import to_si
 
-from .text import CaseSource, PathKey, Table, dotted_path
+from .text import CaseSource, FileTable, PathKey, dotted_path
 
 MOST_TABLE = 10_000_000
 """Bytes of a table that a case names."""
@@ -41,7 +41,7 @@ def read_tables(source: CaseSource) -> None:
                     raise CaseError(f"{source.place((*path, 'file'))}: points and file are both given; keep one")
 
 
-def _table(source: CaseSource, path: PathKey, name: str, columns: dict[str, str]) -> Table:
+def _table(source: CaseSource, path: PathKey, name: str, columns: dict[str, str]) -> FileTable:
     """A table with these columns (name: unit), by name where its first row has words, else in their order."""
     place = source.place((*path, "file"))
     if source.folder is None:
@@ -55,7 +55,7 @@ def _table(source: CaseSource, path: PathKey, name: str, columns: dict[str, str]
     except (OSError, ValueError, RuntimeError) as error:
         reason = "is not text" if isinstance(error, UnicodeDecodeError) else getattr(error, "strerror", None) or error
         raise CaseError(f"{place}: {echoed(name)} cannot be read ({reason}); name a CSV file beside the case") from None
-    return Table(name, str(file), *_rows(text, columns, str(file), dotted_path(path)))
+    return FileTable(name, str(file), *_rows(text, columns, str(file), dotted_path(path)))
 
 
 def _rows(text: str, columns: dict[str, str], file: str, field: str) -> tuple[list[list[float]], list[int]]:

@@ -48,7 +48,7 @@ MOST_VALUES = 300_000
 MOST_BYTES = 100_000_000
 
 
-class Table(NamedTuple):
+class FileTable(NamedTuple):
     """Rows of a file that a field names, with their lines."""
 
     name: str
@@ -107,7 +107,7 @@ class CaseSource:
     values: int = 0
     left_out: str = ""
     folder: Path | None = None
-    tables: dict[PathKey, Table] = field(default_factory=dict)
+    tables: dict[PathKey, FileTable] = field(default_factory=dict)
     begun: dict[PathKey, Begun] = field(default_factory=dict)
     options: dict[str, str] = field(default_factory=dict)
 

@@ -70,11 +70,11 @@ def contact_coefficients(
 
 def contact_of(
     case: CaseFields, integrator: str, sizes: Sizes | None, time_step_fraction: float | None = None
-) -> contact.Contact:
+) -> contact.ContactNumbers:
     """What a case says of its contacts."""
     _, impact_speed, stiffness = _stiffness(case)
     springs = case.contact.springs
-    return contact.Contact(
+    return contact.ContactNumbers(
         **case.discs.model_dump(exclude={"sizes"}),
         **case.contact.model_dump(include=LAW),
         stiffness=stiffness,

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from lammps_jump.analysis.draw.film import still
 from lammps_jump.analysis.flow import from_scene
-from lammps_jump.dump.tail import Tail
+from lammps_jump.dump.tail import DumpTail
 from lammps_jump.engines.result import Progress, ProgressCallback
 from lammps_jump.errors import DumpError
 from lammps_jump.files import MOST_TEXT, read_file
@@ -43,7 +43,7 @@ class LiveView:
     def __init__(self, scene: Scene, folder: Path, then: ProgressCallback):
         place = folder.absolute()  # the working directory may change while the run goes on
         self.flow = from_scene(scene, folder=place)
-        self.tail = Tail(place / "dump.lammpstrj")
+        self.tail = DumpTail(place / "dump.lammpstrj")
         self.picture = place / PICTURE
         self.then = then
         self.shown = time.perf_counter()

@@ -19,7 +19,7 @@ from lammps_jump.engines.result import Progress
 if TYPE_CHECKING:
     import rich.progress
 
-    from lammps_jump.calibration import Progress as CalibrationProgress
+    from lammps_jump.calibration import SearchProgress as CalibrationProgress
     from lammps_jump.sweeps import SweepProgress
 
 PLAIN_INTERVAL = 10.0

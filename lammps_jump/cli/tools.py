@@ -153,7 +153,7 @@ def import_(
     """Make walls of a drawing, one layer a wall: prints entries of a case with what each is, or adds them to a case."""
     taken = drawings.read_drawing(drawing, scale=scale, shift=shift, along=along)
     names = dict(_layer_and_wall(text) for text in layer or [])
-    choice = drawings.Choice(names, tuple(reverse or ()), tuple(inside or ()), tuple(sheet or ()))
+    choice = drawings.LayerChoice(names, tuple(reverse or ()), tuple(inside or ()), tuple(sheet or ()))
     found = drawings.entries(taken, choice)
     text = drawings.yaml_text(found)
     if into is None:

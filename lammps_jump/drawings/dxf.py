@@ -10,14 +10,14 @@ from typing import Any
 
 from lammps_jump.errors import CaseError
 
-from .strokes import Drawing, Gathered, Measure, Point, Stroke, arc, bulged
+from .strokes import FileStroke, GatheredStrokes, LayeredDrawing, Measure, Point, arc, bulged
 
 CURVES = ("SPLINE", "ELLIPSE")
 FLAT = 1e-9
 """Difference of a direction from the one across the drawing."""
 
 
-def read_dxf(data: bytes, file: str, measure: Measure) -> Drawing:
+def read_dxf(data: bytes, file: str, measure: Measure) -> LayeredDrawing:
     """A DXF drawing, in its own unit.
 
     Raises
@@ -35,18 +35,18 @@ def read_dxf(data: bytes, file: str, measure: Measure) -> Drawing:
     code = int(document.header.get("$INSUNITS", 0))
     unit = float(units.conversion_factor(code, units.M)) if code else None
     told = f"$INSUNITS is {code}" + (f", {units.unit_name(code)}" if code else ": no unit")
-    reader = _Reader(document, measure.tolerance_in(unit))
+    reader = _DxfReader(document, measure.tolerance_in(unit))
     for entity in document.modelspace():
         reader.take(entity)
     hidden = [f"layer '{name}' is off or frozen in the drawing: left out" for name in sorted(reader.hidden)]
-    return Drawing(file, unit, told, reader.found.layers(), (*reader.found.notes(measure.tolerance), *hidden))
+    return LayeredDrawing(file, unit, told, reader.found.layers(), (*reader.found.notes(measure.tolerance), *hidden))
 
 
-class _Reader:
+class _DxfReader:
     """Takes entities of a drawing, blocks by their parts."""
 
     def __init__(self, document: Any, tolerance: float) -> None:
-        self.found, self.tolerance, self.hidden = Gathered(), tolerance, set[str]()
+        self.found, self.tolerance, self.hidden = GatheredStrokes(), tolerance, set[str]()
         self.off = {layer.dxf.name.lower() for layer in document.layers if layer.is_off() or layer.is_frozen()}
 
     def take(self, entity: Any, inserted: str | None = None) -> None:
@@ -78,7 +78,7 @@ class _Reader:
             side = 1 if across[2] > 0 else -1
         if kind == "LINE":
             start, end = entity.dxf.start, entity.dxf.end
-            self._stroke(layer, Stroke(((start.x, start.y), (end.x, end.y)), (0.0,)), 1)
+            self._stroke(layer, FileStroke(((start.x, start.y), (end.x, end.y)), (0.0,)), 1)
         elif kind == "LWPOLYLINE":
             rows = [(x, y, bulge) for x, y, bulge in entity.get_points("xyb")]
             self._rows(layer, rows, entity.closed, side)
@@ -104,7 +104,7 @@ class _Reader:
             return
         self._stroke(layer, bulged([row[:2] for row in rows], [row[2] for row in rows[:-1]]), side)
 
-    def _stroke(self, layer: str, stroke: Stroke, side: int) -> None:
+    def _stroke(self, layer: str, stroke: FileStroke, side: int) -> None:
         if len(_distinct(stroke.points)) < 2:
             self.found.leave("piece without length")
             return

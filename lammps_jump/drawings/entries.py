@@ -20,7 +20,7 @@ from lammps_jump.scene.shapes import ArcTo, PlaceError
 from lammps_jump.scene.walls import Circle, Line, Polygon
 
 from .crossings import crossing
-from .strokes import Drawing, Layer, Point, Stroke
+from .strokes import FileStroke, Layer, LayeredDrawing, Point
 
 SAME = 1e-6
 """Distance over the size of a drawing up to which two ends are one."""
@@ -31,7 +31,7 @@ DIGITS = 9
 
 
 @dataclass(frozen=True)
-class Choice:
+class LayerChoice:
     """What the user says of layers.
 
     Attributes
@@ -73,7 +73,7 @@ class Entry:
     doubts: tuple[str, ...] = ()
 
 
-def entries(drawing: Drawing, choice: Choice | None = None) -> list[Entry]:
+def entries(drawing: LayeredDrawing, choice: LayerChoice | None = None) -> list[Entry]:
     """The walls of a drawing in metres, a layer each; a layer of several outlines gives name_1, name_2, ...
 
     Raises
@@ -81,7 +81,7 @@ def entries(drawing: Drawing, choice: Choice | None = None) -> list[Entry]:
     CaseError
         A layer that is not there, names that a wall cannot have or that two walls would have.
     """
-    choice = choice or Choice()
+    choice = choice or LayerChoice()
     known = [layer.name for layer in drawing.layers]
     for name in (*choice.names, *choice.reverse, *choice.inside, *choice.sheet):
         if name not in known:
@@ -98,7 +98,7 @@ def entries(drawing: Drawing, choice: Choice | None = None) -> list[Entry]:
     return found
 
 
-def _of_layer(layer: Layer, choice: Choice, size: float) -> list[Entry]:
+def _of_layer(layer: Layer, choice: LayerChoice, size: float) -> list[Entry]:
     """Entries of one layer."""
     given = choice.names.get(layer.name)
     name = given or wall_name(layer.name)
@@ -127,7 +127,7 @@ def wall_name(layer: str) -> str:
     return re.sub(r"[^A-Za-z0-9_]+", "_", layer).strip("_")[:LONGEST_NAME] or "wall"
 
 
-def _joined(strokes: Sequence[Stroke], same: float) -> tuple[list[Stroke], int]:
+def _joined(strokes: Sequence[FileStroke], same: float) -> tuple[list[FileStroke], int]:
     """Strokes put together where two ends meet, and how many were turned round for it.
 
     Where three ends or more meet nothing is joined there.
@@ -160,19 +160,19 @@ def _joined(strokes: Sequence[Stroke], same: float) -> tuple[list[Stroke], int]:
     return [stroke for _, stroke in sorted(found, key=lambda item: item[0])], turned
 
 
-def _turned(stroke: Stroke) -> Stroke:
-    return Stroke(stroke.points[::-1], tuple(0.0 - bend for bend in stroke.bends[::-1]))
+def _turned(stroke: FileStroke) -> FileStroke:
+    return FileStroke(stroke.points[::-1], tuple(0.0 - bend for bend in stroke.bends[::-1]))
 
 
-def _linked(strokes: Sequence[Stroke]) -> Stroke:
+def _linked(strokes: Sequence[FileStroke]) -> FileStroke:
     """Strokes one behind the other as one."""
     points, bends = strokes[0]
     for stroke in strokes[1:]:
         points, bends = points + stroke.points[1:], bends + stroke.bends
-    return Stroke(points, bends)
+    return FileStroke(points, bends)
 
 
-def _outline(stroke: Stroke, name: str, layer: str, choice: Choice, turned: int) -> Entry:
+def _outline(stroke: FileStroke, name: str, layer: str, choice: LayerChoice, turned: int) -> Entry:
     """The entry of a line or of a closed outline."""
     points, bends = _distinct(stroke)
     size = float(np.ptp(np.array(points), axis=0).max())
@@ -181,7 +181,7 @@ def _outline(stroke: Stroke, name: str, layer: str, choice: Choice, turned: int)
     facts = [f"x {x0:z.4g} to {x1:z.4g} m, y {y0:z.4g} to {y1:z.4g} m"]
     wall: dict[str, Any] = {"name": name, "kind": "polygon" if closed else "line"}
     if not closed and layer in choice.reverse:
-        points, bends = _turned(Stroke(points, bends))
+        points, bends = _turned(FileStroke(points, bends))
     kept = points[:-1] if closed and not bends[-1] else points
     arcs = sum(bend != 0 for bend in bends)
     facts.append(f"{len(points) - closed} points, {arcs} {'arc' if arcs == 1 else 'arcs'}")
@@ -232,7 +232,7 @@ def _place(point: Point) -> str:
     return f"({point[0]:z.4g}, {point[1]:z.4g}) m"
 
 
-def _distinct(stroke: Stroke) -> Stroke:
+def _distinct(stroke: FileStroke) -> FileStroke:
     """A stroke without points that repeat the one before."""
     size = float(np.ptp(np.array(stroke.points), axis=0).max())
     points, bends = [stroke.points[0]], []
@@ -240,7 +240,7 @@ def _distinct(stroke: Stroke) -> Stroke:
         if hypot(*np.subtract(point, points[-1])) > SAME * size:
             points.append(point)
             bends.append(bend)
-    return Stroke(tuple(points), tuple(bends))
+    return FileStroke(tuple(points), tuple(bends))
 
 
 def _digits(value: float) -> float:

@@ -11,7 +11,7 @@ from typing import Any
 
 from lammps_jump.errors import CaseError
 
-from .strokes import Drawing, Gathered, Point
+from .strokes import GatheredStrokes, LayeredDrawing, Point
 
 PARTS = {"LineString": 0, "MultiLineString": 1, "Polygon": 1, "MultiPolygon": 2}
 """Lists that stand between a geometry and its lines."""
@@ -19,7 +19,7 @@ NAMES = ("layer", "name", "id")
 """Properties of a feature that name its layer, the first that is there."""
 
 
-def read_geojson(data: bytes, file: str, *, along: bool) -> Drawing:
+def read_geojson(data: bytes, file: str, *, along: bool) -> LayeredDrawing:
     """Lines of GeoJSON; `along`: drawn in plan with heights, and x becomes the distance along each.
 
     Raises
@@ -31,7 +31,7 @@ def read_geojson(data: bytes, file: str, *, along: bool) -> Drawing:
         tree = json.loads(data.decode("utf-8-sig"))
     except (ValueError, RecursionError) as error:
         raise CaseError(f"{file}: is no GeoJSON ({error})") from None
-    found = Gathered()
+    found = GatheredStrokes()
     for layer, geometry in _geometries(tree, file):
         depth = PARTS.get(geometry.get("type", ""))
         if depth is None:
@@ -43,7 +43,7 @@ def read_geojson(data: bytes, file: str, *, along: bool) -> Drawing:
         for line in lines:
             found.stroke(layer, _points(line, layer, file, along=along))
     told = "GeoJSON has no unit of a section: RFC 7946 means degrees of longitude and latitude"
-    return Drawing(file, None, told, found.layers(), tuple(found.notes(0.0)))
+    return LayeredDrawing(file, None, told, found.layers(), tuple(found.notes(0.0)))
 
 
 def _geometries(tree: Any, file: str) -> Iterator[tuple[str, dict[str, Any]]]:

@@ -15,7 +15,7 @@ from lammps_jump.units import to_si
 
 from .dxf import read_dxf
 from .geojson import read_geojson
-from .strokes import Drawing, Measure, Point
+from .strokes import LayeredDrawing, Measure, Point
 from .survey import read_survey
 from .svg import read_svg
 
@@ -34,7 +34,7 @@ def read_drawing(
     along: bool = False,
     tolerance: float = TOLERANCE,
     data: bytes | None = None,
-) -> Drawing:
+) -> LayeredDrawing:
     """A drawing in metres.
 
     Parameters
@@ -85,8 +85,8 @@ def read_drawing(
     return replace(drawing, layers=tuple(layer.mapped(factor, shift) for layer in drawing.layers), notes=tuple(notes))
 
 
-def _reader(path: Path, measure: Measure, *, along: bool) -> Callable[[bytes, str], Drawing]:
-    kinds: dict[str, Callable[[bytes, str], Drawing]] = {
+def _reader(path: Path, measure: Measure, *, along: bool) -> Callable[[bytes, str], LayeredDrawing]:
+    kinds: dict[str, Callable[[bytes, str], LayeredDrawing]] = {
         ".dxf": partial(read_dxf, measure=measure),
         ".svg": partial(read_svg, measure=measure),
         ".geojson": partial(read_geojson, along=along),
@@ -121,7 +121,7 @@ def _measure(scale: str | None, tolerance: float) -> Measure:
     raise CaseError(f"--scale {scale}: {problem}; write a unit such as mm, metres of one unit such as 0.01, or 1:100")
 
 
-def _two_readings(drawing: Drawing) -> str:
+def _two_readings(drawing: LayeredDrawing) -> str:
     wide, high = drawing.extent()
     return (
         f"{drawing.file}: its unit is not known ({drawing.unit_told}). In metres it is {wide:z.4g} m wide and "

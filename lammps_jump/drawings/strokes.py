@@ -39,7 +39,7 @@ class Measure(NamedTuple):
         return self.tolerance / (self.per_unit(unit) or 1.0)
 
 
-class Stroke(NamedTuple):
+class FileStroke(NamedTuple):
     """Points in order, and the radius of the arc to each following one (above 0: it turns left; 0: straight)."""
 
     points: tuple[Point, ...]
@@ -60,13 +60,13 @@ class Layer:
     Attributes
     ----------
     name : str
-    strokes : tuple of Stroke
+    strokes : tuple of FileStroke
         In the order of the file.
     rings : tuple of Ring
     """
 
     name: str
-    strokes: tuple[Stroke, ...]
+    strokes: tuple[FileStroke, ...]
     rings: tuple[Ring, ...]
 
     def points(self) -> list[Point]:
@@ -82,12 +82,12 @@ class Layer:
         def put(point: Point) -> Point:
             return scale * point[0] + shift[0], scale * point[1] + shift[1]
 
-        strokes = (Stroke(tuple(map(put, s.points)), tuple(scale * bend for bend in s.bends)) for s in self.strokes)
+        strokes = (FileStroke(tuple(map(put, s.points)), tuple(scale * bend for bend in s.bends)) for s in self.strokes)
         return Layer(self.name, tuple(strokes), tuple(Ring(put(r.centre), scale * r.radius) for r in self.rings))
 
 
 @dataclass(frozen=True)
-class Drawing:
+class LayeredDrawing:
     """Layers of a file.
 
     Attributes
@@ -115,11 +115,11 @@ class Drawing:
         return max(xs) - min(xs), max(ys) - min(ys)
 
 
-class Gathered:
+class GatheredStrokes:
     """Strokes and circles as a reader finds them, by layer in the order in which layers are met."""
 
     def __init__(self) -> None:
-        self.strokes: dict[str, list[Stroke]] = {}
+        self.strokes: dict[str, list[FileStroke]] = {}
         self.rings: dict[str, list[Ring]] = {}
         self.left_out: dict[str, int] = {}
         self.flattened: dict[str, int] = {}
@@ -127,7 +127,7 @@ class Gathered:
     def stroke(self, layer: str, points: Sequence[Point], bends: Sequence[float] = ()) -> None:
         """Add a stroke; without bends a straight one."""
         self.rings.setdefault(layer, [])
-        self.strokes.setdefault(layer, []).append(Stroke(tuple(points), tuple(bends) or (0.0,) * (len(points) - 1)))
+        self.strokes.setdefault(layer, []).append(FileStroke(tuple(points), tuple(bends) or (0.0,) * (len(points) - 1)))
 
     def ring(self, layer: str, centre: Point, radius: float) -> None:
         """Add a circle."""
@@ -155,15 +155,15 @@ class Gathered:
         ]
 
 
-def arc(centre: Point, radius: float, begin: float, sweep: float) -> Stroke:
+def arc(centre: Point, radius: float, begin: float, sweep: float) -> FileStroke:
     """An arc by angles (rad, `sweep` above 0: counter-clockwise), in parts that are each clearly the shorter way."""
     parts = max(1, ceil(abs(sweep) / WIDEST_ARC))
     angles = [begin + sweep * part / parts for part in range(parts + 1)]
     points = tuple((centre[0] + radius * cos(angle), centre[1] + radius * sin(angle)) for angle in angles)
-    return Stroke(points, (radius if sweep > 0 else -radius,) * parts)
+    return FileStroke(points, (radius if sweep > 0 else -radius,) * parts)
 
 
-def bulged(points: Sequence[Point], bulges: Sequence[float]) -> Stroke:
+def bulged(points: Sequence[Point], bulges: Sequence[float]) -> FileStroke:
     """A polyline of DXF: a bulge is the tangent of a quarter of the angle of the arc that begins there.
 
     Source: DXF reference, group code 42 of LWPOLYLINE.
@@ -185,7 +185,7 @@ def bulged(points: Sequence[Point], bulges: Sequence[float]) -> Stroke:
         part = arc(centre, radius, atan2(start[1] - centre[1], start[0] - centre[0]), 4 * atan(bulge))
         out += [*part.points[1:-1], end]
         bends += part.bends
-    return Stroke(tuple(out), tuple(bends))
+    return FileStroke(tuple(out), tuple(bends))
 
 
 def pieces_of_cubic(corners: Sequence[Point], tolerance: float) -> int:

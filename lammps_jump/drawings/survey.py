@@ -10,7 +10,7 @@ from lammps_jump.errors import CaseError
 from lammps_jump.quoting import echoed
 from lammps_jump.units import to_si
 
-from .strokes import Drawing, Gathered
+from .strokes import GatheredStrokes, LayeredDrawing
 
 COLUMNS = {
     "chainage": ("chainage", "station", "distance", "x"),
@@ -21,7 +21,7 @@ HEAD = re.compile(r"\s*([A-Za-z]+)[\s_]*[\[(]?\s*([A-Za-z]*)\s*[\])]?\s*")
 """A word, and perhaps a unit in brackets or behind a line: chainage (m), level [ft], x_mm."""
 
 
-def read_survey(data: bytes, file: str) -> Drawing:
+def read_survey(data: bytes, file: str) -> LayeredDrawing:
     """A table of chainage and level, by comma, semicolon, tab or blanks.
 
     Raises
@@ -51,9 +51,9 @@ def read_survey(data: bytes, file: str) -> Drawing:
             points.append((x, y))
     if len(points) < 2:
         raise CaseError(f"{file}: {len(points)} row of numbers; a line needs two different ones or more")
-    found = Gathered()
+    found = GatheredStrokes()
     found.stroke(Path(file).stem, points)
-    return Drawing(file, unit[1], unit[0], found.layers())
+    return LayeredDrawing(file, unit[1], unit[0], found.layers())
 
 
 def _cells(line: str) -> list[str]:

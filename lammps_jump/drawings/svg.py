@@ -12,7 +12,7 @@ from typing import Any
 from lammps_jump.errors import CaseError
 from lammps_jump.units import to_si
 
-from .strokes import Drawing, Gathered, Measure, Point, arc, pieces_of_arc, pieces_of_cubic, sampled
+from .strokes import GatheredStrokes, LayeredDrawing, Measure, Point, arc, pieces_of_arc, pieces_of_cubic, sampled
 
 UNITS = {"mm": "mm", "cm": "cm", "in": "inch", "pt": "point", "pc": "pica"}
 """Units of length of a page, as pint calls them."""
@@ -22,7 +22,7 @@ ROUND = 1e-6
 SVG_TAG = re.compile(rb"<(?:\w+:)?svg\b[^>]*>", re.S)
 
 
-def read_svg(data: bytes, file: str, measure: Measure) -> Drawing:
+def read_svg(data: bytes, file: str, measure: Measure) -> LayeredDrawing:
     """An SVG drawing in pixels, with y upwards from the bottom of its page.
 
     Raises
@@ -47,16 +47,16 @@ def read_svg(data: bytes, file: str, measure: Measure) -> Drawing:
         float(to_si(f"{width[1].decode()} {UNITS[name]}", "m")) / float(page.width) if width and name in UNITS else None
     )
     told = f"its width is in {name}" if unit else f"its width is in {name or 'pixels'}, which is no length"
-    reader = _Reader(svg, height, measure.tolerance_in(unit))
+    reader = _SvgReader(svg, height, measure.tolerance_in(unit))
     reader.walk(page, "")
-    return Drawing(file, unit, told, reader.found.layers(), tuple(reader.found.notes(measure.tolerance)))
+    return LayeredDrawing(file, unit, told, reader.found.layers(), tuple(reader.found.notes(measure.tolerance)))
 
 
-class _Reader:
+class _SvgReader:
     """Takes shapes of a page; the outermost group that has a name is their layer."""
 
     def __init__(self, svg: Any, height: float, tolerance: float) -> None:
-        self.svg, self.height, self.tolerance, self.found = svg, height, tolerance, Gathered()
+        self.svg, self.height, self.tolerance, self.found = svg, height, tolerance, GatheredStrokes()
 
     def walk(self, group: Any, layer: str) -> None:
         """Take what a group holds."""

@@ -24,7 +24,7 @@ WORDS = {"": nan, "True": 1.0, "False": 0.0}
 
 
 @dataclass(frozen=True)
-class Table:
+class TextTable:
     """A table of texts, each row as long as the heads.
 
     Attributes
@@ -63,7 +63,7 @@ class Table:
         return value
 
 
-def read_table(path: Path) -> Table:
+def read_table(path: Path) -> TextTable:
     """A CSV table of a run folder; DumpError where it cannot be read or is none."""
     try:
         return table_of(read_file(path, MOST_BYTES), str(path))
@@ -73,7 +73,7 @@ def read_table(path: Path) -> Table:
 
 def table_of(
     data: bytes, place: str, *, comments: bool = False, fewest: int = 0, error: type[JumpError] = DumpError
-) -> Table:
+) -> TextTable:
     """The table of a text in CSV with a line of heads, without empty lines.
 
     Parameters
@@ -112,4 +112,4 @@ def table_of(
             raise error(f"{place}: more than {MOST_ROWS} rows; write fewer")
     if not rows or len(rows) <= fewest:
         raise error(f"{place} has {max(0, len(rows) - 1)} rows below its heads; {fewest} are needed")
-    return Table(place, tuple(rows[0][1]), tuple(rows[1:]), error)
+    return TextTable(place, tuple(rows[0][1]), tuple(rows[1:]), error)

@@ -92,7 +92,7 @@ class _Arrived(DumpFile):
     most_bytes = sys.maxsize
 
 
-class Tail:
+class DumpTail:
     """The end of a dump that grows.
 
     Parameters

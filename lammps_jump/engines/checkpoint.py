@@ -117,7 +117,7 @@ class CheckpointWriter:
 
     def __init__(self, scene: Scene, folder: Path, outputs: Iterable[str], interval: float = inf):
         self.scene, self.folder, self.interval = scene, folder, interval
-        self._outputs = {name: _Growing(folder / name) for name in outputs}
+        self._outputs = {name: _GrowingFile(folder / name) for name in outputs}
         self.wait()
 
     def due(self) -> bool:
@@ -149,7 +149,7 @@ class CheckpointWriter:
         """Bring outputs and state to the disk, then put ``checkpoint.json`` in its place, then delete older states."""
         folder, step = self.folder, result.steps
         grown = {name: growing for name, growing in self._outputs.items() if growing.path.exists()}
-        states = {name: _Growing(folder / name) for name in state}
+        states = {name: _GrowingFile(folder / name) for name in state}
         for growing in (*grown.values(), *states.values()):
             flush(growing.path)
         state_sums, sums = ({name: growing.sum() for name, growing in files.items()} for files in (states, grown))
@@ -171,7 +171,7 @@ def put_checkpoint(folder: Path, checkpoint: Checkpoint) -> None:
     write_json(path, {**content, "sum": sum_of(content)})
 
 
-class _Growing:
+class _GrowingFile:
     """Checksum of a file that grows: a byte is read once."""
 
     def __init__(self, path: Path):
@@ -263,7 +263,7 @@ def _read(path: Path) -> Checkpoint:
                 f"{place}: {size} bytes, {entry.size} or more were there when the run was interrupted; without "
                 f"them it cannot go on; {ANEW}"
             )
-        if _Growing(place).sum(entry.size) != entry:
+        if _GrowingFile(place).sum(entry.size) != entry:
             raise ResumeError(f"{place}: is not what the run had written (its SHA-256 differs); {ANEW}")
     return found
 
@@ -314,7 +314,7 @@ def join_part(folder: Path) -> None:
     if found is not None and BINARY_PART in found.outputs:
         outputs = dict(found.outputs)
         size = outputs[whole.name].size + outputs.pop(BINARY_PART).size
-        outputs[whole.name] = _Growing(whole).sum(size)
+        outputs[whole.name] = _GrowingFile(whole).sum(size)
         put_checkpoint(folder, replace(found, outputs=outputs))
         delete(folder / PREVIOUS_FILE)  # it names the part
     delete(part)

@@ -23,7 +23,7 @@ from .checkpoint import Checkpoint, last_saved
 from .child import Child, child_for
 from .interrupts import handled_by
 from .lammps.drive import make_ready
-from .lammps.finish import Outcome, conclude
+from .lammps.finish import SteppingOutcome, conclude
 from .lammps.log import read_log
 from .result import Progress, ProgressCallback, RunResult, interruption
 from .setting import Job, Setting
@@ -118,7 +118,7 @@ def _without_result(job: Job, child: Child) -> RunResult:
     error = " ".join(said[:1]) or log or (f"the engine's process ended with status {status}" if status else "")
     again, outside = last_saved(job.folder), True
     if job.setting.engine == "lammps":
-        found = conclude(job, Outcome(error="" if child.asked else error, interrupted=child.asked > 0))
+        found = conclude(job, SteppingOutcome(error="" if child.asked else error, interrupted=child.asked > 0))
         outside = not (blamed or log)
     else:
         scene, last = job.scene, child.last or Progress(0, job.scene.steps, 0.0, len(job.scene.positions))

@@ -65,7 +65,7 @@ def told(masses: np.ndarray, diameters: np.ndarray, density: float | None = None
 # --- rigid bodies of an outline ---------------------------------------------------------------------------------------
 
 
-class Section(NamedTuple):
+class BodySection(NamedTuple):
     """Area (m^2), centre (m) and second moment about the centre (m^4) of an outline."""
 
     area: float
@@ -73,7 +73,7 @@ class Section(NamedTuple):
     moment: float
 
 
-def section_of_polygon(corners: np.ndarray) -> Section:
+def section_of_polygon(corners: np.ndarray) -> BodySection:
     """Area, centre and polar second moment of a polygon, either way round, by Green's theorem.
 
     Parameters
@@ -89,12 +89,12 @@ def section_of_polygon(corners: np.ndarray) -> Section:
     about_origin = ((x * x + x * u + u * u + y * y + y * v + v * v) * cross).sum() / 12.0
     moment = about_origin - area * (cx * cx + cy * cy)
     sense = 1.0 if area > 0 else -1.0
-    return Section(float(sense * area), (float(origin[0] + cx), float(origin[1] + cy)), float(sense * moment))
+    return BodySection(float(sense * area), (float(origin[0] + cx), float(origin[1] + cy)), float(sense * moment))
 
 
-def section_of_circle(centre: tuple[float, float], radius: float) -> Section:
+def section_of_circle(centre: tuple[float, float], radius: float) -> BodySection:
     """The same of a circle: pi r^2 and pi r^4/2."""
-    return Section(pi * radius**2, centre, 0.5 * pi * radius**4)
+    return BodySection(pi * radius**2, centre, 0.5 * pi * radius**4)
 
 
 def about_point(mass: float, inertia: float, distance: float) -> float:

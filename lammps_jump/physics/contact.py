@@ -336,7 +336,7 @@ f = 0.05 … 0.2 takes 0.33 … 0.71 of it, most of them near a half (docs/kerne
 
 
 @dataclass(frozen=True)
-class Contact:
+class ContactNumbers:
     """What a case says of its contacts, of nominal discs.
 
     Attributes
@@ -384,7 +384,7 @@ class Contact:
 
 
 def _side(
-    given: Contact, time_step: float, k: float, effective_mass: float, restitution: float, friction: float
+    given: ContactNumbers, time_step: float, k: float, effective_mass: float, restitution: float, friction: float
 ) -> dict[str, float]:
     """Coefficients of a pair or at a wall."""
     frequency, factor, dashpot = angular_frequency(k, effective_mass), 1.0, damping(restitution, k, effective_mass)
@@ -407,7 +407,9 @@ def _side(
 
 
 def own_wall_law(
-    coefficients: Coefficients, own: tuple[float | None, float | None, float | None, float | None], given: Contact
+    coefficients: Coefficients,
+    own: tuple[float | None, float | None, float | None, float | None],
+    given: ContactNumbers,
 ) -> WallLaw:
     """Contact with a wall that has numbers of its own.
 
@@ -417,7 +419,7 @@ def own_wall_law(
         Of the scene: what the wall takes where it has none of its own.
     own : (float or None, float or None, float or None, float or None)
         Stiffness (N/m), restitution, friction coefficient and coefficient of rolling friction of the wall.
-    given : Contact
+    given : ContactNumbers
         What the coefficients were derived from.
     """
     c = coefficients
@@ -451,7 +453,7 @@ def own_stable_fraction(coefficients: Coefficients, law: WallLaw, smallest: floa
     )
 
 
-def derive(given: Contact) -> Coefficients:
+def derive(given: ContactNumbers) -> Coefficients:
     """All contact coefficients of a case, of nominal discs."""
     restitution, friction, integrator = given.restitution, given.friction, given.integrator
     mass = disc_mass(given.density, given.diameter)

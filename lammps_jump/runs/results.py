@@ -105,7 +105,7 @@ NOTHING_GIVEN = Given()
 
 
 @dataclass(frozen=True)
-class Found:
+class ResultsInMemory:
     """What the analyses found, in memory.
 
     Attributes
@@ -194,12 +194,12 @@ def analyse(
     )
 
 
-def analyse_in_memory(case: ReadCase, folder: Path) -> Found:
+def analyse_in_memory(case: ReadCase, folder: Path) -> ResultsInMemory:
     """Every analysis of a run folder, whether the case asks for it or not; nothing is written."""
     gathered = quantities.collect(flow_of(case, folder), read_dump(folder), [folder], quantities.QUANTITIES)
     results = {name: quantity.analyse(gathered) for name, quantity in quantities.QUANTITIES.items()}
     known = {name: result for name, result in results.items() if result is not None}
-    return Found(gathered, known, tuple(dict.fromkeys(gathered.warnings)))
+    return ResultsInMemory(gathered, known, tuple(dict.fromkeys(gathered.warnings)))
 
 
 def analyse_dump(
@@ -310,7 +310,7 @@ def draw_dump(folder: Path, ending: str = "png") -> list[Path]:
         wanted = {name: one for name, one in quantities.QUANTITIES.items() if name in names}
         gathered = quantities.collect(flow_of_dump(folder), read_dump(folder), [folder], names)
         results = {name: result for name, one in wanted.items() if (result := one.analyse(gathered)) is not None}
-        return draw_all(Found(gathered, results, ()), folder, ending)
+        return draw_all(ResultsInMemory(gathered, results, ()), folder, ending)
 
 
 def animate(target: Path, out: Path | None, fps: int) -> Path:
@@ -351,7 +351,7 @@ def export(place: Path, kinds: Collection[str], out: Path | None = None) -> list
     return write_exports(place, kinds, out, walls_at=flow.walls_at, room=(x, y))
 
 
-def draw(found: Found, folder: Path, name: str) -> Figure:
+def draw(found: ResultsInMemory, folder: Path, name: str) -> Figure:
     """One of the figures of a report, by the name of its file without the ending.
 
     Raises
@@ -369,7 +369,7 @@ def draw(found: Found, folder: Path, name: str) -> Figure:
     return quantities.figure(name, shown, find_dump(folder), found.gathered.flow)
 
 
-def draw_all(found: Found, folder: Path, ending: str = "png") -> list[Path]:
+def draw_all(found: ResultsInMemory, folder: Path, ending: str = "png") -> list[Path]:
     """Draw every figure of a run folder into its ``figures``, in a format of `files.PICTURES`; the paths."""
     shown = quantities.drawings(found.gathered, found.results)
     names = [*shown, quantities.DISCS]

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from lammps_jump.analysis.flow import Flow
     from lammps_jump.analysis.forces.history import Forces
 
-    from .results import Found
+    from .results import ResultsInMemory
 
 Status = Literal["complete", "unchecked", "interrupted", "failed", "running"]
 
@@ -167,7 +167,7 @@ class Run:
         return MappingProxyType(read_summary(self.folder))
 
     @cached_property
-    def _found(self) -> Found:
+    def _found(self) -> ResultsInMemory:
         return runs.results.analyse_in_memory(self.case, self.folder)
 
     @property

@@ -30,7 +30,7 @@ from lammps_jump.analysis.flow import Flow, from_scene
 from lammps_jump.analysis.grains.rest import RestDetector, begin_of, state_of
 from lammps_jump.analysis.jump.result import STILL
 from lammps_jump.analysis.jump.track import LEAST_RATIO, LEAST_SHARE, fit_ramp
-from lammps_jump.dump import Frame, Tail
+from lammps_jump.dump import DumpTail, Frame
 from lammps_jump.files import DUMP_NAMES
 from lammps_jump.scene.scene import Scene
 
@@ -46,7 +46,7 @@ CONFIDENCE = 0.95
 
 
 @dataclass(frozen=True)
-class Drift:
+class SeriesDrift:
     """Drift of a series over a window.
 
     Attributes
@@ -63,7 +63,7 @@ class Drift:
     margin: float
 
 
-def drift_of(values: np.ndarray, confidence: float = CONFIDENCE, batches: int = BATCHES) -> Drift:
+def drift_of(values: np.ndarray, confidence: float = CONFIDENCE, batches: int = BATCHES) -> SeriesDrift:
     """Drift of an equally spaced series over its length.
 
     Parameters
@@ -82,7 +82,7 @@ def drift_of(values: np.ndarray, confidence: float = CONFIDENCE, batches: int = 
     values = np.asarray(values, float)
     size = len(values) // batches
     if size < 2 or not np.isfinite(values).all():
-        return Drift(float("nan"), float("nan"), inf)
+        return SeriesDrift(float("nan"), float("nan"), inf)
     means = values[len(values) - size * batches :].reshape(batches, size).mean(axis=1)
     place = (np.arange(batches) + 0.5) / batches - 0.5
     spread = float(place @ place)
@@ -94,7 +94,7 @@ def drift_of(values: np.ndarray, confidence: float = CONFIDENCE, batches: int = 
     correlation = min(max(correlation, 0.0), 0.9)
     error = sqrt(total / (batches - 2) / spread * (1 + correlation) / (1 - correlation))
     whole = len(values) / (batches * size)  # the batches leave out the few samples that do not fill one
-    return Drift(float(means.mean()), whole * slope, whole * float(stdtrit(batches - 2, confidence)) * error)
+    return SeriesDrift(float(means.mean()), whole * slope, whole * float(stdtrit(batches - 2, confidence)) * error)
 
 
 class SteadyDetector:
@@ -120,7 +120,7 @@ class SteadyDetector:
             raise ValueError(f"window {window!r} s: expected a length of time above 0")
         self.window, self.inflow = window, inflow
         self.reason, self.looks = "", 0
-        self.drifts: dict[str, Drift] = {}
+        self.drifts: dict[str, SeriesDrift] = {}
         self._rows: deque[tuple[float, float, float, float]] = deque()
         self._next_look = 0.0
         self._passed = 0
@@ -255,7 +255,7 @@ class SteadyWatch:
     def __init__(self, scene: Scene, folder: Path, reach: tuple[float, float], dump_format: str = "text"):
         self.scene, self.flow, self.reach = scene, from_scene(scene), reach
         # absolute: whoever changes the working directory meanwhile
-        self.tail = Tail(folder.absolute() / DUMP_NAMES[dump_format], dump_format)
+        self.tail = DumpTail(folder.absolute() / DUMP_NAMES[dump_format], dump_format)
         window = steady_window(scene, reach)
         graph = scene.hydrograph
         self.changing = graph.times[-1] if graph is not None and graph.changes else 0.0

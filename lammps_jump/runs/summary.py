@@ -40,7 +40,7 @@ from .engine import program_of
 if TYPE_CHECKING:
     import xarray as xr
 
-    from lammps_jump.dump import Table
+    from lammps_jump.dump import TextTable
 
 SUMMARY_FILE = "summary.json"
 NO_SUMMARY = (
@@ -275,7 +275,7 @@ class Results:
             raise DumpError(f"{path}: differs from its checksum in {SUMMARY_FILE}, so it was changed; {again}")
         return data
 
-    def table(self, name: str) -> Table:
+    def table(self, name: str) -> TextTable:
         """A table, by its name without the ending; DumpError as of `read` and `dump.table_of`."""
         return dump.table_of(self.read(f"{name}.csv"), str(self.folder / f"{name}.csv"))
 

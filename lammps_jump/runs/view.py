@@ -60,7 +60,7 @@ def drawing_of(case: ReadCase, widest: float = draw.sketch.WIDEST) -> draw.sketc
     found, asked = case.check(), case.fields
     columns = [item for item in asked.initial if item.kind == "column"]
     regions = [
-        draw.sketch.Region("column" if len(columns) == 1 else f"column {number}", item.x, item.y)
+        draw.sketch.NamedRegion("column" if len(columns) == 1 else f"column {number}", item.x, item.y)
         for number, item in enumerate(columns, start=1)
     ]
     expected = found.numbers.get("belanger_y2") if asked.analysis.jump else None

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from lammps_jump.physics.contact import Contact, derive, stiffness
+from lammps_jump.physics.contact import ContactNumbers, derive, stiffness
 
 from .motion import MovingWall
 from .scene import Scene
@@ -24,7 +24,7 @@ CONTACT = {
     "tangential_damping": None,
     "touch": "sharp",
 }
-"""Fields of `lammps_jump.physics.contact.Contact` unless given."""
+"""Fields of `lammps_jump.physics.contact.ContactNumbers` unless given."""
 
 
 def handmade_scene(
@@ -58,7 +58,7 @@ def handmade_scene(
     k = stiffness(density, largest_overlap, impact_speed)
     law = {name: others.get(name, value) for name, value in CONTACT.items()}
     springs = others.get("springs")
-    contact = Contact(
+    contact = ContactNumbers(
         density=density,
         diameter=diameter,
         stiffness=k,

@@ -22,7 +22,7 @@ Room = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 """Arrays that `list_near` fills: discs, plain, last and near."""
 
 
-class Grid(NamedTuple):
+class FaceGrid(NamedTuple):
     """Cells that list the faces of each wall near them, in the wall's own frame; one cell where there are few faces.
 
     Attributes
@@ -62,7 +62,7 @@ def _plain(faces: Faces, f: int, px: float, py: float, margin: float) -> bool:
     return bool(start and end)
 
 
-def grid_of(faces: Faces, cell: float, reach: float, mark: Callable[..., None] | None = None) -> Grid:
+def grid_of(faces: Faces, cell: float, reach: float, mark: Callable[..., None] | None = None) -> FaceGrid:
     """Cells for the search of faces.
 
     Parameters
@@ -101,7 +101,7 @@ def grid_of(faces: Faces, cell: float, reach: float, mark: Callable[..., None] |
         starts.append(start + total)
         listed.append(mine)
         total += len(mine)
-    return Grid(
+    return FaceGrid(
         box, wall_box, place, cells, np.concatenate(starts), np.concatenate([*listed, np.empty(0, np.int64)]), reach
     )
 
@@ -120,7 +120,7 @@ def mark_cells(
     ----------
     faces : Faces
     box : ndarray
-        As in `Grid`.
+        As in `FaceGrid`.
     ends : (int, int)
         First face of the wall, and that behind its last.
     cells : (float, float, float, int, int)
@@ -148,7 +148,12 @@ def mark_cells(
 
 
 def list_near(
-    seen: tuple[int, np.ndarray, np.ndarray], wall: int, faces: Faces, grid: Grid, room: Room, found: tuple[int, int]
+    seen: tuple[int, np.ndarray, np.ndarray],
+    wall: int,
+    faces: Faces,
+    grid: FaceGrid,
+    room: Room,
+    found: tuple[int, int],
 ) -> tuple[int, int]:
     """List the discs near one wall, in its own frame, and the faces near each; returns (rows, faces), or -1: too short.
 
@@ -158,7 +163,7 @@ def list_near(
         Number of discs and their places, m.
     wall : int
     faces : Faces
-    grid : Grid
+    grid : FaceGrid
     room : (ndarray, ndarray, ndarray, ndarray)
         Takes discs, plain, last and near. Row r of the list is disc ``discs[r]`` with the faces
         ``near[last[r]:last[r + 1]]``; ``plain[r]`` is 1 where there is one straight face whose ends are out of reach.

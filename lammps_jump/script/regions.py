@@ -44,7 +44,7 @@ class NotInStock(ValueError):
     """What LAMMPS' own styles lack for a wall; the message names the wall and the field."""
 
 
-class Region(NamedTuple):
+class LammpsRegion(NamedTuple):
     """A region in a frame of its own.
 
     Attributes
@@ -83,7 +83,7 @@ def level(wall: Wall) -> bool:
     return all(face.kind != ARC and 0.0 in face.first for face in found)
 
 
-def single_regions(wall: Wall, about: Point) -> list[Region]:
+def single_regions(wall: Wall, about: Point) -> list[LammpsRegion]:
     """Regions of a wall of which each pushes on its own; none of a wall that needs an intersection.
 
     Parameters
@@ -95,7 +95,7 @@ def single_regions(wall: Wall, about: Point) -> list[Region]:
     chain = chain_of(wall)
     faces = faces_of_chain(chain)
     if any(face.kind == ARC for face in faces):
-        return [Region(_circle(wall, chain, faces))]
+        return [LammpsRegion(_circle(wall, chain, faces))]
     turns = joints(wall) if chain.closed else []
     if chain.endless or (len(turns) > 2 and min(turns) > 0.5 * pi - 1e-9):
         # in the hollow of a rectangle a disc meets every line between its ends
@@ -115,12 +115,12 @@ def _circle(wall: Wall, chain: Chain, faces: list[Face]) -> str:
     return f"cylinder z {numbers(*first.centre, abs(first.radius))} INF INF side {side}"
 
 
-def _plane(face: Face) -> Region:
+def _plane(face: Face) -> LammpsRegion:
     inward = -face.first[1], face.first[0]
-    return Region(f"plane {numbers(*face.start)} 0 {numbers(*inward)} 0", inward=inward)
+    return LammpsRegion(f"plane {numbers(*face.start)} 0 {numbers(*inward)} 0", inward=inward)
 
 
-def _block(faces: list[Face], about: Point) -> Region:
+def _block(faces: list[Face], about: Point) -> LammpsRegion:
     """A rectangle, or a segment, turned about a point so that it is axis-parallel."""
     angle = atan2(faces[0].first[1], faces[0].first[0])
     angle -= round(angle / (0.5 * pi)) * 0.5 * pi
@@ -130,7 +130,7 @@ def _block(faces: list[Face], about: Point) -> Region:
     if len(faces) < 3:
         thin = int(np.argmin(high - low))
         low[thin] = high[thin] = 0.5 * (low[thin] + high[thin])
-    return Region(f"block {numbers(low[0], high[0], low[1], high[1])} INF INF side out", angle=angle)
+    return LammpsRegion(f"block {numbers(low[0], high[0], low[1], high[1])} INF INF side out", angle=angle)
 
 
 def turned(points: np.ndarray, angle: float, about: Point) -> np.ndarray:
@@ -239,7 +239,7 @@ def _apart(one: Face, two: Face) -> float:
     return found
 
 
-class Way(NamedTuple):
+class WayFormulas(NamedTuple):
     """Formulas of where a wall is: displacement (m) and turn (rad); empty: none."""
 
     x: str
@@ -247,10 +247,10 @@ class Way(NamedTuple):
     angle: str
 
 
-def way(moving: MovingWall, now: str = "v_now") -> Way:
+def way(moving: MovingWall, now: str = "v_now") -> WayFormulas:
     """Formulas of a wall's pose at the time of a variable, which the engine reads as `pose_py` does."""
     track = moving.motion.track
-    return Way(*(_coordinate(track, first, k, now) for k, first in enumerate((X, Y, ANGLE))))
+    return WayFormulas(*(_coordinate(track, first, k, now) for k, first in enumerate((X, Y, ANGLE))))
 
 
 def _coordinate(track: np.ndarray, first: int, k: int, now: str) -> str:

@@ -17,8 +17,8 @@ from .numbers import number as number
 from .numbers import numbers as numbers
 from .regions import (
     FAR,
+    LammpsRegion,
     NotInStock,
-    Region,
     check_motion,
     clock,
     joints,
@@ -186,7 +186,7 @@ def moved(moving: MovingWall, shifts: tuple[str, str] = ("", ""), angle: str = "
     return words + (f" rotate v_{turn} {numbers(*motion.about)} 0 0 0 1" if turn else "")
 
 
-def _moved(moving: MovingWall, region: Region, count: int) -> tuple[list[str], str]:
+def _moved(moving: MovingWall, region: LammpsRegion, count: int) -> tuple[list[str], str]:
     """Variables of one region of a wall, and the words of its motion."""
     (name, motion), lines = (moving.wall.name, moving.motion), []
     there, shifts, turn = way(moving), ["", ""], ""

@@ -14,7 +14,7 @@ from lammps_jump.errors import SetupError
 from lammps_jump.files import write_bytes, writes
 
 
-class Text(NamedTuple):
+class HashedText(NamedTuple):
     """A text, and a hash that says whether it is still the same."""
 
     text: str
@@ -40,12 +40,12 @@ class CaseFile:
         self._lock = Lock()
         self.read()
 
-    def read(self) -> Text:
+    def read(self) -> HashedText:
         """The text, with plain ends of lines as a page has them."""
         text = read_text(self.path)
-        return Text(text.replace("\r\n", "\n"), hashlib.sha256(text.encode()).hexdigest())
+        return HashedText(text.replace("\r\n", "\n"), hashlib.sha256(text.encode()).hexdigest())
 
-    def save(self, text: str, key: str) -> Text | None:
+    def save(self, text: str, key: str) -> HashedText | None:
         """Write a text over the one with this key; None, and nothing is written, where the file holds another one.
 
         Ends of lines and permissions stay as they are.

@@ -23,7 +23,7 @@ def as_typed(*words: str | Path) -> str:
     return shlex.join([PROGRAM, *map(str, words)])
 
 
-class Child:
+class ServedChild:
     """One command.
 
     Attributes
@@ -75,10 +75,10 @@ class Children:
     """All of them, by the folder that each writes."""
 
     def __init__(self) -> None:
-        self._of: dict[Path, Child] = {}
+        self._of: dict[Path, ServedChild] = {}
         self._lock = threading.Lock()
 
-    def start(self, folder: Path, *words: str | Path) -> Child:
+    def start(self, folder: Path, *words: str | Path) -> ServedChild:
         """Run a command that writes a folder.
 
         Raises
@@ -90,14 +90,14 @@ class Children:
             before = self.of(folder)
             if before is not None and before.status is None:
                 raise SetupError(f"{folder}: a run that was started here still writes there")
-            self._of[folder.absolute()] = child = Child(*words)
+            self._of[folder.absolute()] = child = ServedChild(*words)
             return child
 
-    def of(self, folder: Path) -> Child | None:
+    def of(self, folder: Path) -> ServedChild | None:
         """The last command that was started for a folder."""
         return self._of.get(folder.absolute())
 
-    def close(self) -> list[Child]:
+    def close(self) -> list[ServedChild]:
         """Ask all that go on to save their state and end, and wait for them; those that were."""
         going = [child for child in self._of.values() if child.status is None]
         for child in going:

@@ -15,7 +15,7 @@ from lammps_jump.runs.folder import default_folder, require_case
 
 from .assets import HERE, asset, html
 from .case_file import CaseFile
-from .children import Child, Children, as_typed
+from .children import Children, ServedChild, as_typed
 from .look import look
 from .run_pages import RunPages
 from .server import Pages, Refused, Reply, answer
@@ -58,7 +58,7 @@ class Opened(Pages):
         """What is to be done with a run."""
         return self.runs.post(path[4:], asked) if path.startswith("run/") else None
 
-    def close(self) -> list[Child]:
+    def close(self) -> list[ServedChild]:
         """End the runs that were started here, which can go on; those that went on."""
         return self.children.close()
 

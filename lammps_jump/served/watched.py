@@ -19,7 +19,7 @@ from lammps_jump.analysis.passes import feed
 from lammps_jump.analysis.report.frames import FramePacker
 from lammps_jump.analysis.report.player import about_run
 from lammps_jump.case.case import ReadCase
-from lammps_jump.dump.tail import Tail
+from lammps_jump.dump.tail import DumpTail
 from lammps_jump.engines.checkpoint import has_checkpoint
 from lammps_jump.errors import JumpError
 from lammps_jump.files import DUMP_NAMES
@@ -39,7 +39,7 @@ SHADES = 64
 """Radii that are told apart."""
 
 
-class State(NamedTuple):
+class WatchedState(NamedTuple):
     """What has become of a run.
 
     Attributes
@@ -73,24 +73,24 @@ class Watched:
         self._begun += 1
         self._case: ReadCase | None = None
         self._packer: FramePacker
-        self._tail: Tail
+        self._tail: DumpTail
         self._flow: Flow
         self._so_far: SoFar
         self._frames = 0
 
     @property
-    def state(self) -> State:
+    def state(self) -> WatchedState:
         """What has become of the run, by lock and summary."""
         if writer := holder(self.folder):
-            return State("running", writer)
+            return WatchedState("running", writer)
         stored: Mapping[str, Any] = {}
         with suppress(JumpError):
             stored = read_summary(self.folder)
         if status := stored.get("status"):
-            return State(str(status), str(stored.get("message") or ""))
+            return WatchedState(str(status), str(stored.get("message") or ""))
         if has_checkpoint(self.folder):
-            return State("interrupted", "it was cut off and can go on from its checkpoint")
-        return State("none", "" if self._case is None else "it was cut off and left no summary")
+            return WatchedState("interrupted", "it was cut off and can go on from its checkpoint")
+        return WatchedState("none", "" if self._case is None else "it was cut off and left no summary")
 
     def _open(self) -> bool:
         """Read the case of the folder once it is there."""
@@ -99,7 +99,7 @@ class Watched:
             self._flow = runs.results.flow_of(case, self.folder)
             kind = case.fields.run.dump_format
             self._packer = FramePacker(self._flow, maps=False)
-            self._tail = Tail(self.folder / DUMP_NAMES[kind], kind)
+            self._tail = DumpTail(self.folder / DUMP_NAMES[kind], kind)
             self._so_far = SoFar(case, self._flow, self.folder)
             self._case = case
         return self._case is not None

@@ -13,10 +13,10 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from lammps_jump.engines.accuracy import KINDS, STORE, Calibrated
+from lammps_jump.engines.accuracy import KINDS, STORE, CalibratedSetting
 from lammps_jump.files import read_json, write_json
 
-from .settings import Setting
+from .settings import StudySetting
 
 KEPT = ("case", "restitution", "friction", "members", "reference", "versions", "machine")
 
@@ -36,9 +36,9 @@ def make_store(benchmarks: Iterable[dict[str, Any]]) -> dict[str, dict[str, dict
     return {"kinds": kinds}
 
 
-def _calibrated(row: dict[str, Any], quantity: str) -> Calibrated | None:
+def _calibrated(row: dict[str, Any], quantity: str) -> CalibratedSetting | None:
     """Return a row of a benchmark as it is stored; None for another flow, several ranks, or no error."""
-    errors, setting = row["errors"].get(quantity) or {}, Setting(**row["setting"])
+    errors, setting = row["errors"].get(quantity) or {}, StudySetting(**row["setting"])
     other = any(value is not None for value in (setting.penetration, setting.diameter, setting.skin))
     if errors.get("error") is None or row["seconds"] is None or other or setting.ranks > 1:
         return None
@@ -47,7 +47,7 @@ def _calibrated(row: dict[str, Any], quantity: str) -> Calibrated | None:
     error, floor = round(errors["error"], 6), round(errors["floor"] or 0.0, 6)
     texts = [f"{path}={value if isinstance(value, str) else json.dumps(value)}" for path, value in changes.items()]
     seconds = round(row["seconds"], 4)
-    return Calibrated(row["label"], setting.kernel, setting.fraction, texts, seconds, error, floor)
+    return CalibratedSetting(row["label"], setting.kernel, setting.fraction, texts, seconds, error, floor)
 
 
 def main(files: list[str]) -> None:

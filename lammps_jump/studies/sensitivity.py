@@ -24,10 +24,10 @@ from lammps_jump.files import plain
 from lammps_jump.physics import jump
 from lammps_jump.provenance import usable_cores
 from lammps_jump.studies.folder import held_folder
-from lammps_jump.sweeps import Made, Pool, Say, Start, Store, run_starts
+from lammps_jump.sweeps import MemberRun, Pool, Say, Start, Store, run_starts
 
 from .runs import middle
-from .settings import Setting, listed, reference_setting, stable
+from .settings import StudySetting, listed, reference_setting, stable
 from .table import markdown, with_error
 
 DEPTH, GRAVITY = 0.6, 9.81
@@ -35,7 +35,7 @@ BASE_FROUDE = jump.froude(10.0, DEPTH, GRAVITY)
 
 
 @dataclass(frozen=True)
-class Study:
+class ParameterStudy:
     """One parameter and its values.
 
     Attributes
@@ -96,17 +96,20 @@ def _froude(froude: float) -> dict[str, object]:
 _HOLDING = jump.sill_holding_height(10.0, DEPTH, GRAVITY)
 
 STUDIES = {
-    "diameter": Study("inflow depth over disc diameter", (5.0, 10.0, 20.0), (4.0,),
+    "diameter": ParameterStudy("inflow depth over disc diameter", (5.0, 10.0, 20.0), (4.0,),
         lambda rows: {"discs.diameter": DEPTH / rows}, 4.0, costly=20.0, logarithmic=True),
-    "restitution": Study("restitution coefficient", (0.05, 0.2, 0.4, 0.6, 0.8, 0.95), (0.2,),
+    "restitution": ParameterStudy("restitution coefficient", (0.05, 0.2, 0.4, 0.6, 0.8, 0.95), (0.2,),
         lambda e: {"contact.restitution": e}, 0.2),
-    "friction": Study("friction coefficient μ", (0.0, 0.01, 0.02, 0.05, 0.1, 0.2), (0.1,),
+    "friction": ParameterStudy("friction coefficient μ", (0.0, 0.01, 0.02, 0.05, 0.1, 0.2), (0.1,),
         lambda mu: {"contact.friction": mu}, 0.0),
-    "stiffness": Study("diameter over largest overlap, n", (5.0, 10.0, 20.0, 40.0), (5.0,),
+    "stiffness": ParameterStudy(
+        "diameter over largest overlap, n", (5.0, 10.0, 20.0, 40.0), (5.0,),
         lambda n: {"contact.largest_overlap": 1 / n}, 10.0, logarithmic=True),
-    "froude": Study("inflow Froude number", (2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0), (3.0,), _froude, BASE_FROUDE,
+    "froude": ParameterStudy(
+        "inflow Froude number", (2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0), (3.0,), _froude, BASE_FROUDE,
         costly=7.0),
-    "sill": Study("sill height (m)", (0.6, 0.8, 1.0, 1.2, 1.4), (1.0,), lambda s: {"walls.sill.y": [-5, s]}, 1.0),
+    "sill": ParameterStudy(
+        "sill height (m)", (0.6, 0.8, 1.0, 1.2, 1.4), (1.0,), lambda s: {"walls.sill.y": [-5, s]}, 1.0),
 }  # fmt: skip
 QUICK_CHANGES = {"discs.diameter": 0.2}
 
@@ -149,11 +152,11 @@ def run_sensitivity(
         return store.finish("\n".join(tables), studies={**store.data.get("studies", {}), **rows})
 
 
-def run_study(study: Study, folder: Path, pool: Pool, *, quick: bool, fresh: bool, say: Say) -> list[Row]:
+def run_study(study: ParameterStudy, folder: Path, pool: Pool, *, quick: bool, fresh: bool, say: Say) -> list[Row]:
     """Return a row for each value of the parameter."""
     base, values = load_case(JUMP_CASE, QUICK_CHANGES if quick else {}), study.quick if quick else study.values
 
-    def said(made: Made) -> None:
+    def said(made: MemberRun) -> None:
         value, member = values[made.start.point], made.start.seed - base.fields.run.seed
         say(f"  {study.label} = {value:zg}, start {member + 1}: {made.message or made.outcome}")
 
@@ -169,12 +172,12 @@ def starts_of(base: Case, changes: Mapping[str, object], members: int, point: in
     """Return starts of a changed case on the quickest kernel at f = 0.1, or less where that is not stable."""
     restitution = base.replace(changes).fields.contact.restitution
     kernel = reference_setting(0.1, [name for name in usable_kernels()[0] if name != "stock"]).kernel
-    fast = next(s for s in (Setting(kernel, f) for f in (0.1, 0.05, 0.02)) if stable(s, restitution))
+    fast = next(s for s in (StudySetting(kernel, f) for f in (0.1, 0.05, 0.02)) if stable(s, restitution))
     seed = base.fields.run.seed
     return [Start(point, {**fast.changes(1.0), **changes}, seed + member) for member in range(members)]
 
 
-def summarise_runs(value: float, runs: list[Made]) -> Row:
+def summarise_runs(value: float, runs: list[MemberRun]) -> Row:
     """Return the row of one value of the parameter."""
     table = pd.DataFrame([run.jump for run in runs if run.jump], columns=NUMBERS, dtype=float)
     row: Row = {"value": value, "verdicts": dict(Counter(run.outcome for run in runs))}
@@ -205,7 +208,7 @@ COLUMNS = {
 }
 
 
-def draw_study(study: Study, rows: list[Row], path: Path) -> None:
+def draw_study(study: ParameterStudy, rows: list[Row], path: Path) -> None:
     """Draw three panels with one abscissa; theory for the same (measured) Froude number beside each measurement."""
     table = pd.DataFrame(rows).drop(columns="verdicts").astype(float)
     none = table.value[table.ratio.isna()]

@@ -21,7 +21,7 @@ FIELDS = {
     "ranks": "engine.ranks", "fraction": "run.time_step_fraction", "touch": "contact.touch",
     "correction": "contact.correct_restitution", "diameter": "discs.diameter",
 }  # fmt: skip
-"""Fields of a case by what a `Setting` calls them; skin, kernel and n are none of them."""
+"""Fields of a case by what a `StudySetting` calls them; skin, kernel and n are none of them."""
 
 
 class Axes(NamedTuple):
@@ -55,7 +55,7 @@ QUICK = Axes(("f", "touch", "kernel"), (0.05, 0.1, 0.2), members=2, penetrations
 
 
 @dataclass(frozen=True)
-class Setting:
+class StudySetting:
     """One way to compute a case; None leaves a value as the case has it.
 
     Attributes
@@ -103,7 +103,7 @@ class Setting:
     @property
     def plain(self) -> bool:
         """Whether nothing but kernel, touch and step is varied."""
-        return self == Setting(self.kernel, self.fraction, self.touch)
+        return self == StudySetting(self.kernel, self.fraction, self.touch)
 
     def changes(self, diameter: float) -> dict[str, object]:
         """Return the values of a case that this setting changes; `diameter` (m) is that of the case."""
@@ -129,13 +129,13 @@ def listed(option: str, text: str | None, allowed: Collection[str]) -> tuple[str
     return words
 
 
-def stable(setting: Setting, restitution: float) -> bool:
+def stable(setting: StudySetting, restitution: float) -> bool:
     """Return whether the step is below the limit of a dense packing (`contact.stable_fraction`)."""
     integrator = INTEGRATORS[KERNELS[setting.kernel]["engine.name"]]
     return setting.fraction <= contact.stable_fraction(contact.damping_ratio(restitution), integrator)
 
 
-def make_settings(axes: Axes, restitution: float) -> list[Setting]:
+def make_settings(axes: Axes, restitution: float) -> list[StudySetting]:
     """Return stable settings: step, kernel and touch are crossed, the other axes vary one at a time from `BASE`.
 
     Parameters
@@ -151,22 +151,22 @@ def make_settings(axes: Axes, restitution: float) -> list[Setting]:
     if "touch" in names and quickest != "stock":
         families.append((quickest, "smooth"))
     steps = list(axes.fractions) if "f" in names else [BASE]
-    found = [Setting(kernel, step, touch) for kernel, touch in families for step in steps]
+    found = [StudySetting(kernel, step, touch) for kernel, touch in families for step in steps]
     if "correction" in names and restitution < 1:
-        found += [Setting(first, step, correction=False) for step in steps]
+        found += [StudySetting(first, step, correction=False) for step in steps]
     if "n" in names:
-        found += [Setting(quickest, step, penetration=n) for n in axes.penetrations for step in (BASE, 2 * BASE)]
+        found += [StudySetting(quickest, step, penetration=n) for n in axes.penetrations for step in (BASE, 2 * BASE)]
     if "skin" in names:
-        found += [Setting(kernel, BASE, skin=skin) for kernel in kernels[:2] for skin in SKINS]
+        found += [StudySetting(kernel, BASE, skin=skin) for kernel in kernels[:2] for skin in SKINS]
     if "diameter" in names:
-        found += [Setting(quickest, BASE, diameter=d) for d in axes.diameters]
+        found += [StudySetting(quickest, BASE, diameter=d) for d in axes.diameters]
     if "ranks" in names:
-        found += [Setting(first, BASE), Setting(first, BASE, ranks=2)]
+        found += [StudySetting(first, BASE), StudySetting(first, BASE, ranks=2)]
     return list(dict.fromkeys(setting for setting in found if stable(setting, restitution)))
 
 
-def reference_setting(fraction: float, kernels: Iterable[str]) -> Setting:
+def reference_setting(fraction: float, kernels: Iterable[str]) -> StudySetting:
     """Return the reference of all errors: the finest step with sharp touch on the fastest usable kernel."""
     usable = list(kernels)
     fast = next((kernel for kernel in ("compiled", "native") if kernel in usable), usable[0])
-    return Setting(fast, fraction)
+    return StudySetting(fast, fraction)

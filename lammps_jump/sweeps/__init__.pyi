@@ -4,7 +4,7 @@ from . import pool as pool
 from . import slurm as slurm
 from . import table as table
 from .members import JITTER as JITTER
-from .members import Made as Made
+from .members import MemberRun as MemberRun
 from .members import Start as Start
 from .members import plan as plan
 from .members import run_starts as run_starts

@@ -25,7 +25,7 @@ from lammps_jump.runs.state import has_output
 from lammps_jump.runs.summary import read_summary
 
 from . import worker
-from .pool import Outcome, Pool
+from .pool import CallOutcome, Pool
 
 JITTER = 1e-6
 """Least shift of discs at the start, in diameters. Rows of inflow differ by as much (`physics.inlet.SHIFT`): no mean
@@ -70,14 +70,14 @@ class Member:
         return store / RUNS / self.key
 
 
-class State(NamedTuple):
+class MemberState(NamedTuple):
     """What a run folder holds of a member, and why it failed where it has."""
 
     stage: Stage
     message: str = ""
 
 
-def told(state: State) -> str:
+def told(state: MemberState) -> str:
     """The message of a member that is not done, with the option that runs it again where the same command does not."""
     return f"{state.message} --retry runs it again." if state.stage == "failed" else state.message
 
@@ -139,7 +139,7 @@ def require_no_links(members: Iterable[Member], store: Path) -> None:
         require_no_link(member.folder(store))
 
 
-class Made(NamedTuple):
+class MemberRun(NamedTuple):
     """A start that was run, or not: its folder, the summary of a complete run, else why there is none."""
 
     start: Start
@@ -166,8 +166,8 @@ def run_starts(
     pool: Pool,
     *,
     fresh: bool = False,
-    said: Callable[[Made], None] = lambda made: None,
-) -> list[Made]:
+    said: Callable[[MemberRun], None] = lambda made: None,
+) -> list[MemberRun]:
     """Run the starts that a store lacks, for a study that reads their results itself; dumps are not kept.
 
     Parameters
@@ -183,21 +183,21 @@ def run_starts(
     said : callable
         Called with every start that is made now.
     """
-    refused: dict[int, Made] = {}
+    refused: dict[int, MemberRun] = {}
     planned: dict[int, Member] = {}
     for number, start in enumerate(starts):
         try:
             (planned[number],) = plan(case, [start], {"analysis.figures": "none"})
         except JumpError as error:
-            refused[number] = Made(start, store, {}, str(error))
+            refused[number] = MemberRun(start, store, {}, str(error))
     require_no_links(planned.values(), store)
     numbers = {member.key: number for number, member in planned.items()}
 
-    def made(number: int, state: State) -> Made:
+    def made(number: int, state: MemberState) -> MemberRun:
         folder = planned[number].folder(store)
-        return Made(starts[number], folder, read_summary(folder) if state.stage == "done" else {}, state.message)
+        return MemberRun(starts[number], folder, read_summary(folder) if state.stage == "done" else {}, state.message)
 
-    def ended(key: str, state: State) -> None:
+    def ended(key: str, state: MemberState) -> None:
         said(made(numbers[key], state))
 
     states = {member.key: state_of(member, store, named=False) for member in planned.values()}
@@ -208,13 +208,13 @@ def run_starts(
 
 def run_members(
     members: Iterable[Member],
-    states: dict[str, State],
+    states: dict[str, MemberState],
     store: Path,
     pool: Pool,
     *,
     again: Sequence[str] = (),
     keep_dumps: bool = True,
-    ended: Callable[[str, State], None] = lambda key, state: None,
+    ended: Callable[[str, MemberState], None] = lambda key, state: None,
     news: Callable[[str, Any], None] = lambda key, news: None,
 ) -> None:
     """Run the members of a store that are neither done nor failed, each once.
@@ -222,7 +222,7 @@ def run_members(
     Parameters
     ----------
     members : iterable of Member
-    states : dict of str to State
+    states : dict of str to MemberState
         What is there of each, by its key; brought up to date.
     store : Path
     pool : Pool
@@ -241,10 +241,10 @@ def run_members(
     known = {member.key: member for member in members}
     left = [key for key in known if states[key].stage not in OVER or states[key].stage in again]
 
-    def done(number: int, outcome: Outcome) -> None:
+    def done(number: int, outcome: CallOutcome) -> None:
         found = state_of(known[left[number]], store)
         if outcome.kind != "done" and found.stage != "failed":
-            found = State("interrupted" if found.stage == "interrupted" else "waiting", str(outcome.value))
+            found = MemberState("interrupted" if found.stage == "interrupted" else "waiting", str(outcome.value))
         states[left[number]] = found
         ended(left[number], found)
 
@@ -252,21 +252,21 @@ def run_members(
     pool.run(calls, done=done, news=lambda number, told: news(left[number], told))
 
 
-def state_of(member: Member, store: Path, *, named: bool = True) -> State:
+def state_of(member: Member, store: Path, *, named: bool = True) -> MemberState:
     """What the run folder of a member holds; nothing is written. Without `named` any name and description will do."""
     folder = member.folder(store)
     if holder(folder):
-        return State("running")
+        return MemberState("running")
     try:
         stored = read_summary(folder)
     except DumpError:
-        return State("interrupted")
+        return MemberState("interrupted")
     own = stored.get("key") == member.run
     if own and stored["status"] == "failed" and not stored.get("can_go_on"):
-        return State("failed", stored["message"] or "")
+        return MemberState("failed", stored["message"] or "")
     if own and stored["status"] == "complete" and _is_analysed(member.case, stored, named):
-        return State("done")
-    return State("interrupted" if has_output(folder) else "waiting")
+        return MemberState("done")
+    return MemberState("interrupted" if has_output(folder) else "waiting")
 
 
 def _is_analysed(case: Case, stored: Mapping[str, Any], named: bool) -> bool:

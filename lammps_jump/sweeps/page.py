@@ -35,7 +35,7 @@ from lammps_jump.units import shown, two_digits
 
 from .players import by_member, by_point
 from .study import Axis, Collected, Study
-from .study_folder import Held
+from .study_folder import StudyResults
 from .table import DISAGREE, flat, records, statistics
 from .words import heading, unit, words
 
@@ -44,7 +44,7 @@ MOST_LINES = 6
 COLOURS = (BLUE, GOLD, GREY, RED)
 
 
-def summary_frame(found: Held) -> pd.DataFrame:
+def summary_frame(found: StudyResults) -> pd.DataFrame:
     """Mean ± half the interval of each number, with its count: a row for each point, or a number where there is one."""
     study = found.study
     rows = []
@@ -59,14 +59,14 @@ def summary_frame(found: Held) -> pd.DataFrame:
     return whole if study.axes else whole.T.reset_index().set_axis(["number", "mean ± half the interval"], axis=1)
 
 
-def table_text(found: Held) -> str:
+def table_text(found: StudyResults) -> str:
     """The table of `summary_frame` in Markdown."""
     frame = summary_frame(found)
     lines = [list(frame.columns), ["---"] * len(frame.columns), *frame.values.tolist()]
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
-def draw(found: Held, ending: str = "png") -> dict[Path, str]:
+def draw(found: StudyResults, ending: str = "png") -> dict[Path, str]:
     """Draw a figure for each axis, lines with bands, and a map for two axes of numbers; the captions by file."""
     study, folder = found.study, found.folder / "figures"
     require_no_link(folder)
@@ -86,7 +86,7 @@ def draw(found: Held, ending: str = "png") -> dict[Path, str]:
     return files
 
 
-def save_profiles(found: Held, path: Path) -> Path:
+def save_profiles(found: StudyResults, path: Path) -> Path:
     """Draw mean profiles of the members of a case: each member as a thin line, the interval of the mean as a band."""
     panels = {"mass_depth_mean": "mass depth [m]", "velocity_mean": "velocity [m/s]"}
     members = [run.profiles for run in found.runs]
@@ -166,7 +166,7 @@ def save_map(table: xr.Dataset, study: Study, axes: list[Axis], path: Path) -> P
         return save(figure, path)
 
 
-def doubts(found: Held) -> list[str]:
+def doubts(found: StudyResults) -> list[str]:
     """Sentences on what the table cannot say by itself."""
     study, frame = found.study, flat(found.table, found.study)
     names = [point_name(study, index) for index in range(len(frame))]
@@ -205,21 +205,21 @@ def point_name(study: Study, index: int) -> str:
     return ", ".join(f"{words(path)} = {shown(value, unit(path))}" for path, value in point) or study.case.name
 
 
-def interval(found: Held) -> str:
+def interval(found: StudyResults) -> str:
     """What ± means."""
     count = len(found.runs)
     over = f"{count} starts" if not found.study.axes else "the starts of a point"
     return f"± is the {100 * found.study.fields.confidence:zg} % interval of the mean over {over} (Student's t)"
 
 
-def verdict_of(found: Held) -> str:
+def verdict_of(found: StudyResults) -> str:
     """The verdict on the starts of one case; of a study with axes its name."""
     if found.study.axes or not found.summaries:
         return f"Study: {found.study.case.name}"
     return verdict(together(found.summaries, found.mean)) or found.study.case.name
 
 
-def sections(found: Held) -> list[Section]:
+def sections(found: StudyResults) -> list[Section]:
     """The parts of the page."""
     study, boxes = found.study, tiles(found.rows) if not found.study.axes else []
     varied = f" Varied: {', '.join(words(axis.name) for axis in study.axes)}." if study.axes else ""
@@ -248,7 +248,7 @@ OWN_ERRORS = (
 )
 
 
-def _own_errors(found: Held) -> tuple[list[list[Any]], list[str]]:
+def _own_errors(found: StudyResults) -> tuple[list[list[Any]], list[str]]:
     study, frame = found.study, flat(found.table, found.study)
     rows = []
     for index in range(len(frame)):
@@ -265,7 +265,7 @@ def _own_errors(found: Held) -> tuple[list[list[Any]], list[str]]:
     return rows, ["point", *heads] if study.axes else heads
 
 
-def write_page(found: Held) -> Path:
+def write_page(found: StudyResults) -> Path:
     """Write ``sweep.html`` and the figures."""
     case = found.study.case
     name = ": ".join(filter(None, (case.name, case.fields.description)))

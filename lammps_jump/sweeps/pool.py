@@ -26,7 +26,7 @@ from lammps_jump.provenance import usable_cores
 ENDED = "the study was ended; what it had is kept, and the same command continues from there"
 
 
-class Outcome(NamedTuple):
+class CallOutcome(NamedTuple):
     """What became of a call.
 
     Attributes
@@ -140,10 +140,10 @@ class Pool:
         self,
         calls: Sequence[partial[Any]],
         *,
-        done: Callable[[int, Outcome], None] = lambda number, outcome: None,
+        done: Callable[[int, CallOutcome], None] = lambda number, outcome: None,
         news: Callable[[int, Any], None] = lambda number, text: None,
         patience: float = float("inf"),
-    ) -> list[Outcome]:
+    ) -> list[CallOutcome]:
         """Work through calls, begun in their order.
 
         Parameters
@@ -162,11 +162,11 @@ class Pool:
         RunInterrupted
             Ctrl-C or SIGTERM; the calls at work were asked to save what they had. A second signal ends them at once.
         """
-        outcomes: dict[int, Outcome] = {}
+        outcomes: dict[int, CallOutcome] = {}
         waiting = deque(enumerate(calls))
         self._asked_at = None
 
-        def finish(worker: Worker, outcome: Outcome) -> None:
+        def finish(worker: Worker, outcome: CallOutcome) -> None:
             self._busy.remove(worker)
             if outcome.kind in ("crash", "hang"):
                 worker.end(kill=True)
@@ -185,7 +185,7 @@ class Pool:
                     if kind == "news":
                         news(worker.number, value)
                     else:
-                        finish(worker, Outcome(kind, value))
+                        finish(worker, CallOutcome(kind, value))
         if self._asked_at is not None:
             raise RunInterrupted(ENDED)
         return [outcomes[number] for number in range(len(calls))]

@@ -14,7 +14,7 @@ from lammps_jump.files import plain, read_json, write_json, write_text
 from lammps_jump.identity import short_hash
 from lammps_jump.provenance import machine, versions
 
-from .pool import Outcome, Pool
+from .pool import CallOutcome, Pool
 
 Say = Callable[[str], None]
 """Takes one line of progress."""
@@ -90,7 +90,7 @@ class Store:
         keys: Sequence[str] = (),
         said: Callable[[Any], None] = lambda piece: None,
         watch: Watch | None = None,
-        otherwise: Callable[[Outcome], object] | None = None,
+        otherwise: Callable[[CallOutcome], object] | None = None,
         patience: float = float("inf"),
     ) -> list[Any]:
         """Return the pieces of all calls; those that are missing are made in the pool.
@@ -114,9 +114,9 @@ class Store:
         keys = keys or [key_of(one) for one in calls]
         left = {key: one for key, one in zip(keys, calls, strict=True) if key not in self.pieces}
         names = list(left)
-        wrong: list[Outcome] = []
+        wrong: list[CallOutcome] = []
 
-        def done(number: int, outcome: Outcome) -> None:
+        def done(number: int, outcome: CallOutcome) -> None:
             if outcome.kind == "done":
                 self._keep(names[number], outcome.value)
             elif otherwise is not None and outcome.kind != "RunInterrupted":

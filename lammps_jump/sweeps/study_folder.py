@@ -14,14 +14,14 @@ from pydantic import BaseModel, Field, NonNegativeInt, ValidationError, model_va
 
 import lammps_jump.sweeps as sweeps
 from lammps_jump.analysis.statistics import Mean
-from lammps_jump.analysis.tables.rows import Row, rows_of
+from lammps_jump.analysis.tables.rows import MeasuredRow, rows_of
 from lammps_jump.errors import CaseError
 from lammps_jump.files import plain, read_json
 from lammps_jump.quoting import echoed
 from lammps_jump.runs.run import Run
 from lammps_jump.runs.summary import read_summary
 
-from .members import OVER, Member, Stage, Start, State, listed_as, plan, run_folders, state_of, told
+from .members import OVER, Member, MemberState, Stage, Start, listed_as, plan, run_folders, state_of, told
 from .study import MOST_MEMBERS, MOST_RUNS, Study
 
 if TYPE_CHECKING:
@@ -89,7 +89,7 @@ class Failure(NamedTuple):
     message: str
 
 
-class Held:
+class StudyResults:
     """What the folder of a study holds of its members, and the statistics over them.
 
     Parameters
@@ -110,7 +110,7 @@ class Held:
         return plan(self.study.case, self.starts, self.study.analysis)
 
     @cached_property
-    def states(self) -> dict[str, State]:
+    def states(self) -> dict[str, MemberState]:
         """What the folder holds of each member, by its key."""
         return {member.key: state_of(member, self.folder) for member in self.members}
 
@@ -155,7 +155,7 @@ class Held:
         return [run.summary for run in self.runs]
 
     @cached_property
-    def rows(self) -> list[Row]:
+    def rows(self) -> list[MeasuredRow]:
         """The numbers that readers look for first: means over all runs, with the interval over starts."""
         return rows_of(self.summaries, self.mean)
 

@@ -24,10 +24,10 @@ from lammps_jump.provenance import usable_cores
 from lammps_jump.runs.folder import run_folder
 from lammps_jump.runs.run import Case
 
-from .members import State, require_no_links, run_members
+from .members import MemberState, require_no_links, run_members
 from .pool import Pool
 from .study import read_study
-from .study_folder import POINTS_FILE, Held
+from .study_folder import POINTS_FILE, StudyResults
 
 log = logging.getLogger(__name__)
 
@@ -79,7 +79,7 @@ class Board:
         self._steps[key] = step
         self._tell(key, share, disc_steps=self.now.disc_steps + more)
 
-    def ended(self, key: str, state: State) -> None:
+    def ended(self, key: str, state: MemberState) -> None:
         """Count a member."""
         good = state.stage == "done"
         self._tell(key, 1.0, done=self.now.done + good, failed=self.now.failed + (not good))
@@ -90,8 +90,8 @@ class Board:
         self.show(self.now)
 
 
-class Sweep(Held):
-    """A study, seen through its folder, with its page and figures; parameters as of `Held`."""
+class Sweep(StudyResults):
+    """A study, seen through its folder, with its page and figures; parameters as of `StudyResults`."""
 
     def write(self) -> Path:
         """Write table, figures and page into the folder; the path of the page."""

@@ -21,7 +21,7 @@ from lammps_jump.analysis.jump.head import (
 from lammps_jump.analysis.jump.result import JumpResult, analyse_jump
 from lammps_jump.analysis.jump.section import section
 from lammps_jump.analysis.jump.summary import summarise_jump
-from lammps_jump.analysis.jump.track import Motion
+from lammps_jump.analysis.jump.track import FrontMotion
 from lammps_jump.analysis.passes import feed
 from lammps_jump.analysis.profiles import compute_profiles
 from lammps_jump.analysis.quantities import main_numbers
@@ -170,7 +170,7 @@ def test_gravity_along_the_bed_is_no_loss():
         rest = 40.0 * 9.81 / 1e7
         fluxes.add(disc_frame(x, 0 * x + D / 2 - rest, speed, box=[[-20, 90], [-1, 9]], time=time), time)
     inside = np.ones(len(times), bool)
-    motion = Motion(c, 0.0, start, len(times))
+    motion = FrontMotion(c, 0.0, start, len(times))
     result = JumpResult("jump", "", flow, 1, (0.0, 2.0), inside, motion=motion, toe=0.0)
     found = budget_between(fluxes.result(), result, (-10.0, 10.0), (start, c), inside)
     assert abs(found.carried) > 0.5

@@ -8,7 +8,7 @@ import threading
 import numpy as np
 import pytest
 
-from lammps_jump.analysis.draw.chart import MOST_POINTS, PLACE, TIME, Bars, Chart, Line, Panel, stairs, thinned
+from lammps_jump.analysis.draw.chart import MOST_POINTS, PLACE, TIME, Bars, Chart, Panel, Trace, stairs, thinned
 from lammps_jump.analysis.draw.second_core import aside
 from lammps_jump.analysis.draw.style import drawn
 from lammps_jump.errors import DumpError
@@ -19,7 +19,11 @@ T = np.linspace(0.0, 2.0, 11)
 
 def chart():
     depth = np.where(T == 1.0, np.nan, T**2 / 3)
-    lines = (Line("depth", T, depth, error=0.1 + 0 * T), Line("theory", T, T / 3, "theory"), stairs("bins", T[1:], T))
+    lines = (
+        Trace("depth", T, depth, error=0.1 + 0 * T),
+        Trace("theory", T, T / 3, "theory"),
+        stairs("bins", T[1:], T),
+    )
     return Chart("A flow", TIME, (Panel("Depth [m]", lines, levels={"y₁": 0.5}, marks={"toe": 1.5}),), (1.0, 2.0))
 
 
@@ -51,7 +55,7 @@ def test_a_long_line_keeps_its_peaks():
     x = np.arange(100_000.0)
     y = np.random.default_rng(1).normal(size=len(x))
     y[[17, 44_444, 99_998]] = 50.0, -60.0, np.nan
-    found = thinned(Line("force", x, y, error=x))
+    found = thinned(Trace("force", x, y, error=x))
     assert len(found.x) <= MOST_POINTS and np.all(np.diff(found.x) > 0)
     assert np.nanmax(found.y) == 50.0 and np.nanmin(found.y) == -60.0
     np.testing.assert_array_equal(found.y, y[found.x.astype(int)])

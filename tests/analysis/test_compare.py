@@ -8,7 +8,7 @@ import re
 import numpy as np
 import pytest
 
-from lammps_jump.analysis.draw.chart import TIME, Bars, Chart, Line, Panel
+from lammps_jump.analysis.draw.chart import TIME, Bars, Chart, Panel, Trace
 from lammps_jump.analysis.report.compare import Side, comparison
 from lammps_jump.analysis.report.curves_check import read_curves
 from lammps_jump.analysis.report.page import Curve
@@ -20,7 +20,7 @@ HOSTILE = "</script><b>run</b>"
 
 
 def side(name, top, *, y2, error=None, more=None):
-    lines = (Line("front", T, top * T), Line("", T, 100 * T, "faint"))
+    lines = (Trace("front", T, top * T), Trace("", T, 100 * T, "faint"))
     chart = Chart("front", TIME, (Panel("Distance x [m]", lines, levels={"free": 0.5}),))
     curves = {"front.png": Curve("Front", chart.plain)} | (more or {})
     jump = {"verdict": "jump", "y2": y2, "y2_error": error, "speed": None}
@@ -62,7 +62,11 @@ CHARTS = {
         TIME,
         (
             Panel(
-                "Distance x [m]", (Line("front", T, T, error=0 * T), Line("b", T, -T)), "", {"free": 0.5}, {"toe": 1.0}
+                "Distance x [m]",
+                (Trace("front", T, T, error=0 * T), Trace("b", T, -T)),
+                "",
+                {"free": 0.5},
+                {"toe": 1.0},
             ),
         ),
         window=(0.0, 1.0),

@@ -14,7 +14,7 @@ import lammps_jump as lj
 from lammps_jump.analysis.draw.sketch.drawing import Area
 from lammps_jump.analysis.draw.sketch.labels import ROOM, Label, place_labels
 from lammps_jump.analysis.draw.sketch.picture import figure
-from lammps_jump.analysis.draw.sketch.preview import Region, scene_drawing
+from lammps_jump.analysis.draw.sketch.preview import NamedRegion, scene_drawing
 from lammps_jump.analysis.draw.sketch.svg import svg_text
 from lammps_jump.analysis.draw.style import drawing, save
 from lammps_jump.errors import DumpError
@@ -91,7 +91,7 @@ def drawn(**more):
         np.column_stack([x.ravel(), y.ravel()]), np.tile([1.0, 0.0], (x.size, 1)), walls, domain=((-1, 13), (-2, 6)),
         steps=400, inlets=rows, outlets=(Outlet("x", 12.0, "above", 10),), **more,
     )  # fmt: skip
-    return scene_drawing(scene, [Region("column", (3.5, 4.1), (2.9, 4.1))], sequent=1.5)
+    return scene_drawing(scene, [NamedRegion("column", (3.5, 4.1), (2.9, 4.1))], sequent=1.5)
 
 
 def test_everything_that_the_case_names_is_named_and_no_two_labels_touch():

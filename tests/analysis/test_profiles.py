@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from made_up import columns_of_discs, coreless, disc_frame, examples, flow_context
 
-from lammps_jump.analysis.profiles import Discs, add_means, bin_edges, compute_profiles, connected
+from lammps_jump.analysis.profiles import FrameDiscs, add_means, bin_edges, compute_profiles, connected
 from lammps_jump.analysis.statistics import block_average
 from lammps_jump.dump.exports import read_netcdf, write_netcdf
 from lammps_jump.dump.frame import make_frame
@@ -216,7 +216,7 @@ def test_connection_is_the_transitive_closure_of_nearness():
     x = np.append(rng.uniform(0, 8, 150), [1e4, -1e4])
     y = np.append(rng.uniform(0.1, 4, 150), [5e3, 1.0])
     nothing = np.zeros(152)
-    joined = connected(Discs.of(x, y, nothing, nothing, np.full(152, 0.1), nothing), nothing, 0.4)
+    joined = connected(FrameDiscs.of(x, y, nothing, nothing, np.full(152, 0.1), nothing), nothing, 0.4)
     pairs = cKDTree(np.column_stack([x, y])).query_pairs(0.4, output_type="ndarray")
     _, label = connected_components(coo_matrix((np.ones(len(pairs)), pairs.T), shape=(152, 152)), directed=False)
     grounded = set(label[y <= 0.3])

@@ -12,7 +12,7 @@ import termios
 
 import pytest
 
-from lammps_jump.calibration import Progress as CalibrationProgress
+from lammps_jump.calibration import SearchProgress as CalibrationProgress
 from lammps_jump.cli.progress import CalibrationLine, ProgressLine, StudyLine
 from lammps_jump.cli.streams import PatientStream
 from lammps_jump.engines.result import Progress

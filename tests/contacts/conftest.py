@@ -134,7 +134,7 @@ def start(engine: str, scene: Scene, spins: list[float], folder: Path):
 def make_scene(case: dict, engine: str, *, correct: bool = False) -> Scene:
     """The scene of a table entry for one engine."""
     integrator, law = ENGINES[engine]
-    given = contact.Contact(
+    given = contact.ContactNumbers(
         density=case["density"],
         diameter=case["diameter"],
         restitution=case["restitution"],

@@ -13,7 +13,7 @@ from lammps_jump.analysis import fields
 from lammps_jump.analysis.cell_grid import close_pairs
 from lammps_jump.analysis.draw.painter import View, blank, paint_discs
 from lammps_jump.analysis.grains.layers import add_discs
-from lammps_jump.analysis.profiles import Discs, bin_discs, connected, surface_of
+from lammps_jump.analysis.profiles import FrameDiscs, bin_discs, connected, surface_of
 from lammps_jump.analysis.report.coder import encode
 from lammps_jump.analysis.report.player_check import holds_frames
 from lammps_jump.dump import rows
@@ -35,7 +35,7 @@ def discs_of(seed, count):
     x, y = draw.uniform(-1, 6, count), draw.uniform(0.0, 2, count)
     u, v = draw.normal(size=(2, count))
     radius = draw.choice([0.05, 0.1, 0.3], count)
-    return Discs.of(x, y, u, v, radius, radius**2)
+    return FrameDiscs.of(x, y, u, v, radius, radius**2)
 
 
 @given(seeds, counts, st.sampled_from([0.05, 0.5, 3.0]))

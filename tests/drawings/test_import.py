@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from made_up import INPUTS, call, examples
 
 import lammps_jump as lj
-from lammps_jump.drawings import Choice, doubts, entries, read_drawing, with_walls, write_into
+from lammps_jump.drawings import LayerChoice, doubts, entries, read_drawing, with_walls, write_into
 from lammps_jump.drawings.strokes import arc, bulged, pieces_of_arc, pieces_of_cubic
 from lammps_jump.errors import CaseError, SetupError
 from lammps_jump.scene.shapes import ArcTo
@@ -132,17 +132,17 @@ def test_the_user_says_side_names_and_layers(dxf):
         space.add_lwpolyline([(0, 0), (1000, 0), (1000, 1000)], close=True, dxfattribs={"layer": "tank"})
 
     drawing = read_drawing(dxf(draw), shift=(2.0, -1.0))
-    choice = Choice({"bed": "floor", "tank": "tank"}, reverse=["bed"], inside=["tank"])
+    choice = LayerChoice({"bed": "floor", "tank": "tank"}, reverse=["bed"], inside=["tank"])
     floor, tank = entries(drawing, choice)
     assert floor.wall == {"name": "floor", "kind": "line", "points": [[12, -1], [2, -1]]}
     assert "below it" in floor.facts[2] and tank.wall["discs"] == "inside"
-    assert entries(drawing, Choice({"bed": "bed"}, sheet=["bed"]))[0].wall["sheet"] is True
+    assert entries(drawing, LayerChoice({"bed": "bed"}, sheet=["bed"]))[0].wall["sheet"] is True
     with pytest.raises(CaseError, match="there is no layer 'wall'; it has 'bed', 'tank'"):
-        entries(drawing, Choice({"wall": "a"}))
+        entries(drawing, LayerChoice({"wall": "a"}))
     with pytest.raises(CaseError, match="two walls would be called 'a'"):
-        entries(drawing, Choice({"bed": "a", "tank": "a"}))
+        entries(drawing, LayerChoice({"bed": "a", "tank": "a"}))
     with pytest.raises(CaseError, match="is no name of a wall"):
-        entries(drawing, Choice({"bed": "a b"}))
+        entries(drawing, LayerChoice({"bed": "a b"}))
 
 
 @pytest.mark.parametrize(("scale", "length"), [("mm", 10.0), ("m", 10000.0), ("0.5", 5000.0), ("ft", 3048.0)])

@@ -13,7 +13,7 @@ from lammps_jump.engines.native.simulation import NativeSimulation
 from lammps_jump.engines.native.state import load_state, save_state
 from lammps_jump.scene import Block, Box, Motion, MovingWall, handmade_scene
 from lammps_jump.scene.motion import gate
-from lammps_jump.scene.tracks import Corner, Loaded, Oscillate, Rotate, Table, Translate, pose_py, track_of
+from lammps_jump.scene.tracks import Corner, Loaded, Oscillate, Rotate, TableMotion, Translate, pose_py, track_of
 
 BLOCK = Block("block", (-1.5, 1.5), (-0.2, 0.3))
 BOX = Box("box", (-2.0, 2.0), (-1.0, 2.0))
@@ -73,7 +73,7 @@ def test_a_turned_block_is_a_turned_gravity():
         Oscillate(amplitude=(0.3, 0.1), period=1.3),
         Oscillate(amplitude=(0.3, 0.1), angle=15.0, period=(1.3, 0.7, 2.0), phase=(0.0, 50.0, 90.0)),
         Rotate(rate=90.0, ease=0.1),
-        Table(points=((0.5, 0.4, 0.0, 0.0), (1.0, 0.0, 0.3, 30.0)), ease=0.1),
+        TableMotion(points=((0.5, 0.4, 0.0, 0.0), (1.0, 0.0, 0.3, 30.0)), ease=0.1),
     ],
     ids=lambda kind: kind.kind,
 )

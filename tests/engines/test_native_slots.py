@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from lammps_jump.engines.native.bound import Core
-from lammps_jump.engines.native.discs import Discs
+from lammps_jump.engines.native.discs import DiscArrays
 from lammps_jump.engines.native.simulation import NativeSimulation
 from lammps_jump.engines.native.state import load_state, save_state
 from lammps_jump.errors import ResumeError
@@ -67,7 +67,7 @@ def test_slots_follow_the_discs_of_a_run(tmp_path):
 
 
 def test_room_grows_with_what_lies_in_the_slots():
-    discs = Discs(scene(), Core(), ledger=False)
+    discs = DiscArrays(scene(), Core(), ledger=False)
     mark(discs)
     before, room = rows(discs), discs.room
     discs.grow()

@@ -75,7 +75,7 @@ def test_cross_validation_hands_on_the_twin(monkeypatch, tmp_path):
             raise Stop
 
     monkeypatch.setattr(cross_validation, "_disc_by_disc", lambda *of: None)
-    monkeypatch.setattr(cross_validation.Study, "run", run)
+    monkeypatch.setattr(cross_validation.CrossValidation, "run", run)
     (tmp_path / "few.yaml").write_text(COLUMN)
     with pytest.raises(Stop):
         cross_validation.cross_validate(

@@ -18,7 +18,7 @@ from lammps_jump.analysis import notebook
 from lammps_jump.analysis.report import frames
 from lammps_jump.analysis.report import page as page_of
 from lammps_jump.analysis.report.frames import FramePacker
-from lammps_jump.analysis.report.page import Boxes, Choice, Section, Slider, render
+from lammps_jump.analysis.report.page import Boxes, PlayerChoice, Section, Slider, render
 from lammps_jump.analysis.report.player import make_player
 from lammps_jump.analysis.report.run import write_report
 from lammps_jump.dump.exports import read_netcdf
@@ -183,7 +183,7 @@ def test_a_run_is_chosen_from_a_list(browser, tmp_path):
         for frame in made_frames(count):
             packer.add(frame, frame.time)
         players.append(make_player(packer, tmp_path))
-    choice = Choice(players, ["Member 3", HOSTILE, "Member 7"], 1)
+    choice = PlayerChoice(players, ["Member 3", HOSTILE, "Member 7"], 1)
     path = tmp_path / "choice.html"
     path.write_text(render("made-up", [Section("", [choice])]))
     page = Page(browser, path)
@@ -213,9 +213,9 @@ def test_sliders_choose_the_run_of_a_point(browser, tmp_path):
         for frame in made_frames(count):
             packer.add(frame, frame.time)
         players.append(make_player(packer, tmp_path))
-    sides = [[Boxes([page_of.Box(f"height {HOSTILE}", float(number))])] for number in range(3)]
+    sides = [[Boxes([page_of.NumberBox(f"height {HOSTILE}", float(number))])] for number in range(3)]
     axes = [Slider("friction", ["0", "0.2"]), Slider(HOSTILE, ["1 m", HOSTILE])]
-    choice = Choice(players, ["a", HOSTILE, "c"], 0, axes, [(0, 0), (0, 1), (1, 1)], sides)
+    choice = PlayerChoice(players, ["a", HOSTILE, "c"], 0, axes, [(0, 0), (0, 1), (1, 1)], sides)
     path = tmp_path / "choice.html"
     path.write_text(render("made-up", [Section("", [choice])]))
     page = Page(browser, path)

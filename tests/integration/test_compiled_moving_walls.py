@@ -12,7 +12,7 @@ from lammps_jump.engines.lammps.loader import load_lammps
 from lammps_jump.engines.native.simulation import NativeSimulation
 from lammps_jump.physics.contact import WallLaw
 from lammps_jump.scene import Block, Box, Motion, MovingWall, Sizes, handmade_scene
-from lammps_jump.scene.tracks import Loaded, Oscillate, Rotate, Table, Translate
+from lammps_jump.scene.tracks import Loaded, Oscillate, Rotate, TableMotion, Translate
 from lammps_jump.script.assemble import write_script
 
 D = 0.2
@@ -48,7 +48,7 @@ KINDS = {
     "rotate": Rotate(rate=200.0),
     "oscillate": Oscillate(amplitude=(0.1, 0.2), period=0.3, angle=20.0, phase=30.0),
     "each its own": Oscillate(amplitude=(0.1, 0.2), period=(0.3, 0.2, 0.5), angle=20.0, phase=(30.0, 0.0, -40.0)),
-    "table": Table(points=((0.02, 0.0, 0.1, 0.0), (0.05, 0.05, 0.2, 30.0))),
+    "table": TableMotion(points=((0.02, 0.0, 0.1, 0.0), (0.05, 0.05, 0.2, 30.0))),
     "load": Loaded(mass=300.0, force=(0.0, 60000.0), axis="both", begin=0.01),
 }
 CASES = {

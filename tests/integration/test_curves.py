@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from chromium import PROGRAM, Page, chromium
 
-from lammps_jump.analysis.draw.chart import PLACE, TIME, Bars, Chart, Line, Panel
+from lammps_jump.analysis.draw.chart import PLACE, TIME, Bars, Chart, Panel, Trace
 from lammps_jump.analysis.report.page import Curve, Section, render
 
 pytestmark = [pytest.mark.browser, pytest.mark.skipif(not PROGRAM, reason="Chromium is not installed")]
@@ -34,10 +34,10 @@ def browser(tmp_path_factory):
 @pytest.fixture(scope="module")
 def path(tmp_path_factory):
     depth = np.where((T > 4) & (T < 5), np.nan, 2 + np.sin(T))
-    lines = (Line("depth", T, depth, error=0.1 + 0 * T), Line(HOSTILE, T, T / 5, "theory"))
+    lines = (Trace("depth", T, depth, error=0.1 + 0 * T), Trace(HOSTILE, T, T / 5, "theory"))
     charts = (
         Chart("a flow", TIME, (Panel("Depth [m]", lines, levels={"y₁": 0.5}, marks={HOSTILE: 5.0}),), (6.0, 8.0)),
-        Chart("beside", PLACE, (Panel("h", (Line("h", T, T),), "τ"), Panel("u", (Line("u", T, T),), "T"))),
+        Chart("beside", PLACE, (Panel("h", (Trace("h", T, T),), "τ"), Panel("u", (Trace("u", T, T),), "T"))),
         Bars("parts", "Share [%]", {"one": -1.25, "sum": 2.0}),
     )
     page = render("Curves", [Section("", [Curve(f"chart {i}", one.plain) for i, one in enumerate(charts)])])

@@ -21,7 +21,7 @@ from lammps_jump.physics.contact import WallLaw
 from lammps_jump.scene import Block, Box, Chain, Motion, MovingWall, Plane, Sizes, Wall, handmade_scene
 from lammps_jump.scene.chains import circle
 from lammps_jump.scene.scene import InletRow
-from lammps_jump.scene.tracks import Oscillate, Rotate, Table, Translate
+from lammps_jump.scene.tracks import Oscillate, Rotate, TableMotion, Translate
 from lammps_jump.script import write_script
 
 pytestmark = pytest.mark.lammps
@@ -98,7 +98,7 @@ def both(scene, folder):
 
 OSCILLATES = Oscillate(amplitude=(0.1, 0.1), angle=10.0, period=0.3, phase=20.0)
 EACH = Oscillate(amplitude=(0.1, 0.2), angle=10.0, period=(0.3, 0.2, 0.5), phase=(20.0, 0.0, -40.0))
-TABLE = Table(points=((0.02, 0.02, 0.0, 0.0), (0.05, 0.0, 0.05, 5.0)))
+TABLE = TableMotion(points=((0.02, 0.02, 0.0, 0.0), (0.05, 0.0, 0.05, 5.0)))
 EXACT = {
     "block at an angle": scene_of(tilted(10.0), positions=raised(0.25)),
     "block along a table": scene_of(tilted(7.0), TABLE, (0.2, 0.1), positions=raised(0.16)),

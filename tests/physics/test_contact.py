@@ -30,7 +30,7 @@ def derive(**changes):
         "correct_restitution": False,
         "rotation": False,
     }
-    return contact.derive(contact.Contact(**values | changes))
+    return contact.derive(contact.ContactNumbers(**values | changes))
 
 
 def test_mass_is_density_times_diameter_squared():

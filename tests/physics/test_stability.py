@@ -77,7 +77,7 @@ def test_limit_of_packings_is_exact(scheme):
 
 def derived(scheme: str, e: float, wall: float, smallest: float | None = None) -> contact.Coefficients:
     """Coefficients of discs of density M with stiffness K, on walls of the stiffness `wall`."""
-    given = contact.Contact(
+    given = contact.ContactNumbers(
         density=M,
         diameter=1.0,
         restitution=e,

@@ -18,7 +18,7 @@ from lammps_jump.case import load_case
 from lammps_jump.cli.live import SECONDS, LiveView
 from lammps_jump.cli.progress import ProgressLine
 from lammps_jump.dump.frame import make_frame
-from lammps_jump.dump.tail import Tail
+from lammps_jump.dump.tail import DumpTail
 from lammps_jump.dump.write import DumpWriter
 from lammps_jump.engines.choice import choose_ranks
 from lammps_jump.engines.lammps.log import read_log
@@ -148,7 +148,7 @@ def test_without_gravity_nothing_comes_to_rest(tmp_path):
 def test_a_gzip_dump_of_several_parts_is_read_on_and_damage_is_told(tmp_path):
     """A run that went on has written another gzip stream behind the first."""
     path, rows = tmp_path / "dump.lammpstrj.gz", step_flow(10)
-    tail, seen = Tail(path, "gz"), []
+    tail, seen = DumpTail(path, "gz"), []
     for k in range(3):
         with path.open("ab") as file:
             file.write(gzip.compress(frame_text(k, k, rows).encode()))
@@ -162,13 +162,13 @@ def test_a_gzip_dump_of_several_parts_is_read_on_and_damage_is_told(tmp_path):
 
 def test_newest_frame_is_the_last_whole_one(tmp_path):
     path = tmp_path / "dump.lammpstrj"
-    assert Tail(path).newest() is None
+    assert DumpTail(path).newest() is None
     whole = [frame_text(t, t, step_flow(10)) for t in range(3)]
     path.write_text(whole[0])
-    assert Tail(path).newest() is None  # it may still be written to
+    assert DumpTail(path).newest() is None  # it may still be written to
     path.write_text("".join(whole))
     for guess in (2_000_000, 100):  # it grows until a frame fits
-        frame = Tail(path).newest(guess)
+        frame = DumpTail(path).newest(guess)
         assert frame.step == 1 and frame.x == pytest.approx(step_flow(10)[:, 0])
 
 
@@ -179,7 +179,7 @@ def test_last_frame_of_an_ended_run_is_shown(tmp_path, scene, monkeypatch):
     path = tmp_path / "dump.lammpstrj"
     whole = [frame_text(t, t, step_flow(10)) for t in range(2)]
     path.write_text("".join(whole))
-    assert Tail(path).newest(ended=True).step == Tail(path).newest(guess=100, ended=True).step == 1
+    assert DumpTail(path).newest(ended=True).step == DumpTail(path).newest(guess=100, ended=True).step == 1
     monkeypatch.chdir(tmp_path)
     view = LiveView(scene, Path("."), lambda report: None)
     view(Progress(step=1, steps=1, time=0.1, discs=10))

@@ -10,13 +10,13 @@ from lammps_jump.engines import choice
 from lammps_jump.engines.choice import choose
 from lammps_jump.errors import SetupError
 from lammps_jump.scene import Block, Box, Chain, Motion, MovingWall, Plane, Wall, gate, handmade_scene
-from lammps_jump.scene.tracks import Loaded, Rotate, Table, Translate
+from lammps_jump.scene.tracks import Loaded, Rotate, TableMotion, Translate
 from lammps_jump.script import script_text
 
 VALLEY = Chain(((0.0, 1.0), (1.0, 0.0), (2.0, 1.0)))
 STEP = Chain(((0.0, 1.0), (1.0, 1.0), (1.0, 0.0), (2.0, 0.0)))
 BENT = Chain(((0.0, 0.0), (1.0, 0.0), (2.0, 1.0)), (0.0, 1.0))
-SHAKES = Table(points=tuple((i, i % 2, 0, 0) for i in range(1, 201)))
+SHAKES = TableMotion(points=tuple((i, i % 2, 0, 0) for i in range(1, 201)))
 RING = Chain(tuple((cos(-i * pi / 7), sin(-i * pi / 7)) for i in range(14)), closed=True)
 
 

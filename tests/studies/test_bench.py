@@ -16,7 +16,7 @@ from lammps_jump.studies.bench.collision import SPEED, collision_scene
 from lammps_jump.studies.bench.study import QuantityError, read_axes
 from lammps_jump.studies.cross_validation.trajectories import with_discs_of
 from lammps_jump.studies.runs import in_turn, middle
-from lammps_jump.studies.settings import QUICK, Axes, Setting, make_settings, reference_setting, stable
+from lammps_jump.studies.settings import QUICK, Axes, StudySetting, make_settings, reference_setting, stable
 from lammps_jump.sweeps.members import JITTER, started
 
 
@@ -46,7 +46,7 @@ def test_assignments_make_the_case(tmp_path):
         "walls: [{name: b, kind: box, x: [0, 2], y: [0, 2]}]\n"
         "initial: [{kind: lattice, nx: 2, ny: 2, spacing: 0.8, origin: [0.5, 0.5]}]\nrun: {duration: 1}\n"
     )
-    setting = Setting("native", 0.02, "smooth", penetration=20.0, correction=False, skin=0.2)
+    setting = StudySetting("native", 0.02, "smooth", penetration=20.0, correction=False, skin=0.2)
     changed = load_case(path).replace(setting.changes(0.4))
     case = changed.fields
     assert case.engine.name == "native" and case.run.time_step_fraction == 0.02
@@ -81,7 +81,7 @@ def test_unknown_axis_is_named():
 def test_reference_is_the_fastest_kernel():
     assert reference_setting(0.01, ["stock", "compiled", "native"]).kernel == "compiled"
     assert reference_setting(0.01, ["stock", "native"]).kernel == "native"
-    assert stable(Setting("stock", 0.279), 0.2) and not stable(Setting("stock", 0.281), 0.2)
+    assert stable(StudySetting("stock", 0.279), 0.2) and not stable(StudySetting("stock", 0.281), 0.2)
 
 
 def test_error_against_an_ensemble():

@@ -8,7 +8,7 @@ import pytest
 
 from lammps_jump.case import parse_case
 from lammps_jump.engines import accuracy
-from lammps_jump.engines.accuracy import Calibrated
+from lammps_jump.engines.accuracy import CalibratedSetting
 from lammps_jump.errors import CaseError
 from lammps_jump.studies.calibration_store import make_store
 from lammps_jump.units import parse_accuracy
@@ -68,7 +68,7 @@ def test_what_cannot_run_here_is_left_out(file):
 def test_unstable_steps_are_left_out(file):
     _, loose = accuracy.choose_setting(case(), 0.3, path=file)
     assert loose.startswith("compiled f=0.4")  # stable in an elastic packing: 0.577
-    rows = [Calibrated(**row) for row in json.loads(file.read_text())["kinds"]["box"]["rows"]]
+    rows = [CalibratedSetting(**row) for row in json.loads(file.read_text())["kinds"]["box"]["rows"]]
     damped = case(BOX, "contact.restitution=0.995")
     assert accuracy.fits(rows[0], damped, {"compiled"})
     assert not accuracy.fits(replace(rows[0], fraction=0.58), damped, {"compiled"})
@@ -76,7 +76,7 @@ def test_unstable_steps_are_left_out(file):
 
 def test_steps_that_turn_the_slip_round_are_left_out(file):
     """gamma_t = 3 omega damps slip by 18 f a step in dense packings (slip_check): 1.8 at f = 0.1, 7.2 at f = 0.4."""
-    stored = (Calibrated(**row) for row in json.loads(file.read_text())["kinds"]["box"]["rows"])
+    stored = (CalibratedSetting(**row) for row in json.loads(file.read_text())["kinds"]["box"]["rows"])
     rows = {row.label: row for row in stored}
     rough = case(BOX, "contact.friction=0.1")
     assert accuracy.fits(rows["compiled smooth f=0.1"], rough, {"compiled"})

@@ -17,9 +17,9 @@ from lammps_jump.studies.cross_validation import statistics as cv_statistics
 from lammps_jump.studies.cross_validation import study as cross_validation
 from lammps_jump.studies.cross_validation import trajectories
 from lammps_jump.studies.cross_validation.page import verdict_text
-from lammps_jump.studies.cross_validation.quantities import JUMP_NUMBERS, Curve, Quantities, compare
+from lammps_jump.studies.cross_validation.quantities import JUMP_NUMBERS, MemberCurve, Quantities, compare
 from lammps_jump.studies.cross_validation.scenes import micro_scenes
-from lammps_jump.studies.cross_validation.study import Study
+from lammps_jump.studies.cross_validation.study import CrossValidation
 from lammps_jump.studies.cross_validation.trajectories import (
     AGREEMENT,
     DeterministicCheck,
@@ -58,7 +58,7 @@ def _scene(*changes):
 
 def _study(folder, said, pool, *changes):
     case = _case(*changes)
-    return Study(case, case.scene(), "stock", folder, pool, (1,), [], said.append)
+    return CrossValidation(case, case.scene(), "stock", folder, pool, (1,), [], said.append)
 
 
 class TestWelch:
@@ -121,9 +121,9 @@ def test_false_alarms_over_curves_and_numbers_stay_below_the_family_error():
     rng = np.random.default_rng(4)
 
     def member():
-        values = {f"number {k}": Curve("m", [rng.normal(3, 1)]) for k in range(8)}
+        values = {f"number {k}": MemberCurve("m", [rng.normal(3, 1)]) for k in range(8)}
         at = np.arange(20.0)
-        return Quantities({**values, "curve": Curve("m", rng.normal(0, 1, 20) + at, "x", at)})
+        return Quantities({**values, "curve": MemberCurve("m", rng.normal(0, 1, 20) + at, "x", at)})
 
     alarms = 0
     for _ in range(150):
@@ -138,7 +138,7 @@ def test_a_wide_interval_is_no_agreement():
     rng = np.random.default_rng(8)
 
     def found(members, mean=2.0):
-        sides = [[Quantities({"c": Curve("m/s", [v])}) for v in rng.normal(mean, 0.4, members)] for _ in range(2)]
+        sides = [[Quantities({"c": MemberCurve("m/s", [v])}) for v in rng.normal(mean, 0.4, members)] for _ in range(2)]
         return compare(("one", "two"), *sides, 0.01)
 
     few = found(4).find("c")
@@ -158,8 +158,8 @@ def test_compare_finds_a_shift_in_one_bin_and_says_where():
 
     def member(shift):
         values = 2.0 + 0.01 * rng.normal(size=10) + shift * (np.arange(10) == 6)
-        numbers = {"still": Curve("m", [1.0]), "zero": Curve("m", [0.0])}
-        return Quantities({"depth": Curve("m", values, "x", at), **numbers})
+        numbers = {"still": MemberCurve("m", [1.0]), "zero": MemberCurve("m", [0.0])}
+        return Quantities({"depth": MemberCurve("m", values, "x", at), **numbers})
 
     found = compare(("one", "two"), [member(0.0) for _ in range(5)], [member(0.3) for _ in range(5)], 0.01)
     verdict = found.find("depth")

@@ -7,7 +7,7 @@ import pytest
 
 from lammps_jump.studies.stress import limits as stress_limits
 from lammps_jump.studies.stress import scenes as stress_scenes
-from lammps_jump.sweeps.pool import Outcome
+from lammps_jump.sweeps.pool import CallOutcome
 
 NATIVE = ("native velocity_verlet", "native leapfrog_extrapolated")
 
@@ -106,7 +106,7 @@ def test_heating_is_an_outcome_of_its_own():
     ("kind", "outcome"), [("hang", "hang"), ("crash", "crash"), ("bug", "bug"), ("OSError", "bug")]
 )
 def test_a_process_that_does_not_answer_is_an_outcome(kind, outcome):
-    assert stress_scenes.ended(Outcome(kind, "why")) == stress_scenes.Outcome(outcome, "why")
+    assert stress_scenes.ended(CallOutcome(kind, "why")) == stress_scenes.Outcome(outcome, "why")
 
 
 def test_limit_reports_its_deviation(monkeypatch):

@@ -16,7 +16,7 @@ from lammps_jump.studies import validation
 from lammps_jump.studies.validation import LOOKED_UP, Row, around, mean_of, work
 from lammps_jump.studies.validation.page import explained
 from lammps_jump.sweeps.members import Member, drop_dumps
-from lammps_jump.sweeps.pool import Outcome
+from lammps_jump.sweeps.pool import CallOutcome
 
 MEASURE = """
 import numpy as np
@@ -100,9 +100,9 @@ class Here:
     def run(self, calls, *, done, **_):
         for number, call in enumerate(calls):
             try:
-                done(number, Outcome("done", call()))
+                done(number, CallOutcome("done", call()))
             except RuntimeError as error:
-                done(number, Outcome("bug", f"RuntimeError: {error}"))
+                done(number, CallOutcome("bug", f"RuntimeError: {error}"))
 
 
 NUMBERS = LAW.replace("[case, ", "[").replace(

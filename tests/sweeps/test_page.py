@@ -14,7 +14,7 @@ from made_up import INPUTS, STUDY, call
 import lammps_jump as lj
 from lammps_jump.analysis.draw.style import drawing
 from lammps_jump.analysis.report.coder import LETTERS
-from lammps_jump.analysis.report.page import Choice, Player, Section, render
+from lammps_jump.analysis.report.page import Player, PlayerChoice, Section, render
 from lammps_jump.analysis.report.player_check import read_player
 from lammps_jump.case import load_case
 from lammps_jump.sweeps import Sweep, open_sweep, page, prepare, read_study, slurm, study_folder
@@ -35,7 +35,7 @@ def done(tmp_path_factory):
     return lj.sweep(MEMBERS, tmp_path_factory.mktemp("members") / "box", jobs=1)
 
 
-def shown_seed(choice: Choice) -> int:
+def shown_seed(choice: PlayerChoice) -> int:
     return int(choice.names[choice.shown].removeprefix("Member "))
 
 

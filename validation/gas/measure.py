@@ -11,7 +11,7 @@ import numpy as np
 from lammps_jump.case import load_case
 from lammps_jump.studies.fluid import loops
 from lammps_jump.studies.fluid.cell import Cell
-from lammps_jump.studies.fluid.discs import Discs, discs_of
+from lammps_jump.studies.fluid.discs import FluidDiscs, discs_of
 
 CASE = Path(__file__).with_name("gas.yaml")
 CONTACT_SHARE = 0.01
@@ -27,12 +27,12 @@ def collision_rate(packing: float) -> float:
     return 2.0 * sqrt(pi) * density * at_contact
 
 
-def thermal_speed(discs: Discs, packing: float) -> float:
+def thermal_speed(discs: FluidDiscs, packing: float) -> float:
     """sqrt(T/m) at which contacts take `CONTACT_SHARE` of the time between them, m/s."""
     return CONTACT_SHARE / CONTACT / collision_rate(packing) * discs.signal_speed
 
 
-def gas_cell(discs: Discs, packing: float, count: int, seed: int, collisions: float) -> tuple[Cell, float]:
+def gas_cell(discs: FluidDiscs, packing: float, count: int, seed: int, collisions: float) -> tuple[Cell, float]:
     """An elastic gas after some collisions a disc, without mean velocity, and its thermal speed, m/s."""
     cell = Cell(discs, count, seed, packing=packing)
     speed = thermal_speed(discs, packing)

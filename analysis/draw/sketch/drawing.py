@@ -47,7 +47,7 @@ class Stroke(NamedTuple):
     tone: str = "plain"
 
 
-class Discs(NamedTuple):
+class DrawnDiscs(NamedTuple):
     """Discs at places, shape (n, 2), with their diameters, shape (n,), m; the width of their rims, pixels."""
 
     places: np.ndarray
@@ -66,7 +66,7 @@ class Arrow(NamedTuple):
     look: str = "arrow"
 
 
-class Text(NamedTuple):
+class LabelText(NamedTuple):
     """A label with its lower left corner, m."""
 
     text: str
@@ -85,7 +85,7 @@ class _Named(NamedTuple):
     on: tuple[Interval, Interval]
 
 
-Shape = Area | Stroke | Discs | Arrow | Text
+Shape = Area | Stroke | DrawnDiscs | Arrow | LabelText
 
 
 class Drawing:
@@ -155,7 +155,7 @@ class Drawing:
             if place is None:
                 continue  # the table of the page names it
             left, low = place
-            self.add(Text(one.text, self.x[0] + left / self.scale, self.y[0] + low / self.scale, one.tone))
+            self.add(LabelText(one.text, self.x[0] + left / self.scale, self.y[0] + low / self.scale, one.tone))
             near = np.clip(label.x, left, left + label.wide), np.clip(label.y, low, low + label.high)
             if hypot(near[0] - label.x, near[1] - label.y) > 10:
                 ends = np.array([(label.x, label.y), near]) / self.scale

@@ -17,7 +17,7 @@ from matplotlib.patheffects import withStroke
 from lammps_jump.analysis.draw.style import BLACK, BLUE, GREY, RED, WALL, style
 from lammps_jump.quoting import figure_text
 
-from .drawing import BAND, DOTS, HEIGHTS, TEXT, Area, Arrow, Discs, Drawing, Shape, Stroke
+from .drawing import BAND, DOTS, HEIGHTS, TEXT, Area, Arrow, Drawing, DrawnDiscs, Shape, Stroke
 
 LEFT, RIGHT, BELOW, ABOVE = 70, 20, 60, 44
 """Pixels around the axes."""
@@ -72,7 +72,7 @@ def _draw(axes: Axes, shape: Shape) -> None:
     elif isinstance(shape, Stroke):
         look = {"color": TONES[shape.tone], **STROKES[shape.look], "zorder": over, "solid_joinstyle": "round"}
         axes.plot(*shape.points.T, scalex=False, scaley=False, **look)
-    elif isinstance(shape, Discs):
+    elif isinstance(shape, DrawnDiscs):
         look = {"fc": DISC, "ec": RIM, "lw": shape.rim, "zorder": over, "offset_transform": axes.transData}
         sizes, turned = shape.diameters, np.zeros(len(shape.diameters))
         axes.add_collection(EllipseCollection(sizes, sizes, turned, units="xy", offsets=shape.places, **look))

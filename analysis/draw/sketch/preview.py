@@ -15,7 +15,7 @@ from lammps_jump.scene.motion import MovingWall, Placed, Pose
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.walls import Interval, Wall, parts_of, rectangle, thin
 
-from .drawing import BAND, HIGHEST, NARROWEST, WIDEST, Area, Discs, Drawing, Stroke
+from .drawing import BAND, HIGHEST, NARROWEST, WIDEST, Area, Drawing, DrawnDiscs, Stroke
 
 FLATTEST, TALLEST = 0.26, HIGHEST / NARROWEST
 """Least and most height of what is shown, in its lengths."""
@@ -34,7 +34,7 @@ CROSS = 6.0
 
 
 @dataclass(frozen=True)
-class Region:
+class NamedRegion:
     """A rectangle (m) with a name: discs at the start, or where discs are poured."""
 
     name: str
@@ -43,14 +43,14 @@ class Region:
 
 
 def scene_drawing(
-    scene: Scene, regions: Sequence[Region] = (), *, sequent: float | None = None, widest: float = WIDEST
+    scene: Scene, regions: Sequence[NamedRegion] = (), *, sequent: float | None = None, widest: float = WIDEST
 ) -> Drawing:
     """Drawing of a scene before it is run.
 
     Parameters
     ----------
     scene : Scene
-    regions : sequence of Region
+    regions : sequence of NamedRegion
         Named rectangles of discs.
     sequent : float, optional
         Depth to expect behind a jump, m above the bed.
@@ -101,7 +101,7 @@ def _at(one: MovingWall, pose: Pose) -> Placed:
 
 
 def _shown(
-    scene: Scene, walls: list[tuple[MovingWall, list[Pose]]], regions: Sequence[Region], sequent: float | None
+    scene: Scene, walls: list[tuple[MovingWall, list[Pose]]], regions: Sequence[NamedRegion], sequent: float | None
 ) -> tuple[Interval, Interval]:
     """What of the plane is shown, m: all that the case names within the domain, and little of solids below it."""
     half = 0.5 * scene.largest
@@ -155,13 +155,13 @@ def _span(ends: Interval) -> str:
     return f"{ends[0]:z.4g} … {ends[1]:z.4g}".replace("-", "\N{MINUS SIGN}")
 
 
-def _draw_discs(drawing: Drawing, scene: Scene, regions: Sequence[Region]) -> None:
+def _draw_discs(drawing: Drawing, scene: Scene, regions: Sequence[NamedRegion]) -> None:
     """Discs at the start, with the mean velocity of those of a region."""
     x, y = scene.positions.T
     every = -(-len(x) // MOST_DISCS) or 1
     size = scene.diameters(np.arange(1, len(x) + 1))
     rim = min(0.6, 0.08 * scene.diameter * drawing.scale)
-    drawing.add(Discs(scene.positions[::every], size[::every], rim))
+    drawing.add(DrawnDiscs(scene.positions[::every], size[::every], rim))
     for place in regions:
         held = (x >= place.x[0]) & (x <= place.x[1]) & (y >= place.y[0]) & (y <= place.y[1])
         middle = np.array([np.mean(place.x), np.mean(place.y)])
@@ -179,7 +179,7 @@ def _draw_discs(drawing: Drawing, scene: Scene, regions: Sequence[Region]) -> No
         drawing.label(f"pour, {pour.count} discs", float(np.mean(pour.x)), pour.y[1], "blue")
 
 
-def _draw_movers(drawing: Drawing, scene: Scene, regions: Sequence[Region]) -> None:
+def _draw_movers(drawing: Drawing, scene: Scene, regions: Sequence[NamedRegion]) -> None:
     """Arrows of single discs that move at the start."""
     speed = np.hypot(*scene.velocities.T)
     movers = np.flatnonzero(speed > 0)

@@ -14,7 +14,7 @@ import numpy as np
 
 from lammps_jump.quoting import visible
 
-from .drawing import BAND, HEIGHTS, Area, Arrow, Discs, Drawing, Shape, Stroke
+from .drawing import BAND, HEIGHTS, Area, Arrow, Drawing, DrawnDiscs, Shape, Stroke
 
 LEFT, RIGHT, BELOW, ABOVE = 46, 12, 40, 24
 """Pixels around the axes."""
@@ -72,7 +72,7 @@ def _shape(drawing: Drawing, shape: Shape) -> str:
         tone = f' stroke="{TONES[shape.tone]}"' if shape.look in ("leader", "mark") else ""
         look = f'class="{shape.look} {shape.tone}" {LOOKS[shape.look]}{tone}'
         return f'<path {look} d="{_path(drawing, shape.points)}"/>'
-    if isinstance(shape, Discs):
+    if isinstance(shape, DrawnDiscs):
         return _discs(drawing, shape)
     if isinstance(shape, Arrow):
         return _arrow(drawing, shape)
@@ -81,7 +81,7 @@ def _shape(drawing: Drawing, shape: Shape) -> str:
     return f'<text {look} x="{x:z.1f}" y="{y - 4:z.1f}">{html.escape(visible(shape.text))}</text>'
 
 
-def _discs(drawing: Drawing, discs: Discs) -> str:
+def _discs(drawing: Drawing, discs: DrawnDiscs) -> str:
     """Each size of discs as one path of dots: the rims, then what is within them."""
     places = _pixels(drawing, discs.places)
     inside = ((places > -50) & (places < np.array(drawing.size) + 50)).all(axis=1)

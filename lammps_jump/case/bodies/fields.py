@@ -11,7 +11,7 @@ from pydantic import AfterValidator, ConfigDict, Field, model_validator
 
 from lammps_jump import units
 from lammps_jump.case.parts.base import Moment, Point, Strict, Vector
-from lammps_jump.physics.bodies import Section, section_of_circle, section_of_polygon
+from lammps_jump.physics.bodies import BodySection, section_of_circle, section_of_polygon
 from lammps_jump.scene.bodies.free import Free
 from lammps_jump.scene.motion import Motion, MovingWall
 from lammps_jump.scene.scene import Beginning
@@ -78,7 +78,7 @@ class Body(Strict):
         raise NotImplementedError
 
     @property
-    def section(self) -> Section:
+    def section(self) -> BodySection:
         """Area, centre and second moment of the outline."""
         return section_of_polygon(np.array(self.wall().outline((0.0, 0.0), (0.0, 0.0))[0]))
 
@@ -148,7 +148,7 @@ class CircleBody(Body):
         return Circle(self.name, self.centre, self.radius, **self.own)
 
     @property
-    def section(self) -> Section:
+    def section(self) -> BodySection:
         """Area, centre and second moment of the circle."""
         return section_of_circle(self.centre, self.radius)
 

@@ -78,7 +78,7 @@ def doubts(case: CaseFields, impact_speed: float, inlets: tuple[InletRow, ...]) 
     return found
 
 
-class Place(NamedTuple):
+class JumpPlace(NamedTuple):
     """Where a jump is to stand, and the stream there.
 
     Attributes
@@ -108,11 +108,11 @@ def jump_doubts(case: CaseFields, scene: Scene) -> list[str]:
         return ["no disc flows in during the window of the analysis, so that it finds no jump; take another window"]
     foot = foot_of(scene, y1, speed, case.gravity)
     if foot is None:
-        place = Place(inflow.x, inflow.y, "inlet", jump.inflow_theory(y1, speed, case.gravity))
+        place = JumpPlace(inflow.x, inflow.y, "inlet", jump.inflow_theory(y1, speed, case.gravity))
     elif foot.stream is None:
         return []
     else:
-        place = Place(foot.x, inflow.y - foot.fall, f"foot of the bed, x = {foot.x:z.3g} m,", foot.stream)
+        place = JumpPlace(foot.x, inflow.y - foot.fall, f"foot of the bed, x = {foot.x:z.3g} m,", foot.stream)
     if place.stream.froude <= 1:
         return [
             f"the inflow is subcritical (Fr = {place.stream.froude:z.3g}), so that no jump forms; Fr must be above 1"
@@ -125,7 +125,7 @@ def jump_doubts(case: CaseFields, scene: Scene) -> list[str]:
     return _room(case, place, sills) + _drowned(case, place, [height for _, height in sills])
 
 
-def _room(case: CaseFields, place: Place, sills: list[tuple[float, float]]) -> list[str]:
+def _room(case: CaseFields, place: JumpPlace, sills: list[tuple[float, float]]) -> list[str]:
     """Sentences on a channel that is too short, and on the highest of sills (x and height, m), if it is too low.
 
     A basin that is full at the start has its jump at once: baffles and a low sill may hold it.
@@ -149,7 +149,7 @@ def _room(case: CaseFields, place: Place, sills: list[tuple[float, float]]) -> l
     return found
 
 
-def _drowned(case: CaseFields, place: Place, sills: list[float]) -> list[str]:
+def _drowned(case: CaseFields, place: JumpPlace, sills: list[float]) -> list[str]:
     """A sentence on a basin whose water is deeper than its stream holds: 1.25 times the sequent depth.
 
     The water is that at the start behind the foot, or what the sills (heights, m) dam: the slow depth with the energy
@@ -176,7 +176,7 @@ def _drowned(case: CaseFields, place: Place, sills: list[float]) -> list[str]:
     return []
 
 
-def _lies_behind(item: object, place: Place) -> TypeGuard[Column]:
+def _lies_behind(item: object, place: JumpPlace) -> TypeGuard[Column]:
     """Whether an item of `initial` is water that reaches over the length of the jump."""
     return isinstance(item, Column) and item.x[1] > place.x + place.stream.length
 

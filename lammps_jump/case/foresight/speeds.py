@@ -36,7 +36,7 @@ class Expected(NamedTuple):
     reason: str
 
 
-class Start(NamedTuple):
+class DiscsAtStart(NamedTuple):
     """Discs at the start or at an inlet: ends along x, top (m), speed (m/s), and what they do, in words."""
 
     x: tuple[float, float]
@@ -45,28 +45,29 @@ class Start(NamedTuple):
     said: str
 
 
-def starts(case: CaseFields) -> Iterator[Start]:
+def starts(case: CaseFields) -> Iterator[DiscsAtStart]:
     """Where the discs of a case come from."""
     for item in case.initial:
         if isinstance(item, Column):
-            yield Start(item.x, item.y[1], float(np.hypot(*item.velocity)), "start")
+            yield DiscsAtStart(item.x, item.y[1], float(np.hypot(*item.velocity)), "start")
         elif isinstance(item, Lattice):
             (x, y), wide, high = item.origin, (item.nx - 1) * item.spacing, (item.ny - 1) * item.spacing
             fastest = max(float(np.hypot(*v)) for v in (item.velocity, *item.velocities.values()))
-            yield Start((x, x + wide), y + high, fastest, "start")
+            yield DiscsAtStart((x, x + wide), y + high, fastest, "start")
         elif isinstance(item, EarlierRun):
-            yield Start(item.found.x, item.found.top, item.found.speed, "start")
+            yield DiscsAtStart(item.found.x, item.found.top, item.found.speed, "start")
         elif isinstance(item, DiscList):
             xs, ys = zip(*item.positions, strict=True)
-            yield Start((min(xs), max(xs)), max(ys), max((float(np.hypot(*v)) for v in item.velocities), default=0.0),
+            fastest = max((float(np.hypot(*v)) for v in item.velocities), default=0.0)
+            yield DiscsAtStart((min(xs), max(xs)), max(ys), fastest,
                         "start")  # fmt: skip
     rows = case.inflow
     if isinstance(rows, RowsInflow):
         graph = rows.hydrograph
         factor = TOP_ROW if rows.profile == "power_law" else 1.0
-        yield Start((rows.x, rows.x), rows.y + max(graph.depths), factor * max(graph.speeds), "enter")
+        yield DiscsAtStart((rows.x, rows.x), rows.y + max(graph.depths), factor * max(graph.speeds), "enter")
     elif isinstance(rows, PourInflow):
-        yield Start(rows.x, rows.y[1], rows.speed_down, "are poured")
+        yield DiscsAtStart(rows.x, rows.y[1], rows.speed_down, "are poured")
 
 
 def ground(case: CaseFields, x: np.ndarray) -> np.ndarray:

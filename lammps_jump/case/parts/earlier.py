@@ -24,7 +24,7 @@ class Region(Strict):
     y: Extent | None = None
 
 
-class Found(NamedTuple):
+class EarlierDiscs(NamedTuple):
     """What the run holds of the discs that are asked for: number, ends along x, top (m), largest speed (m/s)."""
 
     count: int  # type: ignore[assignment]  # nobody counts in this tuple
@@ -49,14 +49,14 @@ class EarlierRun(Strict):
     key: Annotated[str, Field(pattern=r"^[0-9a-f]{12}$")] | None = Field(
         default=None, description="hash of its discs; written by the program"
     )
-    _found: Found = PrivateAttr(default=Found(0, (0.0, 0.0), 0.0, 0.0))
+    _found: EarlierDiscs = PrivateAttr(default=EarlierDiscs(0, (0.0, 0.0), 0.0, 0.0))
 
     @property
-    def found(self) -> Found:
+    def found(self) -> EarlierDiscs:
         """What the run holds of its discs, once it has been read."""
         return self._found
 
-    def read(self, found: Found) -> EarlierRun:
+    def read(self, found: EarlierDiscs) -> EarlierRun:
         """The same field when the run has been read."""
         new = self.model_copy()
         BaseModel.__setattr__(new, "_found", found)  # of this new field alone

@@ -25,7 +25,7 @@ from lammps_jump.scene import MovingWall, Sizes, Wall
 from lammps_jump.scene.scene import CONTACT, Earlier, Fixed, chains_of
 from lammps_jump.units import to_si
 
-from .earlier import EarlierRun, Found
+from .earlier import EarlierDiscs, EarlierRun
 from .places import depths
 
 SAME_DENSITY = 1e-12
@@ -174,7 +174,7 @@ def with_found(initial: Sequence[object], source: CaseSource) -> tuple[object, .
             x, y = discs["x"] + item.shift[0], discs["y"] + item.shift[1]
             fastest = 0.0 if item.velocities == "rest" else float(np.hypot(discs["vx"], discs["vy"]).max(initial=0.0))
             ends = (float(x.min(initial=inf)), float(x.max(initial=-inf))) if len(x) else (0.0, 0.0)
-            item = item.read(Found(len(x), ends, float(y.max(initial=-inf)) if len(x) else 0.0, fastest))
+            item = item.read(EarlierDiscs(len(x), ends, float(y.max(initial=-inf)) if len(x) else 0.0, fastest))
         found.append(item)
     return tuple(found)
 

@@ -19,7 +19,7 @@ from lammps_jump.files import END_FILE, delete, text_of
 from lammps_jump.script import resume
 from lammps_jump.script.assemble import SCRIPTS, STOP_FILE
 
-from .finish import LOG, Outcome, conclude
+from .finish import LOG, SteppingOutcome, conclude
 from .loader import load_lammps
 from .save import Saver
 from .steps import Steps
@@ -76,9 +76,9 @@ def make_ready(job: Job) -> None:
         delete(folder / "forces.csv")
 
 
-def play(job: Job, report: Callable[[Progress | None], None] | None) -> Outcome:
+def play(job: Job, report: Callable[[Progress | None], None] | None) -> SteppingOutcome:
     """Run the script to its end, in this thread; another one reports. Ranks but the first have no `report`."""
-    outcome = Outcome()
+    outcome = SteppingOutcome()
     ranks = job.setting.ranks
     save_request.clear()
     os.environ["LAMMPS_JUMP_THREADS"] = job.setting.threads  # the plugin reads it
@@ -123,7 +123,7 @@ def _threads_of(plugin: Path | None) -> Callable[[], int]:
 
 
 def _report(
-    engine: Any, job: Job, outcome: Outcome, report: Callable[..., Any], saver: Saver, ended: threading.Event
+    engine: Any, job: Job, outcome: SteppingOutcome, report: Callable[..., Any], saver: Saver, ended: threading.Event
 ) -> None:
     """Report step and discs of the last line of the log until the run has ended; ask for checkpoints when due."""
     scene, threads = job.scene, None

@@ -25,7 +25,7 @@ LOG = "log.lammps"
 
 
 @dataclass
-class Outcome:
+class SteppingOutcome:
     """What the stepping left behind.
 
     Attributes
@@ -53,7 +53,7 @@ class Outcome:
     cpu_seconds: float = 0.0
 
 
-def conclude(job: Job, outcome: Outcome) -> RunResult:
+def conclude(job: Job, outcome: SteppingOutcome) -> RunResult:
     """Join the files of the parts of a run, and tell what was done.
 
     Status 'failed', with a message, where LAMMPS gave an error, its process ended, or discs are lost.
@@ -125,7 +125,7 @@ def _force_rows(lines: list[str], header: str) -> list[tuple[float, str]]:
     return rows
 
 
-def result_of(job: Job, outcome: Outcome, log: LogSummary) -> RunResult:
+def result_of(job: Job, outcome: SteppingOutcome, log: LogSummary) -> RunResult:
     """The result of all parts of a run, from its log and what the stepping left behind."""
     scene, resume = job.scene, job.resume
     removed, present = log.removed, log.discs

@@ -16,7 +16,7 @@ from lammps_jump.files import BINARY_PART, CONTACTS_FILE, DUMP_NAMES, POSES, wri
 from lammps_jump.script.probes import raw_forces
 from lammps_jump.script.resume import STATE
 
-from .finish import LOG, Outcome, result_of
+from .finish import LOG, SteppingOutcome, result_of
 from .log import read_log
 
 
@@ -26,11 +26,11 @@ class Saver(CheckpointWriter):
     Parameters
     ----------
     job : Job
-    outcome : Outcome
+    outcome : SteppingOutcome
         Of the part; its clocks are kept up to date.
     """
 
-    def __init__(self, job: Job, outcome: Outcome):
+    def __init__(self, job: Job, outcome: SteppingOutcome):
         files = (LOG, DUMP_NAMES[job.setting.dump_format], BINARY_PART, POSES, CONTACTS_FILE)
         outputs = (*files, *map(raw_forces, job.scene.probes))
         super().__init__(job.scene, Path(), outputs, job.setting.checkpoint_interval)

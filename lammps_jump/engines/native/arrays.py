@@ -5,8 +5,8 @@ What a scene lacks is None: `omega` (no spin), `dash_x` (no energy ledger), `ux`
 rather than the extrapolated one), `grid` and `owner` (neighbour list rather than the thesis' cells), `radius` (equal
 discs), `shift` (no periodic x), `fixed` (all discs move).
 
-Where discs have radii of their own, the constants of `LawNumbers` are those of a size of 1 m, and those of `Motion` of
-a radius of 1 m: mass and weight grow as R^2, the moment of inertia as R^4.
+Where discs have radii of their own, the constants of `LawNumbers` are those of a size of 1 m, and those of
+`StepConstants` of a radius of 1 m: mass and weight grow as R^2, the moment of inertia as R^4.
 
 Time levels. Between steps the arrays hold x_n, v_(n-1/2) and F_n, so that velocity Verlet and the thesis'
 leap-frog are the same loop: they differ in the velocity that dashpot and friction see, v_(n-1/2) in LAMMPS' order
@@ -24,10 +24,10 @@ import numpy as np
 from lammps_jump.core.law import LawNumbers
 from lammps_jump.physics.slots import Slots
 from lammps_jump.scene.chains import Faces
-from lammps_jump.scene.near import Grid as NearGrid
+from lammps_jump.scene.near import FaceGrid
 
 
-class Motion(NamedTuple):
+class StepConstants(NamedTuple):
     """Constants of the kick and the drift, of a disc or of a radius of 1 m; `reach2`: the square of half the skin."""
 
     time_step: float
@@ -205,7 +205,7 @@ class Constants(NamedTuple):
 
     diameter: float
     law: LawNumbers
-    motion: Motion
+    motion: StepConstants
 
 
 class State(NamedTuple):
@@ -235,7 +235,7 @@ class State(NamedTuple):
     bodies: BodyState | None = None
 
 
-class Stations(NamedTuple):
+class StationStep(NamedTuple):
     """Two planes at `left` and `width` further on (m), which move at `speed` (m/s), at one step.
 
     `moved`: count the discs that crossed one in the drift before; `pushed`: count the forces of this step.
@@ -295,7 +295,7 @@ class Loops(Protocol):
         that of the new one. Returns what this gives to the energy (J per m of width).
         """
 
-    def between(self, state: State, stations: Stations, sums: np.ndarray) -> None:
+    def between(self, state: State, stations: StationStep, sums: np.ndarray) -> None:
         """Add a step to the sums between stations (`ledger.StationLedger`)."""
 
     def extent(self, n: int, x: np.ndarray, y: np.ndarray, domain: tuple[float, ...]) -> Box:
@@ -323,7 +323,7 @@ class Loops(Protocol):
         """
 
     def list_near(
-        self, seen: tuple[int, np.ndarray, np.ndarray], wall: int, faces: Faces, grid: NearGrid, near: Near,
+        self, seen: tuple[int, np.ndarray, np.ndarray], wall: int, faces: Faces, grid: FaceGrid, near: Near,
         found: tuple[int, int],
     ) -> tuple[int, int]:  # fmt: skip
         """List the discs near one wall, in its own frame, and the faces near each; faces -1: there is no room.

@@ -12,9 +12,9 @@ import numpy as np
 from lammps_jump.core.law import jump_law, laws_of
 from lammps_jump.core.library import INTEGER, INTEGERS, REAL, REALS, Struct, function
 from lammps_jump.scene.chains import Faces, records_of
-from lammps_jump.scene.near import Grid as NearGrid
+from lammps_jump.scene.near import FaceGrid
 
-from .arrays import BodyState, Box, Cells, Constants, Memory, Moves, Near, Seen, State, Stations
+from .arrays import BodyState, Box, Cells, Constants, Memory, Moves, Near, Seen, State, StationStep
 
 ARRAY = c_void_p
 DISCS = "ids x y vx vy fx fy x0 y0 ux uy omega torque uomega dash_x dash_y slide_x slide_y radius fixed"
@@ -63,7 +63,7 @@ class jump_grid(Struct):
 
 
 class jump_stations(Struct):
-    """As `Stations`."""
+    """As `StationStep`."""
 
     _fields_: ClassVar = [*fields(c_double, "left width speed"), *fields(c_int64, "moved pushed")]
 
@@ -121,7 +121,7 @@ class Core:
         self._held: dict[str, Any] = {}
         self._faces: tuple[Faces | None, np.ndarray | None] = (None, None)
         self._pointers: dict[str, tuple[np.ndarray | None, int | None]] = {}
-        self._grids: tuple[NearGrid | None, dict[int, jump_grid]] = (None, {})
+        self._grids: tuple[FaceGrid | None, dict[int, jump_grid]] = (None, {})
         self._corners: Core | None = None
 
     def _put(self, name: str, array: np.ndarray | None) -> None:
@@ -251,7 +251,7 @@ class Core:
         """As `Loops.give_sizes`."""
         return _give_sizes(self._bind(state), known, own)
 
-    def between(self, state: State, stations: Stations, sums: np.ndarray) -> None:
+    def between(self, state: State, stations: StationStep, sums: np.ndarray) -> None:
         """As `Loops.between`."""
         _between(self._bind(state), byref(jump_stations(*stations)), sums)
 
@@ -306,7 +306,7 @@ class Core:
         return _search_cells(self._bind(state))
 
     def list_near(
-        self, seen: tuple[int, np.ndarray, np.ndarray], wall: int, faces: Faces, grid: NearGrid, near: Near,
+        self, seen: tuple[int, np.ndarray, np.ndarray], wall: int, faces: Faces, grid: FaceGrid, near: Near,
         found: tuple[int, int],
     ) -> tuple[int, int]:  # fmt: skip
         """As `Loops.list_near`."""
@@ -318,7 +318,7 @@ class Core:
         )  # fmt: skip
         return ends[0], ends[1]
 
-    def _grid(self, wall: int, faces: Faces, grid: NearGrid) -> jump_grid:
+    def _grid(self, wall: int, faces: Faces, grid: FaceGrid) -> jump_grid:
         of_all, grids = self._grids
         if of_all is not grid:
             self._grids = grid, grids = grid, {}

@@ -10,7 +10,7 @@ import numpy as np
 from lammps_jump.physics.slots import Slots
 from lammps_jump.scene.scene import Scene
 
-from .arrays import Constants, Memory, Motion
+from .arrays import Constants, Memory, StepConstants
 from .ledger import inertia
 
 
@@ -44,9 +44,9 @@ def constants_of(scene: Scene, skin: float) -> Constants:
     return Constants(scene.largest, scene.law_numbers(), motion_of(scene, skin))
 
 
-def motion_of(scene: Scene, skin: float) -> Motion:
+def motion_of(scene: Scene, skin: float) -> StepConstants:
     """Constants of the motion, with a neighbour list of this skin (m)."""
     square = 1.0 if scene.sizes is None else scene.radius**2
     mass = scene.mass / square
     weight = mass * scene.gravity[0], mass * scene.gravity[1]
-    return Motion(scene.time_step, mass, inertia(scene) / square**2, *weight, (0.5 * skin) ** 2)
+    return StepConstants(scene.time_step, mass, inertia(scene) / square**2, *weight, (0.5 * skin) ** 2)

@@ -31,7 +31,7 @@ def starting(scene: Scene) -> np.ndarray:
     return np.column_stack([scene.velocities, scene.earlier.spins])
 
 
-class Column(NamedTuple):
+class DiscArray(NamedTuple):
     """An array of the discs: its kind, whether a sort takes it along, numbers of a disc (0: one, without an axis)."""
 
     kind: type = float
@@ -39,17 +39,17 @@ class Column(NamedTuple):
     width: int = 0
 
 
-def columns_of(scene: Scene, *, ledger: bool) -> dict[str, Column | None]:
+def columns_of(scene: Scene, *, ledger: bool) -> dict[str, DiscArray | None]:
     """Every array of the discs by its name; None for one that the scene does not need.
 
     What a sort does not take along is zero or equal then, or made anew.
     """
     extrapolated, sized, slots = scene.integrator == "leapfrog_extrapolated", scene.sizes is not None, scene.slots
-    moved, left = Column(), Column(sorted=False)
+    moved, left = DiscArray(), DiscArray(sorted=False)
     groups = (
-        ("ids", Column(np.int64), True),
+        ("ids", DiscArray(np.int64), True),
         ("x y vx vy", moved, True),
-        ("fx fy", Column(sorted=sized), True),  # they hold the weight when discs are sorted
+        ("fx fy", DiscArray(sorted=sized), True),  # they hold the weight when discs are sorted
         ("x0 y0", left, True),
         ("ux uy", moved, extrapolated),
         ("omega", moved, scene.rotation),
@@ -58,14 +58,14 @@ def columns_of(scene: Scene, *, ledger: bool) -> dict[str, Column | None]:
         ("dash_x dash_y", left, ledger),
         ("slide_x slide_y", left, ledger and scene.rubs),
         ("radius", moved, sized),
-        ("partner", Column(np.int64, width=slots), slots > 0),
-        ("sigma spring roll", Column(width=slots), slots > 0),
-        ("fixed", Column(np.int64), scene.fixed is not None),
+        ("partner", DiscArray(np.int64, width=slots), slots > 0),
+        ("sigma spring roll", DiscArray(width=slots), slots > 0),
+        ("fixed", DiscArray(np.int64), scene.fixed is not None),
     )
     return {name: column if there else None for names, column, there in groups for name in names.split()}
 
 
-class Discs:
+class DiscArrays:
     """Arrays of the discs, sorted in memory by cell; only the first `n` entries count.
 
     They begin as the scene has them. The older velocity of the extrapolation is that of the start. Sorting, removal,
@@ -73,7 +73,7 @@ class Discs:
 
     Attributes
     ----------
-    columns : dict of Column
+    columns : dict of DiscArray
         The arrays that the scene needs; each is an attribute, and None is in the place of the others.
     ids : ndarray of int64, shape (room,)
     x, y, vx, vy, fx, fy : ndarray, shape (room,)

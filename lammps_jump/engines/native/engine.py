@@ -86,7 +86,7 @@ def run_native(
         Status 'failed' with a message where a guard ended the run; what there was is kept.
     """
     setting = setting or replace(Setting("native", "core", checkpoint_interval=inf), **options)
-    part = _Part(scene, folder, setting, resume)
+    part = _EnginePart(scene, folder, setting, resume)
     simulation = part.simulation
 
     def report() -> None:
@@ -128,7 +128,7 @@ def run_native(
     return part.result(status, message)
 
 
-class _Part:
+class _EnginePart:
     """A part of a run, from its start or checkpoint to where it ends: stepping, files, clocks.
 
     Attributes

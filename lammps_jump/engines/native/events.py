@@ -23,7 +23,7 @@ class Event(NamedTuple):
     happen: Callable[[], None]
 
 
-class Schedule:
+class EventList:
     """Events of one place in a step, in their order."""
 
     def __init__(self, *events: Event):

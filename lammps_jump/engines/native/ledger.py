@@ -10,11 +10,11 @@ import numpy as np
 
 from lammps_jump.scene.scene import Scene
 
-from .arrays import Loops, State, Stations
+from .arrays import Loops, State, StationStep
 
 
 @dataclass(frozen=True)
-class Energy:
+class EnergyNow:
     """Energy now, J per m of width; `elastic` of pairs and walls together, `kinetic` with spin."""
 
     kinetic: float
@@ -59,7 +59,7 @@ def spin(scene: Scene, discs) -> np.ndarray:
     return discs.omega[: discs.n] + half_kicks(scene, discs)[1] * discs.torque[: discs.n]
 
 
-def energy_of(scene: Scene, discs, elastic: float) -> Energy:
+def energy_of(scene: Scene, discs, elastic: float) -> EnergyNow:
     """Kinetic and gravitational (-m g . x) energy of the discs at the step, with the elastic energy given (J per m)."""
     n, share = discs.n, shares_of(scene, discs)
     vx, vy = velocities(scene, discs)
@@ -69,7 +69,7 @@ def energy_of(scene: Scene, discs, elastic: float) -> Energy:
         kinetic += 0.5 * inertia(scene) * float((share**2 * turn) @ turn)
     gx, gy = scene.gravity
     gravitational = -scene.mass * float(gx * (share * discs.x[:n]).sum() + gy * (share * discs.y[:n]).sum())
-    return Energy(kinetic, gravitational, elastic)
+    return EnergyNow(kinetic, gravitational, elastic)
 
 
 def fallen(scene: Scene, discs) -> float:
@@ -134,7 +134,7 @@ class Books:
 
     Attributes
     ----------
-    start : Energy
+    start : EnergyNow
     start_work, work : ndarray, shape (3,) and (6,)
         `half_work` at the start; what dashpots and friction have taken in whole kicks since, what moving walls have
         done, and the last step's part that is due to walls (`loops.advance`).
@@ -143,14 +143,14 @@ class Books:
     """
 
     def __init__(self, *, periodic: bool = False) -> None:
-        self.start, self.start_work, self.work = Energy(0.0, 0.0, 0.0), np.zeros(3), np.zeros(6)
+        self.start, self.start_work, self.work = EnergyNow(0.0, 0.0, 0.0), np.zeros(3), np.zeros(6)
         self.start_fallen = 0.0
         self.exchanged = {"brought_in": 0.0, "carried_out": 0.0, "released_by_gates": 0.0}
         if periodic:
             self.exchanged["work_of_slope"] = 0.0
 
     def balance(
-        self, now: Energy, half: np.ndarray, fallen: float = 0.0, *, walls_move: bool = False
+        self, now: EnergyNow, half: np.ndarray, fallen: float = 0.0, *, walls_move: bool = False
     ) -> dict[str, float]:
         """The balance at a step with this energy and `half_work`.
 
@@ -216,7 +216,7 @@ class StationLedger:
         found = self.stations
         left = found.x[0] + found.speed * (step - found.first_step) * self.scene.time_step
         moved, pushed = step > found.first_step, step < found.last_step
-        at = Stations(left, found.x[1] - found.x[0], found.speed, moved, pushed)
+        at = StationStep(left, found.x[1] - found.x[0], found.speed, moved, pushed)
         self._loops.between(state, at, self.sums)
         if step == found.first_step:
             self.sums[BEGAN] = self.sums[HELD]

@@ -27,11 +27,11 @@ from lammps_jump.scene.scene import Scene
 from .arrays import Grid, Loops, Pairs, State
 from .bound import Core
 from .constants import Memories, constants_of
-from .discs import Discs, starting
-from .events import Event, OpenBoundaries, Schedule, Tailgates, Windows
+from .discs import DiscArrays, starting
+from .events import Event, EventList, OpenBoundaries, Tailgates, Windows
 from .ledger import (
     Books,
-    Energy,
+    EnergyNow,
     StationLedger,
     energy_of,
     energy_of_leaving,
@@ -114,18 +114,18 @@ class NativeSimulation:
         self.gates = Tailgates(scene)
         self.books = Books(periodic=scene.period is not None)
         self.stations = StationLedger(scene, self.loops, ledger)
-        self._between = Schedule(  # drift and forces
+        self._between = EventList(  # drift and forces
             Event(self.boundaries.next_leaving, self._let_leave),
             Event(self.boundaries.next_arrival, self._let_enter),
             Event(self._next_change, self._change_walls),
         )
-        self._after = Schedule(  # forces
+        self._after = EventList(  # forces
             Event(self.boundaries.next_sizes, self._give_sizes),
             Event(self.stations.next_after, self._see_stations),
             Event(self.windows.next_after, self._close_window),
             Event(self.gates.next_after, lambda: self.gates.move(self.step, self.discs, self.walls)),
         )
-        self.discs = Discs(scene, self.loops, ledger=ledger)
+        self.discs = DiscArrays(scene, self.loops, ledger=ledger)
         self.walls = self._walls()
         self._full, self._started = np.zeros(1, np.int64), False
         if self._grid is None and self.discs.take_lists(scene, self.skin):
@@ -419,12 +419,12 @@ class NativeSimulation:
         other[:] = np.where(other < 0, numbers[np.maximum(-other, 0)], other)
         return who[:count], found[:count]
 
-    def energy(self) -> Energy:
+    def energy(self) -> EnergyNow:
         """Kinetic (spin included), gravitational (-m g . x) and elastic energy now, with that of loaded walls."""
         self.walls.place(self.step)
         found = energy_of(self.scene, self.discs, self._elastic())
         kinetic, place = self.walls.lid_energy()
-        return Energy(found.kinetic + kinetic, found.gravitational + place, found.elastic)
+        return EnergyNow(found.kinetic + kinetic, found.gravitational + place, found.elastic)
 
     def _half_work(self) -> np.ndarray:
         return half_work(self.scene, self.discs, self.books.work) if self._ledger_on else np.zeros(3)

@@ -22,7 +22,7 @@ from lammps_jump.scene.scene import Scene
 
 from .arrays import Loops
 from .discs import EXACT
-from .ledger import Energy, spin, velocities
+from .ledger import EnergyNow, spin, velocities
 from .simulation import NativeSimulation
 
 COUNTS = ("step", "disc_steps", "rebuilds", "rebuild_seconds")
@@ -119,7 +119,7 @@ def _loaded(scene: Scene, path: Path, ledger: bool, loops: Loops | None) -> Nati
     simulation.walls.put(**{name: stored[f"near_{name}"] for name in simulation.walls.listed})
     simulation.walls.put_corners({name: stored[f"corners_near_{name}"] for name in simulation.walls.listed_corners})
     simulation.stations.sums[:] = stored["stations"]
-    books.exchanged, books.start = plain["exchanged"], Energy(*plain["start_energy"])
+    books.exchanged, books.start = plain["exchanged"], EnergyNow(*plain["start_energy"])
     books.start_fallen = plain["start_fallen"]
     windows.begin = plain["window_begin"]
     windows.sums = {name: np.array(row) for name, row in plain["window_sums"].items()}

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from lammps_jump.scene.chains import BEFORE, LENGTH, Faces, boxes, lay
 from lammps_jump.scene.faces import MOST
 from lammps_jump.scene.motion import Motion, MovingWall, Pose, at_seam
-from lammps_jump.scene.near import Grid, grid_of
+from lammps_jump.scene.near import FaceGrid, grid_of
 from lammps_jump.scene.scene import Scene
 
 from .arrays import BodyState, Constants, Loops, Memory, Moves, Near
@@ -132,7 +132,7 @@ class Walls:
         self.moves = _moves(there, self.faces, scene, skin) if any(one.motion.kind for one in there) else None
         # from where the discs were when their list was made, they have moved by half a skin at most; and so has a wall
         reach = 0.5 * scene.largest + (0.5 if self.moves is None else 1.0) * skin
-        self._grid: Grid = grid_of(self.faces, scene.largest, reach, loops.mark_cells)
+        self._grid: FaceGrid = grid_of(self.faces, scene.largest, reach, loops.mark_cells)
         self.sums = np.zeros((len(walls), 4))
         about = [one.motion.about if one.motion.kind else one.wall.moment_point for one in there]
         rows, last = np.zeros(len(walls) + 1, np.int64), np.zeros(1, np.int64)
@@ -296,7 +296,7 @@ class Walls:
 
 
 def _list_near(
-    loops: Loops, faces: Faces, grid: Grid, near: Near, seen: Callable[[int], tuple[int, np.ndarray, np.ndarray]]
+    loops: Loops, faces: Faces, grid: FaceGrid, near: Near, seen: Callable[[int], tuple[int, np.ndarray, np.ndarray]]
 ) -> Near:
     """Lists of what is near each wall; `seen` gives number and places (m) as the frame of a wall has them."""
     row = count = 0

@@ -26,7 +26,7 @@ HUGE = 1e150
 """Radius that stands for the mass of a fixed disc, m: its square is still a number."""
 
 
-class Contact(NamedTuple):
+class ActingContact(NamedTuple):
     """A contact as it acts on its first disc.
 
     Attributes
@@ -126,7 +126,7 @@ def _with_friction(force: Pair, normal: Pair, rub: float) -> Pair:
     return fx - rub * ny, fy + rub * nx
 
 
-def pair_contact(state: State, i: int, j: int, shift: float, seen: Seen, slope: float | None) -> Contact | None:
+def pair_contact(state: State, i: int, j: int, shift: float, seen: Seen, slope: float | None) -> ActingContact | None:
     """The contact of disc i, `shift` (m) further along x, with disc j; None where they do not touch.
 
     `seen` are the velocities that dashpots and friction see. The lever of friction is R of equal discs. It is R less
@@ -157,10 +157,12 @@ def pair_contact(state: State, i: int, j: int, shift: float, seen: Seen, slope: 
     dent = 0.5 * overlap if d.radius is not None or memory is not None else 0.0
     torques = -(a - dent) * rub + rolls, -(b - dent) * rub - rolls
     point = d.x[i] + shift - (a - 0.5 * overlap) * nx, d.y[i] - (a - 0.5 * overlap) * ny
-    return Contact((nx, ny), point, overlap, (fx, fy), rub, dashpot, torques)
+    return ActingContact((nx, ny), point, overlap, (fx, fy), rub, dashpot, torques)
 
 
-def pair_contacts(state: State, seen: Seen, slope: float | None, begin: int = 0) -> Iterator[tuple[int, int, Contact]]:
+def pair_contacts(
+    state: State, seen: Seen, slope: float | None, begin: int = 0
+) -> Iterator[tuple[int, int, ActingContact]]:
     """Two discs and their contact, for all that touch, of the rows of the list from `begin` on."""
     pairs = state.pairs
     for row in range(begin, pairs.rows):
@@ -261,7 +263,7 @@ def touched_faces(state: State, wall: int) -> Iterator[tuple[int, int, float, tu
 
 def wall_contact(
     state: State, wall: int, touched: tuple[int, int, float, tuple[float, float]], seen: Seen, slope: float | None
-) -> Contact:
+) -> ActingContact:
     """The contact of a disc with a wall, of `touched_faces`; the lever of friction is R.
 
     A body feels it at the rim of the disc, and turns with it where the disc rolls.
@@ -289,4 +291,4 @@ def wall_contact(
         rub, resists = spring_forces(memory, i, where, own, slips, pressing(fx * nx + fy * ny, of), of)
         fx, fy = _with_friction((fx, fy), (nx, ny), rub)
     rolls = own * resists if body else 0.0
-    return Contact((nx, ny), at, own - gap, (fx, fy), rub, dashpot, (own * (resists - rub), -rolls))
+    return ActingContact((nx, ny), at, own - gap, (fx, fy), rub, dashpot, (own * (resists - rub), -rolls))

@@ -9,9 +9,9 @@ from __future__ import annotations
 import numpy as np
 
 from lammps_jump.engines.native.arrays import Box, Cells, Near, State
-from lammps_jump.engines.native.discs import Discs
+from lammps_jump.engines.native.discs import DiscArrays
 from lammps_jump.scene.chains import Faces
-from lammps_jump.scene.near import Grid, list_near
+from lammps_jump.scene.near import FaceGrid, list_near
 
 from .contact import radius_of
 
@@ -26,7 +26,7 @@ def extent(n: int, x: np.ndarray, y: np.ndarray, domain: tuple[float, ...]) -> B
     return float(a), float(b), float(c), float(d), int(lost[-1]) if lost.size else -1
 
 
-def sort(discs: Discs, cells: Cells) -> None:
+def sort(discs: DiscArrays, cells: Cells) -> None:
     """Counting sort by cell: the first disc of each cell, the cell of each place, the place of each disc.
 
     A frame of empty cells surrounds the grid: (columns + 2) x (rows + 2) cells, rows counted fastest; `transpose` puts
@@ -50,14 +50,14 @@ def sort(discs: Discs, cells: Cells) -> None:
             array[:n] = array[order]
 
 
-def _close(discs: Discs, i: int, others: np.ndarray, reach: float, shift: float = 0.0) -> np.ndarray:
+def _close(discs: DiscArrays, i: int, others: np.ndarray, reach: float, shift: float = 0.0) -> np.ndarray:
     """Those of other discs within the reach of disc i (m), which stands `shift` further along x."""
     dx, dy = discs.x[i] + shift - discs.x[others], discs.y[i] - discs.y[others]
     apart = reach if discs.radius is None else reach + discs.radius[i] + discs.radius[others]
     return others[dx * dx + dy * dy < apart * apart]
 
 
-def _put_row(discs: Discs, row: int, close: np.ndarray) -> bool:
+def _put_row(discs: DiscArrays, row: int, close: np.ndarray) -> bool:
     """Put discs into a row of the list; False where there is no room."""
     begin = int(discs.start[row])
     end = begin + close.size
@@ -67,7 +67,7 @@ def _put_row(discs: Discs, row: int, close: np.ndarray) -> bool:
     return True
 
 
-def pair_list(discs: Discs, reach: float, rows: int) -> int:
+def pair_list(discs: DiscArrays, reach: float, rows: int) -> int:
     """Half list of all pairs closer than the reach (m); its length, or -1 where there is no room.
 
     Candidates of a disc are the rest of its own cell with the next cell of the column, and three of the next column.
@@ -82,7 +82,7 @@ def pair_list(discs: Discs, reach: float, rows: int) -> int:
     return int(discs.start[discs.n])
 
 
-def image_rows(discs: Discs, reach: tuple[float, float, float], owner: np.ndarray, shift: np.ndarray) -> int:
+def image_rows(discs: DiscArrays, reach: tuple[float, float, float], owner: np.ndarray, shift: np.ndarray) -> int:
     """Pairs across the seam of a periodic channel: a row for each disc near its left end, behind the n others.
 
     The row's disc stands a period further on. Returns the number of rows, or -1 where there is no room.
@@ -151,7 +151,12 @@ def _contact_cell(state: State, i: int, j: int) -> tuple[int, int] | None:
 
 
 def near_walls(
-    seen: tuple[int, np.ndarray, np.ndarray], wall: int, faces: Faces, grid: Grid, near: Near, found: tuple[int, int]
+    seen: tuple[int, np.ndarray, np.ndarray],
+    wall: int,
+    faces: Faces,
+    grid: FaceGrid,
+    near: Near,
+    found: tuple[int, int],
 ) -> tuple[int, int]:
     """Discs near one wall, by `lammps_jump.scene.near.list_near`."""
     return list_near(seen, wall, faces, grid, (near.discs, near.plain, near.last, near.faces), found)

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from lammps_jump.engines.native.arrays import Motion, Moves, Seen, State
-from lammps_jump.engines.native.discs import Discs
+from lammps_jump.engines.native.arrays import Moves, Seen, State, StepConstants
+from lammps_jump.engines.native.discs import DiscArrays
 from lammps_jump.physics.slots import end_step
 from lammps_jump.scene.near import mark_cells
 
@@ -83,7 +83,7 @@ def forces(state: State) -> None:
             end_step(corners.memory.slots, corners.discs.n)
 
 
-def _add(d: Discs, i: int, found: contact.Contact, sense: float, torque: float) -> None:
+def _add(d: DiscArrays, i: int, found: contact.ActingContact, sense: float, torque: float) -> None:
     """Add a contact to a disc: to the first with sense 1, to the second with -1."""
     (nx, ny), (fx, fy) = found.normal, found.force
     d.fx[i] += sense * fx
@@ -150,12 +150,12 @@ def _end_walls(state: State) -> None:
 
 
 def _square_of(state: State) -> float | np.ndarray:
-    """Mass over that of the constants in `Motion`."""
+    """Mass over that of the constants in `StepConstants`."""
     d = state.discs
     return 1.0 if d.radius is None else d.radius[: d.n] ** 2
 
 
-def _book(state: State, motion: Motion) -> None:
+def _book(state: State, motion: StepConstants) -> None:
     """Take the work of dashpots and friction over the whole kick, dt F . v_n, off the ledger, and begin anew.
 
     It is exact, because v_n is the mean of the velocities before and after the kick.

@@ -7,7 +7,7 @@ from math import nan
 
 import numpy as np
 
-from lammps_jump.engines.native.arrays import Seen, State, Stations
+from lammps_jump.engines.native.arrays import Seen, State, StationStep
 from lammps_jump.engines.native.ledger import CARRIED, CONTACTS, DASHPOTS, FRICTION, HELD, MASS_LEFT, MASS_RIGHT, WALLS
 from lammps_jump.physics.law import contact_energy
 
@@ -110,7 +110,7 @@ def _at_step(state: State, i: int) -> tuple[float, float, float]:
     return d.vx[i] + kick * d.fx[i], d.vy[i] + kick * d.fy[i], spin
 
 
-def between(state: State, stations: Stations, sums: np.ndarray) -> None:
+def between(state: State, stations: StationStep, sums: np.ndarray) -> None:
     """Add a step to the sums between stations; see `Loops.between` and `StationLedger`.
 
     Forces on a disc, F . (v - c), make up what contacts hand on through the stations, F . [(v_i + v_j)/2 - c], half of
@@ -146,7 +146,7 @@ def between(state: State, stations: Stations, sums: np.ndarray) -> None:
     sums[FRICTION] -= dt * slid
 
 
-def _between_discs(state: State, stations: Stations, sums: np.ndarray) -> tuple[float, float, float]:
+def _between_discs(state: State, stations: StationStep, sums: np.ndarray) -> tuple[float, float, float]:
     """What crosses the stations and what is held between them; force and losses of the discs between."""
     d, motion, (left, width, speed, moved, _) = state.discs, state.constants.motion, stations
     dt = motion.time_step

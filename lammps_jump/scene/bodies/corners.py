@@ -44,7 +44,7 @@ SHARPEST = 0.1
 """Half of the angle inside a corner below which it is taken as the end of a line, rad."""
 
 
-class Corner(NamedTuple):
+class BodyCorner(NamedTuple):
     """A disc: centre and radius (m), and directions of an arc at its two ends; 0 of a disc that is felt all round."""
 
     x: float
@@ -56,7 +56,7 @@ class Corner(NamedTuple):
     ty1: float = 0.0
 
 
-def corners_of(faces: Faces, wall: int, radius: float) -> list[Corner]:
+def corners_of(faces: Faces, wall: int, radius: float) -> list[BodyCorner]:
     """Corners of a wall among faces, rounded by a radius (m)."""
     own = range(int(faces.first[wall]), int(faces.first[wall + 1]))
     circle = round_of(faces, wall)
@@ -65,7 +65,7 @@ def corners_of(faces: Faces, wall: int, radius: float) -> list[Corner]:
     return [corner for face in own for corner in _of_face(faces, face, radius)]
 
 
-def round_of(faces: Faces, wall: int) -> Corner | None:
+def round_of(faces: Faces, wall: int) -> BodyCorner | None:
     """The disc that a wall is, where it is one whole circle with discs outside; else None."""
     own = slice(int(faces.first[wall]), int(faces.first[wall + 1]))
     codes, shape = faces.codes[own], faces.shape[own]
@@ -73,13 +73,13 @@ def round_of(faces: Faces, wall: int) -> Corner | None:
         return None
     if np.ptp(shape[:, [CX, CY, RADIUS]], axis=0).max() > 1e-9 * abs(shape[0, RADIUS]) or codes[0, BEFORE] < 0:
         return None
-    return Corner(float(shape[0, CX]), float(shape[0, CY]), float(-shape[0, RADIUS]))
+    return BodyCorner(float(shape[0, CX]), float(shape[0, CY]), float(-shape[0, RADIUS]))
 
 
-def _of_face(faces: Faces, face: int, radius: float) -> Iterator[Corner]:
+def _of_face(faces: Faces, face: int, radius: float) -> Iterator[BodyCorner]:
     code, row = faces.codes[face], faces.shape[face].tolist()
     if code[KIND] == ARC and row[RADIUS] < 0:
-        yield Corner(row[CX], row[CY], -row[RADIUS], row[TX0], row[TY0], row[TX1], row[TY1])
+        yield BodyCorner(row[CX], row[CY], -row[RADIUS], row[TX0], row[TY0], row[TX1], row[TY1])
     if code[AT_START] == FREE:
         yield _end(row[X0], row[Y0], row[TX0], row[TY0], row[TX0], row[TY0], radius)
     if code[AT_END] == FREE:
@@ -96,21 +96,21 @@ def _of_face(faces: Faces, face: int, radius: float) -> Iterator[Corner]:
     half = 0.5 * (pi - turn)  # of the angle inside
     x, y = row[X1], row[Y1]
     if half < SHARPEST:
-        yield Corner(x - radius * ux, y - radius * uy, radius)
+        yield BodyCorner(x - radius * ux, y - radius * uy, radius)
         return
     lengths = [one[LENGTH] for one, kind in ((row, code[KIND]), (after, faces.codes[code[AFTER], KIND])) if kind != ARC]
     own = min([radius, *(0.5 * length * tan(half) for length in lengths)])
     # from the corner along the face before, and then off it to the right, into the solid
     back = own / tan(half)
-    yield Corner(x - back * ux + own * uy, y - back * uy - own * ux, own)
+    yield BodyCorner(x - back * ux + own * uy, y - back * uy - own * ux, own)
 
 
-def _end(x: float, y: float, ix: float, iy: float, tx: float, ty: float, radius: float) -> Corner:
+def _end(x: float, y: float, ix: float, iy: float, tx: float, ty: float, radius: float) -> BodyCorner:
     """A disc at the open end of a line, behind it; (ix, iy) points along the line from the end."""
-    return Corner(x + radius * (ix + ty), y + radius * (iy - tx), radius)
+    return BodyCorner(x + radius * (ix + ty), y + radius * (iy - tx), radius)
 
 
-def shown(corner: Corner, pose: tuple[float, float, float], about: tuple[float, float]) -> tuple[float, float]:
+def shown(corner: BodyCorner, pose: tuple[float, float, float], about: tuple[float, float]) -> tuple[float, float]:
     """Centre of a corner of a wall that is displaced (m, m) and turned (rad) about a point, m."""
     dx, dy = corner.x - about[0], corner.y - about[1]
     c, s = cos(pose[2]), sin(pose[2])

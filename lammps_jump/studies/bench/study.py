@@ -28,8 +28,8 @@ from lammps_jump.files import plain
 from lammps_jump.quoting import echoed
 from lammps_jump.runs.summary import results_in
 from lammps_jump.studies.runs import KERNELS, in_turn, middle
-from lammps_jump.studies.settings import AXES, QUICK, Axes, Setting, listed, make_settings, reference_setting
-from lammps_jump.sweeps import Made, Pool, Results, Say, Start, Store, run_starts
+from lammps_jump.studies.settings import AXES, QUICK, Axes, StudySetting, listed, make_settings, reference_setting
+from lammps_jump.sweeps import MemberRun, Pool, Results, Say, Start, Store, run_starts
 
 EXACT = {"energy deviation": 0.0}
 """Quantities whose true value is known."""
@@ -92,7 +92,7 @@ def _root_mean_square(values: np.ndarray) -> float:
 CURVE_POINTS = 20
 
 
-def measure(run: Made) -> Measures:
+def measure(run: MemberRun) -> Measures:
     """Return the numbers and curves of a run that its case asks for; none of a run that is not complete."""
     found: Measures = {}
     summary, folder = run.summary, run.folder
@@ -189,7 +189,7 @@ def measure_settings(
     in_turn(range(len(chosen)), rounds, lambda n, turn: starts.append(Start(n, changes[n], fields.run.seed + turn)))
     seconds = "{cpu_seconds:z.2f} s"
 
-    def said(made: Made) -> None:
+    def said(made: MemberRun) -> None:
         label, member = chosen[made.start.point].label, made.start.seed - fields.run.seed + 1
         say(f"  {label}, start {member} of {rounds}: {made.message or seconds.format_map(made.summary)}")
 
@@ -218,7 +218,11 @@ def measure_settings(
 
 
 def make_row(
-    setting: Setting, runs: list[Made], measures: list[Measures], reference: list[Measures], is_reference: bool
+    setting: StudySetting,
+    runs: list[MemberRun],
+    measures: list[Measures],
+    reference: list[Measures],
+    is_reference: bool,
 ) -> Results:
     """Return what is stored of a setting: medians over its complete runs, messages of the others, errors."""
     complete = [run.summary for run in runs if run.summary]

@@ -27,7 +27,7 @@ from typing import Any
 import pandas as pd
 
 from lammps_jump import Case
-from lammps_jump.analysis.draw.chart import Chart, Line, Panel
+from lammps_jump.analysis.draw.chart import Chart, Panel, Trace
 from lammps_jump.analysis.draw.style import drawn, save
 from lammps_jump.engines import usable_kernels
 from lammps_jump.engines.native import run_native
@@ -111,7 +111,7 @@ def cell_page(data: Results, folder: Path) -> str:
     """Return the Markdown table; draws CPU time against cell size, the neighbour list as a line."""
     table = pd.DataFrame(data["rows"]).astype(float)
     cells, lists = table.dropna(subset="size"), table[table["size"].isna()]
-    line, levels = Line("cells", cells["size"], cells.seconds, "measured"), {search_name(None): lists.seconds.min()}
+    line, levels = Trace("cells", cells["size"], cells.seconds, "measured"), {search_name(None): lists.seconds.min()}
     panel = Panel("CPU time (s)", [line], levels=levels, marks={"thesis": 2.0}, ylim=(0.0, None))
     title, x = "contact search of the native engine", "cell size over disc diameter"
     save(drawn(Chart(title, x, [panel], name=data["case"])), folder / "cells.png")

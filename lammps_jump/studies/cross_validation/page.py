@@ -13,14 +13,14 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from lammps_jump.analysis.draw.chart import PLACE, TIME, Chart, Line, Panel
+from lammps_jump.analysis.draw.chart import PLACE, TIME, Chart, Panel, Trace
 from lammps_jump.analysis.draw.style import BLUE, GOLD, GREY, RED, drawing, drawn, save
 from lammps_jump.analysis.report.page import Mark, Picture, Section, Table, Text, picture, render
 from lammps_jump.files import write_text
 from lammps_jump.scene import Scene
 from lammps_jump.studies.table import Column, cells
 
-from .quantities import Comparison, Curve, relative_size
+from .quantities import Comparison, MemberCurve, relative_size
 from .statistics import DECIDES, Difference
 from .trajectories import AGREEMENT, CONTACT_STEPS, DeterministicCheck, Divergence, Growth
 
@@ -69,7 +69,7 @@ def divergence(scene: Scene, checks: Sequence[DeterministicCheck], part: Diverge
         (part.perturbed, found["twin_growth"], "second", "native from native, start off by the last digits"),
     )
     lines = [
-        Line(f"{label}{_rate(growth)}", scene.time(0) + run.steps * scene.time_step,
+        Trace(f"{label}{_rate(growth)}", scene.time(0) + run.steps * scene.time_step,
              np.log10(np.where(run.largest > 0, run.largest, nan)), look)
         for run, growth, look, label in rows
     ]  # fmt: skip
@@ -86,13 +86,13 @@ def _rate(growth: Growth) -> str:
     return f" (e-fold in {1.0 / growth.rate:z.3g} s)" if growth.rate > 0 else ""
 
 
-def _label(name: str, curve: Curve) -> str:
+def _label(name: str, curve: MemberCurve) -> str:
     words = name.removesuffix(" profile").removesuffix(" history").replace("_", " ")
     return f"{words}{' energy' if curve.unit == 'J/m' else ''} [{curve.unit}]".replace(" [1]", "").replace("m2/", "m²/")
 
 
 def band_chart(
-    title: str, found: Comparison, names: list[str], lines: Callable[[Curve, Difference], list[Line]]
+    title: str, found: Comparison, names: list[str], lines: Callable[[MemberCurve, Difference], list[Trace]]
 ) -> Chart:
     """Describe curves with `lines` of each and its difference."""
     panels = [Panel(_label(name, found.bands[name][0]), lines(*found.bands[name])) for name in names]
@@ -103,9 +103,9 @@ def means(title: str, found: Comparison, names: list[str]) -> Chart:
     """Describe the mean of each ensemble with a band of one standard deviation: two of a half."""
     one, two = (SHOWN.get(label, label) for label in found.ensembles)
 
-    def lines(curve: Curve, band: Difference) -> list[Line]:
-        first = Line(one, curve.at, band.mean_1, "first", 0.5 * band.deviation_1)
-        return [first, Line(two, curve.at, band.mean_2, "second", 0.5 * band.deviation_2)]
+    def lines(curve: MemberCurve, band: Difference) -> list[Trace]:
+        first = Trace(one, curve.at, band.mean_1, "first", 0.5 * band.deviation_1)
+        return [first, Trace(two, curve.at, band.mean_2, "second", 0.5 * band.deviation_2)]
 
     return band_chart(f"{title}; band: ± 1 s.d. of the members", found, names, lines)
 
@@ -113,8 +113,8 @@ def means(title: str, found: Comparison, names: list[str]) -> Chart:
 def gaps(title: str, found: Comparison, names: list[str]) -> Chart:
     """Describe the difference of each curve with its interval, 95 % for all points at once."""
 
-    def lines(curve: Curve, band: Difference) -> list[Line]:
-        return [Line("", curve.at, band.difference, "sum", 0.5 * band.half_width)]
+    def lines(curve: MemberCurve, band: Difference) -> list[Trace]:
+        return [Trace("", curve.at, band.difference, "sum", 0.5 * band.half_width)]
 
     return band_chart(f"{title}: native minus LAMMPS, 95 % for all at once", found, names, lines)
 
@@ -151,9 +151,9 @@ def law_profiles(laws: dict[str, Comparison]) -> Chart:
     """Describe depth profiles of the laws beside the one they are compared with."""
     bands = {label: law.bands[DEPTH] for label, law in laws.items() if DEPTH in law.bands}
     curve, base = next(iter(bands.values()))
-    lines = [Line("viscous, velocity Verlet, corrected", curve.at, base.mean_1, "first", 0.5 * base.deviation_1)]
+    lines = [Trace("viscous, velocity Verlet, corrected", curve.at, base.mean_1, "first", 0.5 * base.deviation_1)]
     looks = ("second", "third", "sum", "theory")
-    lines += [Line(n, c.at, band.mean_2, look) for look, (n, (c, band)) in zip(looks, bands.items(), strict=False)]
+    lines += [Trace(n, c.at, band.mean_2, look) for look, (n, (c, band)) in zip(looks, bands.items(), strict=False)]
     return Chart(LAW_FIGURES[1], PLACE, [Panel("depth by mass [m]", lines)])
 
 

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from lammps_jump.analysis import Jump
 from lammps_jump.dump import ForceHistory, read_forces
-from lammps_jump.dump.tables import Table
+from lammps_jump.dump.tables import TextTable
 from lammps_jump.runs.summary import results_in
 from lammps_jump.scene import Scene
 from lammps_jump.sweeps import Results
@@ -32,7 +32,7 @@ FORCE_MEAN = 0.1
 """The largest force is that of means over this time, s. The peak of single steps depends on chance contacts."""
 
 
-class Curve(NamedTuple):
+class MemberCurve(NamedTuple):
     """Curve of one member over 'x' (m) or 't' (s), at the places `at`; without an axis a number, its one value."""
 
     unit: str
@@ -54,14 +54,14 @@ class Quantities:
 
     Attributes
     ----------
-    found : dict of str to Curve
+    found : dict of str to MemberCurve
     verdict : str
         Of the jump analysis; empty where none was asked for.
     run : dict
         Engine, kernel, steps, time (s), discs and energy ledger.
     """
 
-    found: dict[str, Curve]
+    found: dict[str, MemberCurve]
     verdict: str = ""
     run: Results = field(default_factory=dict)
 
@@ -73,11 +73,11 @@ def measure(folder: Path, summary: Mapping[str, Any], scene: Scene) -> Quantitie
     energy = energy[energy["time"] >= 0]
     moved, open_ = energy["kinetic"] + energy["rotational"], bool(scene.inlets or scene.pours or scene.outlets)
     coefficients, discs, jump = scene.coefficients, summary["discs"], summary.get("jump") or {}
-    found: dict[str, Curve] = {}
+    found: dict[str, MemberCurve] = {}
     blocks = -(-profiles.sizes["x"] // max(1, -(-profiles.sizes["x"] // MOST_BINS)))
     for name, unit in (("mass_depth", "m"), ("surface_depth", "m"), ("velocity", "m/s"), ("discharge", "m2/s")):
         at, values = (block_means(profiles[part].values, blocks) for part in ("x", f"{name}_mean"))
-        found[f"{name} profile"] = Curve(unit, values, "x", at)
+        found[f"{name} profile"] = MemberCurve(unit, values, "x", at)
     depth, discharge = (profiles[name].values for name in ("mass_depth_mean", "discharge_mean"))
     wet = depth > 0.5 * scene.diameter
     closed = coefficients.restitution == 1.0 and not coefficients.friction and not scene.inlets
@@ -97,13 +97,13 @@ def measure(folder: Path, summary: Mapping[str, Any], scene: Scene) -> Quantitie
         ("discharge, mean over wet bins", "m2/s", wet.any() and open_, discharge[wet].mean),
     )
     found |= {f"{name} history": _history(energy["time"], v, unit) for name, unit, known, v in histories if known}
-    found |= {name: Curve(unit, [float(value())]) for name, unit, known, value in numbers if known}
+    found |= {name: MemberCurve(unit, [float(value())]) for name, unit, known, value in numbers if known}
     if summary.get("front"):
         found |= _front(_frame(results.table("front")))
     for name, force in read_forces(folder / "forces.csv").items() if summary.get("force") else ():
         found |= _force(name, force)
     units = {key: number.unit or "1" for key, number in numbers_of(Jump).items()}
-    found |= {label: Curve(units[key], [jump.get(key)]) for key, label in JUMP_NUMBERS.items() if jump}
+    found |= {label: MemberCurve(units[key], [jump.get(key)]) for key, label in JUMP_NUMBERS.items() if jump}
     if jump and (folder / "jump_track.csv").is_file():
         track = _frame(results.table("jump_track"))
         if track["found"].sum() >= TIME_BLOCKS:
@@ -113,36 +113,38 @@ def measure(folder: Path, summary: Mapping[str, Any], scene: Scene) -> Quantitie
     return Quantities(found, jump.get("verdict", ""), run)
 
 
-def _frame(table: Table) -> pd.DataFrame:
+def _frame(table: TextTable) -> pd.DataFrame:
     return pd.DataFrame({name: table.numbers(name) for name in table.heads})
 
 
-def _history(time: ArrayLike, values: ArrayLike, unit: str) -> Curve:
+def _history(time: ArrayLike, values: ArrayLike, unit: str) -> MemberCurve:
     """Return means of the known values by parts of the run; NaN for a part in which fewer than half are known."""
     values = np.asarray(values, float)
     at, known, sums = (block_means(v, TIME_BLOCKS) for v in (time, np.isfinite(values), np.nan_to_num(values)))
-    return Curve(unit, np.where(known < 0.5, nan, sums / np.maximum(known, 0.5)), "t", at)
+    return MemberCurve(unit, np.where(known < 0.5, nan, sums / np.maximum(known, 0.5)), "t", at)
 
 
-def _front(front: pd.DataFrame) -> dict[str, Curve]:
+def _front(front: pd.DataFrame) -> dict[str, MemberCurve]:
     run, end, found = front[front["time"] >= 0], front["time"].iloc[-1], {}
     for label, name in (("front", "bulk"), ("99 % front", "quantile")):
         found[f"{label} history"] = _history(run["time"], run[name], "m")
         for moment in (0.25 * end, 0.5 * end, end):
-            found[f"{label} at t = {moment:z.3g} s"] = Curve("m", [float(np.interp(moment, run["time"], run[name]))])
+            found[f"{label} at t = {moment:z.3g} s"] = MemberCurve(
+                "m", [float(np.interp(moment, run["time"], run[name]))]
+            )
     return found
 
 
-def _force(name: str, force: ForceHistory) -> dict[str, Curve]:
+def _force(name: str, force: ForceHistory) -> dict[str, MemberCurve]:
     if len(force.time) < 3:
         return {}
     step, run = float(np.median(np.diff(force.time))), force.time > 0
     fx, fy = force.fx[run], force.fy[run]
-    found = {f"impulse on {name}, {axis}": Curve("N s/m", [f.sum() * step]) for axis, f in (("x", fx), ("y", fy))}
+    found = {f"impulse on {name}, {axis}": MemberCurve("N s/m", [f.sum() * step]) for axis, f in (("x", fx), ("y", fy))}
     width = max(1, round(FORCE_MEAN / step))
     if len(fx) > width:
         smooth = np.convolve(fx, np.full(width, 1.0 / width), mode="valid")
-        found[f"largest force on {name}, x"] = Curve("N/m", [smooth[np.argmax(np.abs(smooth))]])
+        found[f"largest force on {name}, x"] = MemberCurve("N/m", [smooth[np.argmax(np.abs(smooth))]])
     return found | {f"force on {name}, x": _history(force.time[run], fx, "N/m")}
 
 
@@ -160,14 +162,14 @@ class Comparison:
         ``place`` names; its half width then holds for all ``points``, and ``scale`` is the curve's largest mean.
     jump_verdicts : (dict, dict)
         Members of each ensemble by the verdict of the jump analysis.
-    bands : dict of str to (Curve, Difference)
+    bands : dict of str to (MemberCurve, Difference)
         Of the curves, at every point.
     """
 
     ensembles: tuple[str, str]
     quantities: list[Results]
     jump_verdicts: tuple[dict[str, int], dict[str, int]]
-    bands: dict[str, tuple[Curve, Difference]]
+    bands: dict[str, tuple[MemberCurve, Difference]]
 
     @property
     def agrees(self) -> bool:
@@ -220,7 +222,7 @@ def verdict(row: Results, family_error: float) -> tuple[str, int | None]:
 def compare(names: tuple[str, str], one: list[Quantities], two: list[Quantities], family_error: float) -> Comparison:
     """Compare each number (Welch), each curve (Welch, Bonferroni over its points), and all together (Holm)."""
     rows: list[Results] = []
-    bands: dict[str, tuple[Curve, Difference]] = {}
+    bands: dict[str, tuple[MemberCurve, Difference]] = {}
     for name, curve in sorted(one[0].found.items(), key=lambda item: bool(item[1].axis)):
         if len({len(m.found[name].values) if name in m.found else 0 for m in (*one, *two)}) > 1:
             continue
@@ -246,7 +248,7 @@ def _number(one: np.ndarray, two: np.ndarray) -> Results:
     return {"kind": "scalar", "place": None, "points": None, "scale": None, "p_adjusted": found.p, **found._asdict()}
 
 
-def _worst_point(curve: Curve, band: Difference, sides: list[np.ndarray]) -> Results:
+def _worst_point(curve: MemberCurve, band: Difference, sides: list[np.ndarray]) -> Results:
     """Return the row of a curve, an empty one where no point can be compared."""
     points = int(np.isfinite(band.p).sum())
     if not points:

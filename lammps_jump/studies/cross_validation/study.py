@@ -42,7 +42,7 @@ LABELS = {"stock": "lammps_stock", "compiled": "lammps_compiled", "native": "nat
 
 
 @dataclass(frozen=True)
-class Study:
+class CrossValidation:
     """A cross-validation; its containers are filled part by part.
 
     Attributes
@@ -185,13 +185,13 @@ def cross_validate(
 
 
 def as_dict(
-    study: Study, divergence: Divergence, found: Comparison, criteria: list[Results], seconds: float
+    study: CrossValidation, divergence: Divergence, found: Comparison, criteria: list[Results], seconds: float
 ) -> dict[str, Any]:
     """Return what goes into ``cross_validation.json``.
 
     Parameters
     ----------
-    study : Study
+    study : CrossValidation
     divergence : Divergence
     found : Comparison
         Of the engines.
@@ -232,7 +232,9 @@ def default_folder(name: str) -> Path:
     return Path("runs") / f"{name}_cross_validation"
 
 
-def _prepare(case: Case, folder: Path, kernel: str, members: int | None, quick: bool, pool: Pool, say: Say) -> Study:
+def _prepare(
+    case: Case, folder: Path, kernel: str, members: int | None, quick: bool, pool: Pool, say: Say
+) -> CrossValidation:
     """Return the study of a case with the same law and integrator for both engines.
 
     That is velocity Verlet and viscous friction, or springs where the case has them.
@@ -252,7 +254,7 @@ def _prepare(case: Case, folder: Path, kernel: str, members: int | None, quick: 
     if setting.engine != "lammps":
         raise SetupError(f"cross-validate needs LAMMPS beside the native engine: {notes[-1]}")
     seeds, said = tuple(range(1, count + 1)), [*scene.warnings, *notes]
-    study = Study(case, scene, setting.kernel, folder, pool, seeds, said, say)
+    study = CrossValidation(case, scene, setting.kernel, folder, pool, seeds, said, say)
     for note in study.notes:
         say(f"note: {note}")
     return study
@@ -263,7 +265,7 @@ def law_of(case: Case) -> dict[str, object]:
     return {} if FRICTION_LAWS[case.fields.contact.friction_law].remembers else VISCOUS
 
 
-def _disc_by_disc(study: Study, work: float) -> Divergence:
+def _disc_by_disc(study: CrossValidation, work: float) -> Divergence:
     """Check small scenes and the case on every LAMMPS kernel; returns how the runs of the case part afterwards."""
     left_out = {"native"} | ({"stock"} if lacking(study.scene) else set())
     kernels = [kernel for kernel in usable_kernels()[0] if kernel not in left_out]
@@ -288,7 +290,7 @@ def _per(growth: Growth) -> str:
     return f"{1.0 / growth.rate:z.3g}" if growth.rate > 0 else "?"
 
 
-def _laws(study: Study, case: Case) -> None:
+def _laws(study: CrossValidation, case: Case) -> None:
     """Measure what each choice changes, on the native engine, which has them all."""
     rubs, elastic = study.scene.coefficients.friction > 0, study.scene.coefficients.restitution == 1
     base = case.replace({"engine.name": "native", **VERLET, **law_of(case), "engine.ranks": 1})
@@ -303,7 +305,7 @@ def _laws(study: Study, case: Case) -> None:
             study.laws[label] = text, study.compare("native", name, label)
 
 
-def criteria(study: Study, found: Comparison) -> list[Results]:
+def criteria(study: CrossValidation, found: Comparison) -> list[Results]:
     """Return the limits set beforehand for a jump without friction: sequent depth and shock speed.
 
     ``met`` is None where a limit is for information only.

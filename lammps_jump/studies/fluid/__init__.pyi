@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 from .cell import Cell as Cell
-from .discs import Discs as Discs
+from .discs import FluidDiscs as FluidDiscs
 from .discs import discs_of as discs_of
-from .flow import Flow as Flow
+from .flow import FlowScales as FlowScales
 from .flow import flow_of as flow_of
 from .law import Friction as Friction
 from .law import fit_friction as fit_friction

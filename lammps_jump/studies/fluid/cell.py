@@ -13,7 +13,7 @@ from lammps_jump.physics.slip import slots_of
 from lammps_jump.physics.slots import Slots
 
 from . import loops
-from .discs import Discs
+from .discs import FluidDiscs
 
 SKIN = 0.15
 """Skin of the list, mean diameters."""
@@ -39,7 +39,7 @@ class Cell:
 
     Parameters
     ----------
-    discs : Discs
+    discs : FluidDiscs
     count : int
     seed : int
         Of the start: places on a grid, moved by chance, with small velocities.
@@ -49,7 +49,7 @@ class Cell:
         Length over height of the box.
     """
 
-    def __init__(self, discs: Discs, count: int, seed: int, *, packing: float = LOOSE, aspect: float = 1.0):
+    def __init__(self, discs: FluidDiscs, count: int, seed: int, *, packing: float = LOOSE, aspect: float = 1.0):
         self.discs = discs
         random = np.random.default_rng(seed)
         radius = random.permutation(discs.radii(count))

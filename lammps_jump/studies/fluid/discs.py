@@ -18,7 +18,7 @@ from lammps_jump.scene.sizes import Sizes
 
 
 @dataclass(frozen=True)
-class Discs:
+class FluidDiscs:
     """What the discs of a case are, without the flow they are in.
 
     Attributes
@@ -80,14 +80,14 @@ class Discs:
         return 0.5 * self.sizes.diameters(np.arange(1, count + 1))
 
 
-def discs_of(case: ReadCase) -> Discs:
+def discs_of(case: ReadCase) -> FluidDiscs:
     """The discs of a case; its step is the case's share of 2/omega."""
     fields = case.fields
     law, sizes = fields.contact, disc_sizes(fields)
     stated = contact_of(fields, "velocity_verlet", sizes)
     coefficients, impact_speed = derive(stated), stated.impact_speed
     touch = law.touch_width or TOUCH_STEPS * impact_speed * coefficients.time_step
-    return Discs(
+    return FluidDiscs(
         diameter=fields.discs.diameter,
         density=fields.discs.density,
         sizes=sizes and replace(sizes, seed=1),

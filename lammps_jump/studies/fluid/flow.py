@@ -19,7 +19,7 @@ from lammps_jump.runs.summary import SUMMARY_FILE
 
 
 @dataclass(frozen=True)
-class Flow:
+class FlowScales:
     """Scales of a flow.
 
     Attributes
@@ -57,7 +57,7 @@ class Flow:
         return self.speed / sqrt(self.gravity * self.thinnest)
 
 
-def flow_of(case: ReadCase, *, depth: float | None = None, speed: float | None = None) -> Flow:
+def flow_of(case: ReadCase, *, depth: float | None = None, speed: float | None = None) -> FlowScales:
     """Scales of the flow of a case; a depth (m) and a speed (m/s) that are given take the place of its own.
 
     Raises
@@ -79,10 +79,10 @@ def flow_of(case: ReadCase, *, depth: float | None = None, speed: float | None =
     if not h:
         raise CaseError("fluid: the case has no inflow and no column, so that its depth is not known; give --depth")
     u = speed or own_speed or sqrt(g * h)
-    return Flow(h, u, u * (thinnest or h), thinnest or h, g)
+    return FlowScales(h, u, u * (thinnest or h), thinnest or h, g)
 
 
-def zones_of(case: ReadCase, flow: Flow, folder: Path | None = None) -> dict[str, Flow]:
+def zones_of(case: ReadCase, flow: FlowScales, folder: Path | None = None) -> dict[str, FlowScales]:
     """Scales of the stream before a jump, of its middle and of its tail, by name; none without a jump.
 
     The depths are those of a run of this case, y1 and y2, or the inflow's and Belanger's. The speed is q/y; the middle
@@ -99,7 +99,7 @@ def zones_of(case: ReadCase, flow: Flow, folder: Path | None = None) -> dict[str
     if deep <= thin:
         return {}
     depths = {"stream": thin, "middle of the jump": 0.5 * (thin + deep), "tail": deep}
-    return {name: Flow(h, flow.discharge / h, flow.discharge, thin, flow.gravity) for name, h in depths.items()}
+    return {name: FlowScales(h, flow.discharge / h, flow.discharge, thin, flow.gravity) for name, h in depths.items()}
 
 
 def _measured_depths(case: ReadCase, folder: Path | None) -> tuple[float, float] | None:

@@ -14,8 +14,8 @@ import numpy as np
 from lammps_jump.analysis.draw.style import BLACK, BLUE, GOLD, GREY, RED, drawing, save
 from lammps_jump.studies.table import markdown
 
-from .discs import Discs
-from .flow import Flow
+from .discs import FluidDiscs
+from .flow import FlowScales
 from .law import Friction, viscosity
 
 WATER = {"viscosity": 1e-6, "sound": 1480.0}
@@ -39,7 +39,7 @@ def law_of(summary: Numbers) -> Friction:
     return Friction(summary["static"][0], summary["slope"][0], summary["exponent"])
 
 
-def text_of(found: Numbers, discs: Discs, flow: Flow) -> str:
+def text_of(found: Numbers, discs: FluidDiscs, flow: FlowScales) -> str:
     """The page in Markdown."""
     summary, at = found["summary"], found["flow"]
     law, sound, swing = law_of(summary), summary["sound"], summary["slosh"]
@@ -113,7 +113,7 @@ def _zones(zones: Mapping[str, Numbers]) -> list[str]:
     return ["## Parts of the jump", markdown(columns, [{"part": name, **one} for name, one in zones.items()])]
 
 
-def draw(found: Numbers, discs: Discs, flow: Flow, path: Path) -> None:
+def draw(found: Numbers, discs: FluidDiscs, flow: FlowScales, path: Path) -> None:
     """Draw mu(I), packing(I), viscosity over depth and the swing."""
     summary, law = found["summary"], law_of(found["summary"])
     inertial = np.array([row["inertial"][0] for row in summary["shear"]])

@@ -11,7 +11,7 @@ import numpy as np
 
 from . import loops
 from .cell import Cell
-from .discs import Discs
+from .discs import FluidDiscs
 from .law import shear_rate
 
 INERTIAL = (0.3, 0.1, 0.03, 0.01, 0.003)
@@ -34,13 +34,13 @@ class Sheared(NamedTuple):
 
 
 def sheared(
-    discs: Discs, pressure: float, seed: int, *, numbers: Sequence[float] = INERTIAL, count: int = COUNT
+    discs: FluidDiscs, pressure: float, seed: int, *, numbers: Sequence[float] = INERTIAL, count: int = COUNT
 ) -> list[Sheared]:
     """Shear one start at each inertial number, from quick to slow; those at which discs expand are left out.
 
     Parameters
     ----------
-    discs : Discs
+    discs : FluidDiscs
     pressure : float
         Held, Pa.
     seed : int

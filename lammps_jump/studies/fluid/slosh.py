@@ -13,7 +13,7 @@ from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.scene import Plane, Scene
 
 from .cell import SKIN
-from .discs import Discs
+from .discs import FluidDiscs
 from .sound import damped_cosine
 
 SLOPE = 0.37
@@ -75,7 +75,7 @@ def coulomb_friction(amplitude: float, opposite: float, depth: float) -> float:
     return amplitude * (1.0 + opposite) * pi / (8.0 * depth)
 
 
-def box_of(discs: Discs, depth: float, gravity: float, seed: int) -> Scene:
+def box_of(discs: FluidDiscs, depth: float, gravity: float, seed: int) -> Scene:
     """A box of discs above each other, from which they fall into its lower corner: gravity is askew."""
     length = ASPECT * depth
     sizes = discs.sizes and replace(discs.sizes, seed=seed)
@@ -102,7 +102,7 @@ def box_of(discs: Discs, depth: float, gravity: float, seed: int) -> Scene:
     )
 
 
-def swing_of(discs: Discs, depth: float, gravity: float, seed: int) -> tuple[np.ndarray, np.ndarray, float]:
+def swing_of(discs: FluidDiscs, depth: float, gravity: float, seed: int) -> tuple[np.ndarray, np.ndarray, float]:
     """Swing of the surface: times in periods of water, the swing over its start, and that start at the wall, m.
 
     The swing is the mean, by mass, of cos(pi x/length) over the discs. A surface a cos(pi x/length) has a/(2 h).

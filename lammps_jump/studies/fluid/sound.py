@@ -10,7 +10,7 @@ import numpy as np
 
 from . import loops
 from .cell import Cell
-from .discs import Discs
+from .discs import FluidDiscs
 
 LENGTH, HEIGHT = 104, 10
 """Discs along the wave and across it."""
@@ -76,12 +76,12 @@ class Sound(NamedTuple):
     packing: float
 
 
-def sound_speed(discs: Discs, pressure: float, seed: int, *, length: int = LENGTH) -> Sound:
+def sound_speed(discs: FluidDiscs, pressure: float, seed: int, *, length: int = LENGTH) -> Sound:
     """Speed of a standing longitudinal wave, c = omega length/(2 pi).
 
     Parameters
     ----------
-    discs : Discs
+    discs : FluidDiscs
     pressure : float
         At which they are packed, Pa.
     seed : int

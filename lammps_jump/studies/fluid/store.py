@@ -13,8 +13,8 @@ from lammps_jump.errors import CaseError
 from lammps_jump.files import plain, read_json
 from lammps_jump.identity import short_hash
 
-from .discs import Discs, discs_of
-from .flow import Flow, flow_of
+from .discs import FluidDiscs, discs_of
+from .flow import FlowScales, flow_of
 from .law import Friction, viscosity
 
 METHOD = 1
@@ -24,7 +24,7 @@ SLOSH_DEPTHS = 20.0
 Numbers = dict[str, Any]
 
 
-def measured_key(discs: Discs, flow: Flow) -> str:
+def measured_key(discs: FluidDiscs, flow: FlowScales) -> str:
     """Key of what is measured: the discs, and pressure and depth in three digits."""
     scales = [f"{value:z.3g}" for value in (flow.pressure(discs.density), slosh_depth(discs, flow), flow.gravity)]
     return short_hash({"method": METHOD, "discs": plain(discs), "scales": scales})
@@ -35,12 +35,12 @@ def store_of(key: str) -> Path:
     return cache_folder().parent / "fluid" / f"{key}.json"
 
 
-def slosh_depth(discs: Discs, flow: Flow) -> float:
+def slosh_depth(discs: FluidDiscs, flow: FlowScales) -> float:
     """Depth of the box that sloshes: that of the flow, at most 20 diameters, m."""
     return min(flow.depth, SLOSH_DEPTHS * discs.diameter)
 
 
-def numbers_at(found: Numbers, discs: Discs, flow: Flow) -> Numbers:
+def numbers_at(found: Numbers, discs: FluidDiscs, flow: FlowScales) -> Numbers:
     """Numbers of a flow of measured discs: at half its depth, p = rho g h/2, and the rate U/h.
 
     Re = q/nu, Ma = U/c, Fr = U/sqrt(g h1), and the swing 2.5 mu_s h below which a wave dies in one swing (measured;

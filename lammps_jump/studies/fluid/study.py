@@ -23,8 +23,8 @@ from lammps_jump.studies.folder import held_folder
 from lammps_jump.sweeps import Pool, Say, Store, table
 
 from . import page, shear, slosh, sound
-from .discs import Discs, discs_of
-from .flow import Flow, flow_of, zones_of
+from .discs import FluidDiscs, discs_of
+from .flow import FlowScales, flow_of, zones_of
 from .law import fit_friction
 from .store import Numbers, measured_key, numbers_at, slosh_depth, store_of
 
@@ -42,17 +42,17 @@ def interval(values: list[float]) -> list[float]:
     return [found["mean"], found["high"] - found["mean"]]
 
 
-def shear_start(discs: Discs, pressure: float, seed: int, numbers: tuple[float, ...]) -> list[Numbers]:
+def shear_start(discs: FluidDiscs, pressure: float, seed: int, numbers: tuple[float, ...]) -> list[Numbers]:
     """`shear.sheared` as plain data, for a worker."""
     return [one._asdict() for one in shear.sheared(discs, pressure, seed, numbers=numbers)]
 
 
-def sound_start(discs: Discs, pressure: float, seed: int) -> Numbers:
+def sound_start(discs: FluidDiscs, pressure: float, seed: int) -> Numbers:
     """`sound.sound_speed` as plain data, for a worker."""
     return sound.sound_speed(discs, pressure, seed)._asdict()
 
 
-def slosh_start(discs: Discs, depth: float, gravity: float, seed: int) -> Numbers:
+def slosh_start(discs: FluidDiscs, depth: float, gravity: float, seed: int) -> Numbers:
     """`slosh.slosh_of` as plain data with the swing it is from, for a worker."""
     times, swing, amplitude = slosh.swing_of(discs, depth, gravity, seed)
     return slosh.slosh_of(times, swing, amplitude, depth)._asdict() | {"times": times, "swing": swing}
@@ -86,7 +86,7 @@ def _number(value: float | None) -> float:
     return nan if value is None else value
 
 
-def warnings_of(discs: Discs, flow: Flow, at: Numbers) -> list[str]:
+def warnings_of(discs: FluidDiscs, flow: FlowScales, at: Numbers) -> list[str]:
     """What these discs cannot say of water, in sentences."""
     found, mu = [], discs.coefficients.friction
     if at["mach"] > COMPRESSIBLE:

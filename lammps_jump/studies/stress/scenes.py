@@ -78,7 +78,7 @@ class Outcome:
     gain: float | None = None
 
 
-def ended(outcome: pool.Outcome) -> Outcome:
+def ended(outcome: pool.CallOutcome) -> Outcome:
     """Return the outcome of a scene whose process hung, crashed, or met an error that is none of its own."""
     return Outcome(outcome.kind if outcome.kind in ("hang", "crash") else "bug", str(outcome.value))
 

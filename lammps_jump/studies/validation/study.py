@@ -17,7 +17,7 @@ from lammps_jump.identity import short_hash
 from lammps_jump.provenance import machine, usable_cores
 from lammps_jump.studies.folder import held_folder
 from lammps_jump.sweeps import Pool, Start, Store, SweepProgress, all_versions, plan
-from lammps_jump.sweeps.pool import Outcome
+from lammps_jump.sweeps.pool import CallOutcome
 
 from .find import MEASURE_FILE, find_laws, laws_folder
 from .law import Found, Law, Point, Row
@@ -89,7 +89,7 @@ def validate(
         for piece in pieces:
             if FAILED in store.pieces.get(piece.key, ()):
                 del store.pieces[piece.key]  # it is tried again
-        board = Board(pieces, store, progress)
+        board = LawsBoard(pieces, store, progress)
         with Pool(jobs or usable_cores()) as pool:
             calls = [partial(work, piece.task._replace(keep_dump=keep_dumps)) for piece in pieces]
             store.call(calls, pool, keys=[piece.key for piece in pieces], watch=board, otherwise=lost)
@@ -105,7 +105,7 @@ def validate(
         return store.data
 
 
-def lost(outcome: Outcome) -> dict[str, str]:
+def lost(outcome: CallOutcome) -> dict[str, str]:
     """Return the measurement of a call that did not return: the reason alone."""
     return {FAILED: f"{outcome.kind}: {outcome.value}"}
 
@@ -128,7 +128,7 @@ def pieces_of(folder: Path, law: Law, quick: bool, store: Path) -> list[Piece]:
     return found
 
 
-class Board:
+class LawsBoard:
     """Counts what is done, for the line of progress: runs weighed by their processor time."""
 
     def __init__(self, pieces: Sequence[Piece], store: Store, show: Callable[[SweepProgress], None]):

@@ -7,12 +7,12 @@ from math import inf
 
 import numpy as np
 
-from lammps_jump.analysis.report.page import Choice, Player, Text
+from lammps_jump.analysis.report.page import Player, PlayerChoice, Text
 from lammps_jump.analysis.report.player_check import read_player
 from lammps_jump.files import PLAYER
 from lammps_jump.runs.run import Run
 from lammps_jump.runs.summary import results_in
-from lammps_jump.sweeps.study_folder import Held
+from lammps_jump.sweeps.study_folder import StudyResults
 
 LARGEST = 10_000_000
 """Bytes of the packed frames on a page: eight members of most scenes."""
@@ -32,7 +32,7 @@ def player_of(run: Run) -> Player:
     return read_player(run.folder / PLAYER)
 
 
-def by_member(found: Held) -> list[Choice | Text]:
+def by_member(found: StudyResults) -> list[PlayerChoice | Text]:
     """One player for the members of a case, as many as the page has room for; nothing where none has frames.
 
     Members stand in the order of their distance from the means: the sum of squares of ``(number - mean) / sd``.
@@ -65,5 +65,5 @@ def by_member(found: Held) -> list[Choice | Text]:
     text = f"Member {first} is shown first: its numbers are nearest to the means."
     if left := len(order) - len(kept) - len(damaged):
         text += f" There is no room for {left} of {len(order)} members, those farthest from the means."
-    chosen = Choice([kept[seed] for seed in listed], [f"Member {seed}" for seed in listed], listed.index(first))
+    chosen = PlayerChoice([kept[seed] for seed in listed], [f"Member {seed}" for seed in listed], listed.index(first))
     return [chosen, Text(f"{text} {without}".strip(), "small")]

@@ -12,13 +12,13 @@ from typing import NamedTuple
 import numpy as np
 
 from lammps_jump.analysis.report import run as report
-from lammps_jump.analysis.report.page import Box, Boxes, Choice, Curve, Player, Slider, Text
+from lammps_jump.analysis.report.page import Boxes, Curve, NumberBox, Player, PlayerChoice, Slider, Text
 from lammps_jump.analysis.report.player import make_player
 from lammps_jump.errors import DumpError
 from lammps_jump.files import FIGURES
 from lammps_jump.runs.results import flow_of, packed
 from lammps_jump.runs.run import Run
-from lammps_jump.sweeps.study_folder import Held
+from lammps_jump.sweeps.study_folder import StudyResults
 from lammps_jump.sweeps.table import flat
 from lammps_jump.sweeps.words import unit, words
 from lammps_jump.units import shown
@@ -28,7 +28,7 @@ from .members import LARGEST, player_of
 log = logging.getLogger("lammps_jump")
 
 
-class Point(NamedTuple):
+class PlayerPoint(NamedTuple):
     """What the page shows of a point: its number, a run of it, and the player of that run."""
 
     number: int
@@ -36,7 +36,7 @@ class Point(NamedTuple):
     player: Player
 
 
-def by_point(found: Held) -> list[Choice | Text]:
+def by_point(found: StudyResults) -> list[PlayerChoice | Text]:
     """One player for the points of a study, with a slider for each axis; nothing where no run has frames.
 
     Each point is shown by the member that is nearest to its means. Where all of them together are larger than
@@ -55,7 +55,7 @@ def by_point(found: Held) -> list[Choice | Text]:
         for p in points
     ]
     sides = [_side(found, point) for point in points]
-    choice = Choice([p.player for p in points], names, first, axes, [grid[p.number] for p in points], sides)
+    choice = PlayerChoice([p.player for p in points], names, first, axes, [grid[p.number] for p in points], sides)
     said = []
     if len(found.values) > len(chosen):
         said.append("Each point is shown by the start whose numbers are nearest to its means.")
@@ -66,8 +66,8 @@ def by_point(found: Held) -> list[Choice | Text]:
     return [choice, *([Text(" ".join(said), "small")] if said else [])]
 
 
-def _nearest(found: Held) -> dict[int, int]:
-    """Row of `Held.values` of the member of each point that is nearest to its means."""
+def _nearest(found: StudyResults) -> dict[int, int]:
+    """Row of `StudyResults.values` of the member of each point that is nearest to its means."""
     numbers = found.values.set_index("point")[[item.path for item in found.study.collect]].astype(float)
     apart = ((numbers - numbers.groupby("point").mean()) / numbers.groupby("point").std()) ** 2
     order = np.argsort(apart.sum(axis=1), kind="stable")  # a sum leaves out what is not known
@@ -75,12 +75,12 @@ def _nearest(found: Held) -> dict[int, int]:
     return dict(sorted(chosen.items()))
 
 
-def _players(runs: Sequence[Run], chosen: dict[int, int]) -> tuple[list[Point], list[str]]:
+def _players(runs: Sequence[Run], chosen: dict[int, int]) -> tuple[list[PlayerPoint], list[str]]:
     """The players of the points that have one, and the points whose player is damaged."""
     there, damaged = [], []
     for number, row in chosen.items():
         try:
-            there.append(Point(number, runs[row], player_of(runs[row])))
+            there.append(PlayerPoint(number, runs[row], player_of(runs[row])))
         except OSError:  # without discs in its frames
             continue
         except ValueError:  # a DumpError is one
@@ -101,7 +101,7 @@ def _thinned(run: Run, player: Player, every: int) -> Player:
     return fewer._replace(still=None) if fewer is not None else player
 
 
-def _side(found: Held, point: Point) -> list[Boxes | Curve]:
+def _side(found: StudyResults, point: PlayerPoint) -> list[Boxes | Curve]:
     """Numbers of a point, means over its starts, and the curves of the run that is shown."""
     study, frame = found.study, flat(found.table, found.study)
     boxes = []
@@ -109,7 +109,7 @@ def _side(found: Held, point: Point) -> list[Boxes | Curve]:
         mean, high = (item.scale * float(frame[name][point.number]) for name in (item.path, f"{item.path}_high"))
         error = shown(high - mean, digits=2) if np.isfinite(high - mean) else ""
         count = int(frame[f"{item.path}_n"][point.number])
-        boxes.append(Box(item.heading, mean if np.isfinite(mean) else None, "", error, f"n = {count}"))
+        boxes.append(NumberBox(item.heading, mean if np.isfinite(mean) else None, "", error, f"n = {count}"))
     return [Boxes(boxes), *_curves(point.run.folder)]
 
 

@@ -25,7 +25,7 @@ LARGEST_OVERLAP = 1.5
 """Overlap of a corner over its radius that ends a run: from 2 on nothing pushes it back."""
 
 
-class Discs:
+class CornerDiscs:
     """Corners in the place of discs, as the loops take these; what corners lack is None."""
 
     def __init__(self, radius: np.ndarray):
@@ -39,7 +39,7 @@ class Discs:
     vx = vy = fx = fy = x0 = y0 = ux = uy = omega = torque = uomega = dash_x = dash_y = slide_x = slide_y = fixed = None
 
 
-class Beside(NamedTuple):
+class CornersBeside(NamedTuple):
     """Walls as the loops take them, with the corners near them in place of discs."""
 
     faces: Faces
@@ -68,7 +68,7 @@ class Bodies:
     ----------
     numbers : list of int
         Of the bodies, among the walls that are there.
-    discs : Discs
+    discs : CornerDiscs
         Corners of all walls of the scene, in its order.
     near : Near
         Corners near each wall, and the faces near each corner.
@@ -78,7 +78,7 @@ class Bodies:
         self.scene, self._faces, self.loops = scene, faces, type(loops)()
         self.numbers = [number for number, one in enumerate(there) if one.motion.free]
         self.corner = _corners(scene, there)
-        self.discs = Discs(self.corner["radius"].copy())
+        self.discs = CornerDiscs(self.corner["radius"].copy())
         self._meets = _meets(there, faces)
         largest = float(self.discs.radius.max(initial=0.0))
         # a corner and a face have moved by half a skin each at most since they were listed
@@ -113,7 +113,7 @@ class Bodies:
             if memory is not None:
                 slots = Slots(d.partner, d.sigma, d.spring, d.roll, d.touched)
                 own = memory._replace(slots=slots, ids=d.ids, full=self._full)
-            beside = Beside(self._faces, self.near, walls.moves, walls.chain, walls.around, self._sums)
+            beside = CornersBeside(self._faces, self.near, walls.moves, walls.chain, walls.around, self._sums)
             corners = State(d, self._pairs, beside, constants, own, self._work)
             bodies = BodyState(self.bulk, self.corner, self.between, self.deepest, corners)
             self._held = held = constants, memory, self.near, bodies
