@@ -21,6 +21,7 @@ import budget
 import pytest
 import times
 from edges import Program, base_of, module_of
+from function_sizes import Shape, functions
 
 ROOT = Path(__file__).parents[1]
 
@@ -41,10 +42,60 @@ MOST_PARAMETERS = 8
 MOST_FILES = 12
 """Python files of a folder, ``__init__.py`` included."""
 
+LONGEST = 50
+"""Lines of code of a function; the options of a command do not count."""
+
 LARGE_FILES: dict[str, int] = {}
 """Files over `LARGEST_FILE`, with their lines of code today."""
 LONG_CALLS: dict[str, int] = {}
 """Functions over `MOST_PARAMETERS`, with their parameters today."""
+LONG_FUNCTIONS: dict[str, int] = {
+    "analysis/fields.py:compute_fields": 66,
+    "analysis/guess.py:from_dump": 66,
+    "lammps_jump/case/parts/rows.py:inlet_of": 51,
+    "lammps_jump/case/to_scene.py:_scene": 80,
+    "lammps_jump/studies/fluid/page.py:text_of": 53,
+    "lammps_jump/studies/stress/scenes.py:random_case": 51,
+}
+"""Functions over `LONGEST`, with their lines today."""
+LONG_COMPILED: dict[str, int] = {
+    "analysis/report/curves.js:drawPanel": 75,
+    "lammps_jump/core/contacts.cpp:jump_contact_fields": 57,
+    "lammps_jump/core/pair_forces.cpp:compute": 51,
+    "lammps_jump/core/shear.cpp:jump_shear": 54,
+    "lammps_jump/engines/plugin/fix_jump_step.cpp:FixJumpStep::FixJumpStep": 66,
+    "lammps_jump/engines/plugin/pair_jump_disc.cpp:PairJumpDisc::settings": 54,
+    "lammps_jump/engines/plugin/pair_jump_disc_forces.cpp:PairJumpDisc::evaluate_list": 150,
+    "lammps_jump/engines/plugin/pair_jump_disc_list.cpp:PairJumpDisc::build_list": 59,
+}
+"""Functions of C++ and JavaScript over `LONGEST`, with their lines today."""
+LONG_C_CALLS: dict[str, int] = {
+    "lammps_jump/core/contact.h:contact_force": 10,
+    "lammps_jump/core/contacts.cpp:jump_contact_fields": 14,
+    "lammps_jump/core/contacts.cpp:jump_thrust": 9,
+    "lammps_jump/core/contacts.cpp:jump_touch_wall": 13,
+    "lammps_jump/core/contacts.cpp:jump_whole_forces": 12,
+    "lammps_jump/core/fields.cpp:jump_spread": 12,
+    "lammps_jump/core/kinds.h:pair_of": 9,
+    "lammps_jump/core/layers.cpp:jump_layers_contacts": 10,
+    "lammps_jump/core/layers.cpp:jump_layers_discs": 10,
+    "lammps_jump/core/lists.cpp:jump_image_rows": 11,
+    "lammps_jump/core/lists.cpp:jump_list_near": 10,
+    "lammps_jump/core/lists.cpp:jump_pair_list": 11,
+    "lammps_jump/core/painter.cpp:jump_paint_discs": 9,
+    "lammps_jump/core/profiles.cpp:jump_bin_frame": 12,
+    "lammps_jump/core/profiles.cpp:jump_top_discs": 9,
+    "lammps_jump/core/rows.cpp:jump_parse_rows": 9,
+    "lammps_jump/core/shear.cpp:jump_shear": 11,
+    "lammps_jump/core/sums.cpp:contact_of": 10,
+}
+"""Functions of C++ over `MOST_PARAMETERS`, with their parameters today: entries of the core take arrays one by one."""
+TWO_MEANINGS: dict[str, int] = {
+    "C++ Part": 2,
+    "C++ Row": 2,
+    "C++ WallMemory": 2,
+}
+"""Names that several classes have, with their number today."""
 FULL_FOLDERS: dict[str, int] = {}
 """Folders over `MOST_FILES`, with their files today."""
 PRIVATE_NAMES: set[tuple[str, str]] = set()
@@ -343,6 +394,11 @@ def test_own_modules_are_not_imported_inside_functions():
 
 
 def lines_of_code(text: str) -> int:
+    """Number of lines that hold code."""
+    return len(code_of(text))
+
+
+def code_of(text: str) -> set[int]:
     """Lines that hold code: no blank line, comment, docstring or other string that stands alone."""
     none = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
     lines: set[int] = set()
@@ -352,7 +408,7 @@ def lines_of_code(text: str) -> int:
     for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str):
             lines.difference_update(range(node.lineno, node.end_lineno + 1))
-    return len(lines)
+    return lines
 
 
 def over(found: dict[str, int], limit: int) -> dict[str, int]:
@@ -399,6 +455,135 @@ def test_how_parameters_are_counted():
     (function,) = ast.parse("def f(a, /, b, *c, d=1, **e): ...").body
     assert parameters(function) == 5 and not is_command(function)
     assert is_command(ast.parse("@app.command('x')\ndef f(): ...").body[0])
+
+
+def statements(function: ast.FunctionDef | ast.AsyncFunctionDef, lines: set[int]) -> int:
+    """Lines of code of a function without its docstring; of a command without its options."""
+    first = function.body[0] if is_command(function) else function
+    return len(lines & set(range(first.lineno, (function.end_lineno or 0) + 1)))
+
+
+def test_functions_are_short():
+    counts = {}
+    for file, tree in trees().items():
+        every = [node for node in walked(tree) if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)]
+        if not any((node.end_lineno or 0) - node.lineno >= LONGEST for node in every):
+            continue
+        lines = code_of((ROOT / file).read_text())
+        counts |= {f"{file}:{node.name}": statements(node, lines) for node in every}
+    shrinks(over(counts, LONGEST), LONG_FUNCTIONS)
+
+
+@cache
+def compiled() -> dict[str, Shape]:
+    """Functions of C++ and JavaScript, by file and name."""
+    paths = [
+        path
+        for name in ("lammps_jump", "analysis")
+        for end in ("cpp", "h", "js")
+        for path in sorted((ROOT / name).rglob(f"*.{end}"))
+        if "carried" not in path.parts
+    ]
+    found: dict[str, Shape] = {}
+    for path in paths:
+        for one in functions(path.read_text(encoding="utf-8")):
+            name = f"{path.relative_to(ROOT)}:{one.name}"
+            known = found.get(name, one)
+            found[name] = Shape(one.name, max(one.lines, known.lines), max(one.parameters, known.parameters))
+    return found
+
+
+def test_compiled_functions_are_short_and_take_little():
+    assert len(compiled()) > 500
+    shrinks(over({name: one.lines for name, one in compiled().items()}, LONGEST), LONG_COMPILED)
+    shrinks(over({name: one.parameters for name, one in compiled().items()}, MOST_PARAMETERS), LONG_C_CALLS)
+
+
+def test_how_compiled_functions_are_counted():
+    text = """// int no(int a) {
+static int f(int a, std::map<int, int> b) noexcept {
+  const char *s = "}{(";
+  if (a) { return 1; }
+
+  for (int i = 0; i < 3; i++) { a += i; }
+  return 0;  // a comment, } too
+}
+struct S { explicit S(int a) : b(a) {} int b; };
+"""
+    assert list(functions(text)) == [Shape("f", 6, 2), Shape("S", 1, 1)]
+    assert [one.name for one in functions("class P { draw(a, b) { const g = `}${a}`; } }")] == ["draw"]
+
+
+CLASS = re.compile(r"^\s*(?:struct|class)\s+(\w+)(?:\s+final)?\s*(?::[^;{]*)?\{", re.MULTILINE)
+
+
+def test_a_class_name_has_one_meaning():
+    """Two classes of one name are told apart by their files alone, which a reader of a line does not see."""
+    counts = Counter(node.name for tree in trees().values() for node in walked(tree) if isinstance(node, ast.ClassDef))
+    paths = [path for end in ("cpp", "h") for path in (ROOT / "lammps_jump").rglob(f"*.{end}")]
+    texts = (path.read_text(encoding="utf-8") for path in paths if "carried" not in path.parts)
+    counts |= Counter(f"C++ {name}" for text in texts for name in CLASS.findall(text))
+    shrinks(over(counts, 1), TWO_MEANINGS)
+
+
+MENTIONED = re.compile(r"`([\w./-]+\.(?:py|pyi|h|cpp|js|css|j2|md))`|\]\(([\w./-]+\.md)(?:#[\w-]*)?\)")
+"""A source file or a page that a text names in backquotes, or links."""
+NOT_OURS = {"tools/binary2txt.cpp": "LAMMPS", "law.py": "of each folder of validation/"}
+"""Files of others, or of a name that several have."""
+RESULTS = re.compile(r"^(?:bench|stress|compared|fluid|calibrate|sensitivity|cross_validation|validation)\.md$")
+"""Pages that commands write."""
+MODULE = re.compile(r"`(lammps_jump(?:\.\w+)+)`|python -m (lammps_jump(?:\.\w+)+)")
+TELLING = (".py", ".pyi", ".h", ".cpp", ".js", ".md")
+
+
+@cache
+def sources() -> dict[str, str]:
+    """Texts of the program, its tests and its pages, by their path from the root."""
+    folders = ("lammps_jump", "analysis", "tests", "docs", "benchmarks", "validation")
+    paths = [path for folder in folders for path in (ROOT / folder).rglob("*") if path.suffix in TELLING]
+    paths += [ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
+    left_out = {"carried", "_build", "_made", "golden"}
+    kept = {str(path.relative_to(ROOT)): path for path in paths if not left_out & set(path.parts)}
+    return {file: path.read_text(encoding="utf-8") for file, path in kept.items()}
+
+
+def is_there(file: str, said: str) -> bool:
+    """Whether a text of a file may name this one: from the root, from its own folder, or by the end of its path."""
+    if said in NOT_OURS or RESULTS.match(said) or ((ROOT / file).parent / said).exists() or (ROOT / said).exists():
+        return True
+    return any(f"/{known}".endswith(f"/{said}") for known in sources())
+
+
+def test_files_that_texts_name_are_there():
+    gone = [
+        f"{file}: {said}"
+        for file, text in sources().items()
+        for found in MENTIONED.finditer(text)
+        if not is_there(file, said := found[1] or found[2])
+    ]
+    assert not gone
+
+
+def is_name(dotted: str) -> bool:
+    """Whether dotted words lead to a module, or to a name that a module has."""
+    for known in range(len(words := dotted.split(".")), 0, -1):
+        if (module := ".".join(words[:known])) in modules():
+            rest = words[known : known + 1]
+            text = (ROOT / modules()[module]).read_text(encoding="utf-8")
+            stub = (ROOT / modules()[module]).with_suffix(".pyi")
+            text += stub.read_text(encoding="utf-8") if stub.exists() else ""
+            return not rest or re.search(rf"\b{rest[0]}\b", text) is not None
+    return False
+
+
+def test_names_that_texts_tell_are_there():
+    gone = [
+        f"{file}: {said}"
+        for file, text in sources().items()
+        for found in MODULE.finditer(text)
+        if not is_name(said := (found[1] or found[2]).rstrip("."))
+    ]
+    assert not gone
 
 
 def test_folders_are_small():

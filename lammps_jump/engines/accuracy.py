@@ -3,7 +3,7 @@
 
 ``calibration.json`` is made from finished benchmarks by ``python -m lammps_jump.studies.calibration_store``. A setting
 is *shown* to meet an accuracy where its error and the floor of that error (the scatter of the ensembles, see
-`lammps_jump.studies.bench.errors`) are both within it. A small error under a high floor proves nothing.
+`lammps_jump.studies.bench.study`) are both within it. A small error under a high floor proves nothing.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ KINDS = {
 
 
 @dataclass(frozen=True)
-class Calibrated:
+class CalibratedSetting:
     """A setting of the stored calibration.
 
     Attributes
@@ -109,7 +109,7 @@ def read_store(path: Path = STORE) -> dict[str, dict[str, Any]]:
 
 def choose_setting(
     case: CaseFields, accuracy: float, *, usable: Iterable[str] = ("stock", "compiled", "native"), path: Path = STORE
-) -> tuple[Calibrated, str]:
+) -> tuple[CalibratedSetting, str]:
     """Return the cheapest stored setting that is shown to meet an accuracy, and why, in one paragraph.
 
     Parameters
@@ -134,7 +134,7 @@ def choose_setting(
             f"run.accuracy: no calibration speaks for a scene like '{case.name}'; there is one for: {known}. "
             "Set run.time_step_fraction instead (0.05 is the thesis' value)"
         )
-    every = [Calibrated(**row) for row in kinds[kind]["rows"]]
+    every = [CalibratedSetting(**row) for row in kinds[kind]["rows"]]
     rows = [row for row in every if fits(row, case, set(usable))]
     good = [row for row in rows if row.shown <= accuracy]
     if not good:
@@ -149,7 +149,7 @@ def choose_setting(
     return chosen, _reason(chosen, base, kinds[kind], case, accuracy)
 
 
-def fits(row: Calibrated, case: CaseFields, usable: set[str]) -> bool:
+def fits(row: CalibratedSetting, case: CaseFields, usable: set[str]) -> bool:
     """Return whether a stored setting can be used for a case here: engine, kernel, law, stable contacts and slip.
 
     The calibration is without friction, so it shows nothing about a step at which friction reverses the slip.
@@ -170,7 +170,9 @@ def fits(row: Calibrated, case: CaseFields, usable: set[str]) -> bool:
     return not slip_warnings(coefficients, law.friction_law, law.rotation)
 
 
-def _reason(row: Calibrated, base: Calibrated | None, entry: dict[str, Any], case: CaseFields, accuracy: float) -> str:
+def _reason(
+    row: CalibratedSetting, base: CalibratedSetting | None, entry: dict[str, Any], case: CaseFields, accuracy: float
+) -> str:
     """Return which setting, how sure, how much quicker than the thesis' step, and what the calibration lacks."""
     words, quantity = KINDS[scene_kind(case) or ""]
     quicker = f", {base.seconds / row.seconds:z.1f} times quicker than stock LAMMPS at f = 0.05" if base else ""

@@ -188,7 +188,7 @@ class Oscillate(Kind):
 
 
 @dataclass(frozen=True)
-class Table(Kind):
+class TableMotion(Kind):
     """Straight lines from the start place through rows of time, displacement and turn: [t, x, y, angle].
 
     The wall is where a row says at its time. With `ease` it comes half of that time late.
@@ -281,7 +281,7 @@ class Held(Kind):
             )
 
 
-KINDS = Translate | Rotate | Oscillate | Table | Loaded | Held
+KINDS = Translate | Rotate | Oscillate | TableMotion | Loaded | Held
 """Motions that a case file may name."""
 
 
@@ -325,7 +325,7 @@ def _way(begin: float, corner: Corner) -> np.ndarray:
 def pose_py(track: np.ndarray, first: int, last: int, time: float) -> tuple[float, float, float]:
     """Pose (m, m, rad) at a time (s), by the rows ``first … last - 1`` of a track; zero before the first row.
 
-    The plugin does the same operations in the same order (``faces.h``).
+    The core does the same operations in the same order, `core/motion.h`, and the plugin calls it.
     """
     row = first - 1
     while row + 1 < last and track[row + 1, BEGIN] <= time:
