@@ -191,6 +191,18 @@ def _scale_table(data: Data) -> str:
     return markdown(columns, data["rows"])
 
 
+def _peers_table(data: Data) -> str:
+    columns = {
+        "discs:": "{discs:,.0f}",
+        "law": "{law}",
+        "program": "{program}",
+        "ns a disc-step:": "{ns:.0f}",
+        "least to most": "{least:.0f} to {most:.0f}",
+        "centre of mass apart, d:": "{apart:.1e}",
+    }
+    return markdown(columns, data["rows"])
+
+
 def _bench_rows(folder: Path) -> Data:
     """What the page of a benchmark shows; the rest of its file is megabytes of single runs."""
     data = json.loads((folder / "bench.json").read_text())
@@ -308,6 +320,12 @@ MEASURES: dict[str, Measure] = {
         lambda: case_keys({}, scene="dam_break"),
         lambda folder: {"rows": json.loads((folder / "scale.json").read_text())},
         _scale_table,
+    ),
+    "peers": Measure(
+        "benchmarks/peers.py 1200 12000 --turns 3",
+        lambda: case_keys({}, scene="dam_break"),
+        lambda folder: {"rows": json.loads((folder / "peers.json").read_text())},
+        _peers_table,
     ),
     "cross_energy_box_16": _cross("energy_box_16", 8),
     "cross_quick_jump": _cross("quick_jump", 6),
