@@ -99,16 +99,23 @@ inline FourInts first_of(const FourInts &four, int mask)
 #endif
 }
 
-/** Four vectors as four rows of four numbers: rows[r][c] = column c [r]. */
-inline void rows_of_four(const Four &a, const Four &b, const Four &c, const Four &d, double (*rows)[4])
+/** Four vectors of four: to[r][c] = column c [r]. */
+inline void turn(const Four &a, const Four &b, const Four &c, const Four &d, Four (&to)[4])
 {
-  AnyFour *const to = reinterpret_cast<AnyFour *>(rows);
   const Four ab0 = JUMP_PICK(a, b, 0, 4, 2, 6), ab1 = JUMP_PICK(a, b, 1, 5, 3, 7);
   const Four cd0 = JUMP_PICK(c, d, 0, 4, 2, 6), cd1 = JUMP_PICK(c, d, 1, 5, 3, 7);
   to[0] = JUMP_PICK(ab0, cd0, 0, 1, 4, 5);
   to[1] = JUMP_PICK(ab1, cd1, 0, 1, 4, 5);
   to[2] = JUMP_PICK(ab0, cd0, 2, 3, 6, 7);
   to[3] = JUMP_PICK(ab1, cd1, 2, 3, 6, 7);
+}
+
+/** Four vectors as four rows of four numbers. */
+inline void rows_of_four(const Four &a, const Four &b, const Four &c, const Four &d, double (*rows)[4])
+{
+  Four turned[4];
+  turn(a, b, c, d, turned);
+  for (int r = 0; r < 4; r++) *reinterpret_cast<AnyFour *>(rows[r]) = turned[r];
 }
 
 /** Rows of four numbers, one for each lane, as four vectors: column[c][row] = rows[row][c].

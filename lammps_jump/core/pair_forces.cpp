@@ -42,9 +42,13 @@ inline Four square_of(const Four &a, const Four &b, const Four &c, const Four &d
 
 inline Four square(const Four &a) { return a * a; }
 
-/** What pairs add to one disc. */
-struct Added {
-  Four given{};    // force and its lost part
+/** What pairs add to one disc: force and its lost part. */
+struct Given {
+  Four given{};
+};
+
+/** With friction: its part of the force, and the torque. */
+struct Rubbed : Given {
   double slid_x = 0.0, slid_y = 0.0, torque = 0.0;
 };
 
@@ -79,6 +83,7 @@ void each_stretch(const jump_state &s, const Part &part, const Rows &rows, const
 /** Sums the forces of pairs on the discs of a part. */
 template <bool SIZES, bool SPIN, class Law> class PairSums {
   static constexpr bool RUBS = Law::Friction::RUBS, MEMORY = Law::Friction::REMEMBERS;
+  using Added = std::conditional_t<RUBS, Rubbed, Given>;
 
  public:
   PairSums(const jump_state &s, const Law &law, const Part &part)
@@ -100,10 +105,7 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
       compute();
       if (s.dash_x) add_batch<true>(first);
       else add_batch<false>(first);
-      for (int64_t i = first; i < behind; i++) {
-        add(i, rows[i - first]);
-        rows[i - first] = Added{};
-      }
+      add_rows(first, (int) (behind - first));
     }
     b.n = 0;
   }
@@ -314,15 +316,37 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
     }
   }
 
+  /** Add the sums of rows to their discs, four at a time. */
+  void add_rows(int64_t first, int count)
+  {
+    int k = 0;
+    for (; k + 4 <= count; k += 4) {
+      Four part[4];
+      turn(rows[k].given, rows[k + 1].given, rows[k + 2].given, rows[k + 3].given, part);
+      double *const to[] = {s.fx, s.fy, s.dash_x, s.dash_y};
+      for (int of = 0; of < (s.dash_x ? 4 : 2); of++) *reinterpret_cast<AnyFour *>(to[of] + first + k) += part[of];
+      for (int c = 0; RUBS && c < 4; c++) add_rubbing(first + k + c, rows[k + c]);
+    }
+    for (; k < count; k++) add(first + k, rows[k]);
+    std::fill_n(rows, count, Added{});
+  }
+
   void add(int64_t i, const Added &sum) const
   {
     s.fx[i] += sum.given[0];
     s.fy[i] += sum.given[1];
+    if (s.dash_x) {
+      s.dash_x[i] += sum.given[2];
+      s.dash_y[i] += sum.given[3];
+    }
+    add_rubbing(i, sum);
+  }
+
+  void add_rubbing(int64_t i, const Added &sum) const
+  {
     if constexpr (SPIN) s.torque[i] += sum.torque;
-    if (!s.dash_x) return;
-    s.dash_x[i] += sum.given[2];
-    s.dash_y[i] += sum.given[3];
     if constexpr (RUBS) {
+      if (!s.dash_x) return;
       s.slide_x[i] += sum.slid_x;
       s.slide_y[i] += sum.slid_y;
     }
