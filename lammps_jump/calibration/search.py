@@ -18,7 +18,7 @@ from lammps_jump.errors import CaseError, DumpError, JumpError
 from lammps_jump.files import plain, read_json, write_json, write_text
 from lammps_jump.identity import short_hash
 from lammps_jump.runs.summary import read_summary
-from lammps_jump.sweeps import Pool, Sweep, prepare, study_folder
+from lammps_jump.sweeps import Pool, Sweep, held_study, prepare
 from lammps_jump.sweeps.members import Member, Start, plan, run_members, told
 
 from .model import Model, model_of
@@ -277,7 +277,7 @@ class Search:
     def run(self, pool: Pool) -> Observed:
         """Make the runs that are lacking, and collect all."""
         found = self.sweep()
-        with study_folder(found.folder):
+        with held_study(found.folder):
             prepare(found)
             again = ("failed",) if self.retry else ()
             stages = [state.stage for state in found.states.values()]

@@ -20,7 +20,7 @@ from .study import read_study as read_study
 from .sweep import Sweep as Sweep
 from .sweep import SweepProgress as SweepProgress
 from .sweep import default_folder as default_folder
+from .sweep import held_study as held_study
 from .sweep import open_sweep as open_sweep
 from .sweep import prepare as prepare
-from .sweep import study_folder as study_folder
 from .sweep import sweep as sweep

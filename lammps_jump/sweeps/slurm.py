@@ -19,7 +19,7 @@ from lammps_jump.script.job import Site, head, needs, run_and_requeue, seconds_o
 
 from .members import run_member, state_of, told
 from .study_folder import read_points
-from .sweep import Sweep, open_sweep, prepare, study_folder
+from .sweep import Sweep, held_study, open_sweep, prepare
 
 AT_ONCE = 32
 """Tasks at once, where no number is given."""
@@ -81,7 +81,7 @@ def submit(found: Sweep, site: Site, *, at_once: int = AT_ONCE, retry: bool = Fa
             "scancel"
         )
     site = site.model_copy(update={"environment": site.environment or sys.prefix})
-    with study_folder(found.folder):
+    with held_study(found.folder):
         prepare(found)
         write_text(found.folder / ARRAY_FILE, array_text(found, left, site, at_once=at_once, retry=retry))
         (found.folder / OUTPUT).mkdir(exist_ok=True)

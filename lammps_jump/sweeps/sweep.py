@@ -104,7 +104,7 @@ class Sweep(StudyResults):
 
     def figures(self, ending: Literal["png", "pdf", "svg"] = "png") -> list[Path]:
         """Draw every figure of the study into ``figures`` of its folder, as files with this ending; the paths."""
-        with study_folder(self.folder):
+        with held_study(self.folder):
             return list(sweeps.page.draw(self, ending))
 
     def __repr__(self) -> str:
@@ -115,7 +115,7 @@ class Sweep(StudyResults):
         return f"<p><b>{html.escape(self.study.case.name)}</b>: {html.escape(self.status())}</p>{table}"
 
 
-def study_folder(folder: Path) -> AbstractContextManager[None]:
+def held_study(folder: Path) -> AbstractContextManager[None]:
     """Hold the folder of a study, made where it is missing, as the only process that runs it; see `run_folder`."""
     return run_folder(folder, Marker("sweep", SWEEP_FILES, {}))
 
@@ -185,7 +185,7 @@ def sweep(
     ranks = read.case.fields.engine.ranks
     most = jobs or max(1, usable_cores() // (ranks if isinstance(ranks, int) else 1))
     members = found.members  # what cannot be run is refused before the folder is made
-    with study_folder(place), Pool(min(most, len(members))) as pool:
+    with held_study(place), Pool(min(most, len(members))) as pool:
         Thread(target=_load_page).start()
         found = _complete(found, pool, retry, progress)
         pool.close()

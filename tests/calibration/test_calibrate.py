@@ -6,6 +6,7 @@ import random
 import shutil
 from collections import Counter
 from itertools import count
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -252,6 +253,30 @@ def test_a_run_that_fails_is_counted_and_named(real, tmp_path):
     assert failure["message"] == "a disc left the domain. --retry runs it again."
 
 
+def test_a_column_that_no_table_has_is_refused(real, tmp_path):
+    shutil.copytree(real[0].folder, tmp_path / "out")
+    (tmp_path / "mine.csv").write_text("t,e\n0,1\n0.1,2\n")
+    curve = {"data": str(tmp_path / "mine.csv"), "columns": "time=t,energy.totl=e ± 1"}
+    with pytest.raises(CaseError, match=r"energy\.csv has no column totl; there are time, "):
+        lj.calibrate(tmp_path / "out", [curve], jobs=1)
+
+
+def test_slurm_gets_the_runs_that_the_round_lacks(tmp_path, monkeypatch, capsys):
+    (tmp_path / "box.yaml").write_text(yaml.safe_dump(REAL))
+    asked = []
+
+    def submit(found, site, at_once):
+        asked.append((found.folder, len(found.left(False)), at_once))
+        return "4711"
+
+    monkeypatch.setattr("lammps_jump.sweeps.slurm.submit", submit)
+    words = ("--target", f"{ENERGY}=-0.2 ± 0.1", "--vary", f"{RESTITUTION}=0.3:1", "--budget", 12)
+    out = tmp_path / "out"
+    status, said, _ = call(monkeypatch, capsys, "calibrate", tmp_path / "box.yaml", *words, "--slurm", "--out", out)
+    assert status == 0 and said == "array job 4711\n" and asked == [(out / "points", 8, 32)]
+    assert [one["of"] for one in json.loads((out / "rounds.json").read_text())["rounds"]] == ["ranges"]
+
+
 @pytest.mark.long
 def test_real_runs_that_are_killed_five_times_end_with_the_same_answer(tmp_path):
     """Sixty native runs; the study is ended in this process at runs drawn at random."""
@@ -273,3 +298,23 @@ def test_real_runs_that_are_killed_five_times_end_with_the_same_answer(tmp_path)
         except RunInterrupted:
             made["ended"] += 1
     assert made["ended"] == 5 and found.data == whole.data
+
+
+HEAP = Path(__file__).parents[2] / "benchmarks" / "twins" / "heap.yaml"
+
+
+@pytest.mark.long
+def test_one_repose_angle_of_a_real_heap_leaves_a_ridge(tmp_path):
+    vary = {FRICTION: (0.1, 0.9), "contact.rolling.friction": (0.0, 0.4)}
+    found = lj.calibrate(HEAP, {"heap.angle": (17, 1)}, vary, tmp_path / "out", budget=40)
+    assert found.correlation[FRICTION]["contact.rolling.friction"] < -0.5
+    assert not any(one["identified"] for one in found.parameters.values())
+    assert any("hide each other (correlation -0." in one for one in found.notes)
+
+
+@pytest.mark.long
+def test_the_restitution_of_a_real_heap_is_not_identified(tmp_path):
+    vary = {RESTITUTION: (0.1, 0.9)}
+    found = lj.calibrate(HEAP, {"heap.angle": (18, 1)}, vary, tmp_path / "out", budget=24)
+    assert not found.parameters[RESTITUTION]["identified"]
+    assert found.verdict.startswith("The restitution coefficient is not identified: its 95 % range")

@@ -10,7 +10,7 @@ from made_up import BOX, STUDY, call, files
 import lammps_jump as lj
 import lammps_jump.sweeps.study_folder as on_disk
 from lammps_jump.engines.child import Child
-from lammps_jump.sweeps import Pool, Start, Sweep, members, open_sweep, prepare, read_study, run_starts, study_folder
+from lammps_jump.sweeps import Pool, Start, Sweep, held_study, members, open_sweep, prepare, read_study, run_starts
 from lammps_jump.sweeps.members import run_member, state_of
 
 pytestmark = pytest.mark.usefixtures("blank_pictures")
@@ -77,7 +77,7 @@ SMALL = {**STUDY, "axes": {}, "members": 1}
 def prepared(tmp_path):
     """A study of one member that is written and not run."""
     found = Sweep(read_study(SMALL), tmp_path / "out")
-    with study_folder(found.folder):
+    with held_study(found.folder):
         prepare(found)
     return found
 
@@ -107,7 +107,7 @@ ONE = {"point": 0, "seed": 1, "key": "a"}
 def test_the_list_of_members_is_checked(tmp_path, monkeypatch, capsys, listed, said):
     study = {**SMALL, "until": {"force.box.impulse_x": "40%"}}
     found = Sweep(read_study(study), tmp_path / "out")
-    with study_folder(found.folder):
+    with held_study(found.folder):
         prepare(found)
     path = found.folder / "points.json"
     stored = json.loads(path.read_text())
@@ -170,7 +170,7 @@ def test_a_member_whose_engine_is_killed_is_run_by_the_same_command(prepared, mo
 def test_the_status_makes_only_the_members_that_have_a_folder(tmp_path, monkeypatch):
     """Each takes milliseconds: the status of 99,999 runs took minutes."""
     found = Sweep(read_study({**STUDY, "axes": {"analysis.bin_width": [0.5, 1.0]}, "members": 2}), tmp_path / "out")
-    with study_folder(found.folder):
+    with held_study(found.folder):
         prepare(found)
     planned, real = [], members.plan
     monkeypatch.setattr(on_disk, "plan", lambda case, starts, rest: planned.extend(starts) or real(case, starts, rest))

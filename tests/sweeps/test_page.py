@@ -17,7 +17,7 @@ from lammps_jump.analysis.report.coder import LETTERS
 from lammps_jump.analysis.report.page import Player, PlayerChoice, Section, render
 from lammps_jump.analysis.report.player_check import read_player
 from lammps_jump.case import load_case
-from lammps_jump.sweeps import Sweep, open_sweep, page, prepare, read_study, slurm, study_folder
+from lammps_jump.sweeps import Sweep, held_study, open_sweep, page, prepare, read_study, slurm
 from lammps_jump.sweeps.players import by_member, by_point
 from lammps_jump.sweeps.words import heading, words
 
@@ -135,7 +135,7 @@ def test_members_of_many_points_keep_no_frames(tmp_path, monkeypatch):
     two = {"axes": {"discs.density": [500, 1000]}}
     for changes, there in ((two, False), ({"set": {"discs.density": 500}}, True)):
         found = Sweep(read_study({**STUDY, "axes": {}, "members": 1, **changes}), tmp_path / "out")
-        with study_folder(found.folder):
+        with held_study(found.folder):
             prepare(found)
         slurm.run_task(found.folder, "0")
         run = open_sweep(found.folder).runs[0]

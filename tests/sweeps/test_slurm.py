@@ -14,7 +14,7 @@ from made_up import BOX, STUDY, call
 
 import lammps_jump as lj
 from lammps_jump.script.job import Site
-from lammps_jump.sweeps import Sweep, prepare, read_study, slurm, study_folder
+from lammps_jump.sweeps import Sweep, held_study, prepare, read_study, slurm
 
 SBATCH = '#!/bin/bash\necho "$@" >> asked\necho "${SBATCH_SAYS:-17;cluster}"\nexit "${SBATCH_ENDS:-0}"\n'
 SQUEUE = '#!/bin/bash\ncat "$SQUEUE_SAYS" 2>/dev/null\n'
@@ -44,7 +44,7 @@ def study(tmp_path):
 def prepared(folder, **changes) -> Sweep:
     """A study of eight members that is written and not run."""
     found = Sweep(read_study({**STUDY, **changes}), folder)
-    with study_folder(folder):
+    with held_study(folder):
         prepare(found)
     return found
 

@@ -16,7 +16,7 @@ from made_up import BOX, STUDY, call
 
 import lammps_jump as lj
 from lammps_jump.folders import locked
-from lammps_jump.sweeps import Sweep, open_sweep, prepare, read_study, slurm, study_folder
+from lammps_jump.sweeps import Sweep, held_study, open_sweep, prepare, read_study, slurm
 from lammps_jump.sweeps.members import run_member
 
 SMALL = {**STUDY, "axes": {"run.time_step_fraction": [0.05, 0.1]}, "members": 1}
@@ -196,7 +196,7 @@ def test_folders_of_others_are_refused(tmp_path, done):
 
 def test_a_task_of_a_batch_system_runs_one_member(small, tmp_path, monkeypatch, capsys):
     found = Sweep(small.study, tmp_path / "out")
-    with study_folder(found.folder):
+    with held_study(found.folder):
         prepare(found)
     for number in range(len(found.members)):
         assert call(monkeypatch, capsys, "sweep", found.folder, "--member", number)[0] == 0
