@@ -25,7 +25,7 @@ from typing import Any
 from lammps_jump.errors import SetupError
 from lammps_jump.files import read_file, read_json, write_text
 
-from .cache import MOST_BYTES, Made, cache_folder, checksum, is_whole, kept, record_of, write
+from .cache import MOST_BYTES, Made, cache_folder, checksum, forget_old, is_whole, kept, record_of, write
 from .carried import Carried, carried_folder, check_loads, fitting, needs
 from .compiler import ADVICE, processor, require_compiler, run_compiler
 from .product import FLAGS, Product, add
@@ -162,6 +162,7 @@ def _build(recipe: _Recipe, force: bool, tell: Tell, linking: Sequence[str] = ()
     with tempfile.TemporaryDirectory(prefix="lammps-jump-") as work:
         made = Path(work) / product.library
         code, record = _run(recipe, ["-shared", *map(str, objects), *linking], made, product.is_made)
+    forget_old(objects)
     tell(f"{product.title}: compiled")
     return code, {**record, **needs(product)}
 

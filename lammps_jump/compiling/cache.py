@@ -10,19 +10,23 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from platformdirs import user_cache_path
 
 from lammps_jump.errors import SetupError
-from lammps_jump.files import read_file, read_json, write_bytes
+from lammps_jump.files import delete, read_file, read_json, write_bytes
 
 from .trust import locked_alone, require_own
 
-RECORD = "build.json"
+RECORD, LOCK = "build.json", "lock"
 MOST_BYTES = 100_000_000
+
+MOST_OBJECTS = 400
+"""Objects that are kept: those of some twenty builds, a few MB each."""
 
 Made = tuple[bytes, dict[str, Any]]
 """Code, and what its record says of it."""
@@ -63,6 +67,24 @@ def write(code: Path, made: Made) -> None:
         write_bytes(path, text, mode)
 
 
+def forget_old(used: Sequence[Path], most: int = MOST_OBJECTS) -> None:
+    """Delete the entries beside these files of code that were used longest ago, but for the `most` used last.
+
+    Files of other names stay, and so does the folder that holds them. An entry that another process has just made or
+    used is among the last.
+    """
+    with suppress(OSError):
+        for code in used:
+            os.utime(record_of(code))
+        entries = [entry for entry in used[0].parent.parent.iterdir() if not entry.is_symlink() and entry.is_dir()]
+        dated = sorted((found.stat().st_mtime, found) for entry in entries if (found := entry / RECORD).is_file())
+        for _, record in dated[: max(0, len(dated) - most)]:
+            with suppress(OSError):
+                # the record goes first: without it nothing counts
+                delete(record, record.with_name(used[0].name), record.with_name(LOCK))
+                record.parent.rmdir()
+
+
 def kept(code: Path, is_made: Callable[[bytes], bool], make: Callable[[], Made], force: bool = False) -> Path:
     """The file in the cache; `make` makes what is put there where it is not, one process at a time.
 
@@ -77,7 +99,7 @@ def kept(code: Path, is_made: Callable[[bytes], bool], make: Callable[[], Made],
     try:
         for folder in reversed(code.parents):
             folder.mkdir(mode=0o700, exist_ok=True)  # whatever the umask, as for the lock: nobody else may write
-        with locked_alone(code.parent / "lock"):
+        with locked_alone(code.parent / LOCK):
             if force or not is_whole(code, is_made):  # another process may have made it meanwhile
                 write(code, make())
     except OSError as error:

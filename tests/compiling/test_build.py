@@ -18,7 +18,7 @@ from children import run_child
 
 from lammps_jump.cli import tools
 from lammps_jump.compiling import build, compiler, product, trust
-from lammps_jump.compiling.cache import cache_folder
+from lammps_jump.compiling.cache import cache_folder, forget_old
 from lammps_jump.core import CORE
 from lammps_jump.engines.choice import choose
 from lammps_jump.engines.plugin import PLUGIN, availability, plugin_path
@@ -259,6 +259,23 @@ def test_a_damaged_object_is_compiled_again(make_believe, tmp_path):
     (tmp_path / "made up" / "b.cpp").write_text("")
     build.library_path(thing)
     assert compiled(log) == 3
+
+
+def test_old_objects_are_forgotten_and_nothing_else(tmp_path):
+    """Of six entries the two used last stay; what is not of the cache is left alone."""
+    codes = [tmp_path / "objects" / f"{number:020x}" / "unit.o" for number in range(6)]
+    for age, code in enumerate(codes):
+        code.parent.mkdir(parents=True)
+        for name in ("unit.o", "build.json", "lock"):
+            code.with_name(name).write_text("{}")
+        os.utime(code.with_name("build.json"), (1e9 - age, 1e9 - age))
+    codes[3].with_name("mine.txt").write_text("mine")
+    (tmp_path / "objects" / "other").mkdir()
+    (tmp_path / "objects" / "link").symlink_to(codes[5].parent)
+    forget_old([codes[4]], 2)  # it is used now
+    assert sorted(code.parent.name for code in codes if code.exists()) == [codes[0].parent.name, codes[4].parent.name]
+    assert [path.name for path in codes[3].parent.iterdir()] == ["mine.txt"]
+    assert (tmp_path / "objects" / "other").is_dir() and not codes[5].parent.exists()
 
 
 def test_every_source_is_in_one_unit():

@@ -135,6 +135,16 @@ def test_a_run_goes_from_engine_to_engine_and_back(bed, place):
     assert np.abs(last(back) - last(alone)).max() < 1e-9 * D
 
 
+@pytest.mark.long
+def test_compiled_styles_go_on_on_two_ranks_as_on_one(bed, place):
+    """Springs of two discs on both sides of the cut are there too."""
+    plugin_or_skip()
+    case = lj.load_case(BED, {"engine": {"name": "lammps", "kernel": "compiled"}}).after(bed)
+    one, two = (case.replace({"engine.ranks": ranks}).run(place / f"ranks_{ranks}") for ranks in (1, 2))
+    assert two.summary["ranks"] == 2 and np.abs(last(one) - last(one, 0)).max() > 0.1 * D
+    assert np.abs(last(one) - last(two)).max() < 1e-9 * D
+
+
 def test_stock_styles_say_that_springs_begin_at_zero(bed, place):
     changes = {"engine": {"name": "lammps", "kernel": "stock"}, "contact": {**LAW, "rolling": None}}
     run = lj.load_case(BED, changes).after(bed).run(place / "stock")
