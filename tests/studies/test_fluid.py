@@ -245,6 +245,13 @@ class TestStudy:
         stiffer = fluid.discs_of(lj.load_case(CASE, {"contact.largest_overlap": 0.05}))
         assert store.measured_key(stiffer, scales) != store.measured_key(discs, scales)
 
+    def test_discs_that_attract_each_other_are_others(self, discs):
+        scales = flow.flow_of(lj.load_case(CASE))
+        sticky = fluid.discs_of(lj.load_case(CASE, {"contact.cohesion": {"weight": 0.5}}))
+        pull = 0.5 * sticky.coefficients.mass * 9.81
+        assert sticky.scene.law_numbers(sized=True).cohesion == pytest.approx(pull, rel=1e-3)
+        assert store.measured_key(sticky, scales) != store.measured_key(discs, scales)
+
     def test_doubts(self, case):
         equal = lj.load_case(CASE, {"discs": {"diameter": 0.2, "density": 1000}, "contact.friction": 0.1})
         scales = flow.flow_of(equal, speed=40.0)

@@ -38,6 +38,8 @@ class FluidDiscs:
         m/s: eps of the thesis' sign law, 0.01 of the case's impact speed.
     impact_speed : float
         v0 of thesis (3.20), m/s.
+    cohesion : float
+        Constant attraction of what touches, N per m of width.
     """
 
     diameter: float
@@ -50,6 +52,7 @@ class FluidDiscs:
     touch: float | None
     slip_speed: float
     impact_speed: float
+    cohesion: float = 0.0
 
     @property
     def root_time(self) -> float:
@@ -71,6 +74,7 @@ class FluidDiscs:
             integrator="velocity_verlet", domain=((0.0, diameter), (0.0, diameter)), positions=nothing,
             velocities=nothing, walls=(), sizes=self.sizes, touch="sharp" if self.touch is None else "smooth",
             touch_width=self.touch or 0.0, springs=self.springs, overlap_limit=diameter,
+            cohesion=self.cohesion,
         )  # fmt: skip
 
     def radii(self, count: int) -> np.ndarray:
@@ -98,4 +102,5 @@ def discs_of(case: ReadCase) -> FluidDiscs:
         touch=touch if law.touch == "smooth" else None,
         slip_speed=(FRICTION_LAWS[law.friction_law].ramp or 0.0) * impact_speed,
         impact_speed=impact_speed,
+        cohesion=law.attraction(coefficients.mass, fields.gravity),
     )

@@ -11,7 +11,7 @@ from lammps_jump.case import ReadCase
 from lammps_jump.compiling.cache import cache_folder
 from lammps_jump.errors import CaseError
 from lammps_jump.files import plain, read_json
-from lammps_jump.identity import short_hash
+from lammps_jump.identity import LATER, short_hash
 
 from .discs import FluidDiscs, discs_of
 from .flow import FlowScales, flow_of
@@ -27,7 +27,8 @@ Numbers = dict[str, Any]
 def measured_key(discs: FluidDiscs, flow: FlowScales) -> str:
     """Key of what is measured: the discs, and pressure and depth in three digits."""
     scales = [f"{value:z.3g}" for value in (flow.pressure(discs.density), slosh_depth(discs, flow), flow.gravity)]
-    return short_hash({"method": METHOD, "discs": plain(discs), "scales": scales})
+    known = {name: value for name, value in plain(discs).items() if name not in LATER or value != LATER[name]}
+    return short_hash({"method": METHOD, "discs": known, "scales": scales})
 
 
 def store_of(key: str) -> Path:
