@@ -54,7 +54,7 @@ def once_a_frame(function: Callable[Asked, Answer]) -> Callable[Asked, Answer]:
         key = (*map(id, asked), *options.items())
         found = kept.get(key)
         if found is None:
-            found = kept[key] = function(*asked, **options), asked  # what was asked is held: no other has its id
+            found = kept[key] = function(*asked, **options), asked  # the arguments are held: nothing else has their ids
         return found[0]
 
     return answer

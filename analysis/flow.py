@@ -61,7 +61,7 @@ class Flow:
     poses : PoseFile or None
         Where the walls are that the discs push; without it they are where the case has them.
     heads_at : tuple of float
-        Places along x between which the head lost is asked for, m.
+        Places along x between which to tell the head lost, m.
     layers : ((float, float) or None, float or None) or None
         Stretch of x and height of the layers over which profiles over y are made, m; None: those of the analysis.
     """
@@ -282,7 +282,7 @@ def from_scene(
         m; default from the inlet (else the left wall, else the domain) to the outlet (else the right wall …).
     inflow_depth, inflow_speed : float, optional
         y1, m, and Va, m/s; default from the inlet rows: the depth by mass that their discs carry, and the mean of their
-        speeds. Of an inflow against time what is asked for in the window.
+        speeds. Of an inflow against time what its table has in the window.
     water : bool
         As of `Flow`.
     folder : Path, optional

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""One pass over the frames of a dump, which feeds every analysis that was asked for."""
+"""One pass over the frames of a dump, which feeds every analysis of the case."""
 
 from __future__ import annotations
 

@@ -49,7 +49,7 @@ if TYPE_CHECKING:
 DISCS = "snapshots"
 """Name of the figure of ten pictures."""
 MAIN = ("depth_profile",)
-"""Figures that are drawn beside `DISCS` where no others are asked for; the page draws the curves of all itself."""
+"""Figures that are drawn beside `DISCS` where nobody names others; the page draws the curves of all itself."""
 
 
 class Quantity(NamedTuple):

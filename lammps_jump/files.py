@@ -359,7 +359,7 @@ def read_file(path: Path, most: int) -> bytes:
 def read_start(path: Path, most: int) -> bytes:
     """At most so many bytes from the start of a regular file; OSError for another kind."""
     with open_to_read(path) as file:
-        return file.read(min(most, os.fstat(file.fileno()).st_size))  # room is made for all that is asked for
+        return file.read(min(most, os.fstat(file.fileno()).st_size))  # read() makes room for all of it
 
 
 def text_of(path: Path, errors: str = "strict") -> str:

@@ -147,7 +147,7 @@ def _alike(line: GradeLine, one: int, two: int) -> bool:
 
 
 def analyse(gathered: Gathered) -> Grade:
-    """Grade line of a flow: at the stations that are asked for, else at gauges, else at both ends of the stream."""
+    """Grade line of a flow: at the stations that the case names, else at gauges, else at both ends of the stream."""
     flow = gathered.flow
     line = line_of(gathered.profiles, flow)
     if isinstance(line, str):

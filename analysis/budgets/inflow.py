@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What rows of inflow were asked to carry, and what they delivered: discs are counted, by their ids."""
+"""What the case lets rows of inflow carry, and what they delivered: discs are counted, by their ids."""
 
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
 from __future__ import annotations
@@ -209,7 +209,7 @@ def deliver(arrivals: Arrivals, flow: Flow, window: tuple[float, float]) -> Deli
 
     The discharge of a row is the area of its discs over the time of its turns: whole turns, so that no disc is cut off
     at the ends of the window. Against time it is their area over the time between the first and the last frame of the
-    window, and what was asked for is the mean of the table over that time.
+    window, and what the case asks for is the mean of the table over that time.
     """
     scene, rows = flow.scene, flow.scene.inlets
     inside = within(arrivals.time, window)
@@ -257,7 +257,7 @@ def deliver(arrivals: Arrivals, flow: Flow, window: tuple[float, float]) -> Deli
 
 
 class _Plan(NamedTuple):
-    """What was asked for: depth (m) and speed (m/s) as means, and of each row time between turns, speed, discharge."""
+    """What the case asks for: mean depth (m) and speed (m/s); of each row time between turns, speed, discharge."""
 
     depth: float
     speed: float
@@ -267,7 +267,7 @@ class _Plan(NamedTuple):
 
 
 def _plan(flow: Flow, time: np.ndarray, tries: np.ndarray) -> _Plan:
-    """What was asked for in a window whose frames have these times (s), with the turns of its rows in it."""
+    """What the case asks for in a window whose frames have these times (s), with the turns of its rows in it."""
     scene, rows = flow.scene, flow.scene.inlets
     graph = scene.hydrograph
     if graph is None or len(time) < 2:

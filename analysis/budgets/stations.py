@@ -35,7 +35,7 @@ def place(ledger: Mapping[str, Any]) -> str:
 
 
 def line(summary: Mapping[str, Any]) -> str:
-    """Line of the screen; empty where no stations were asked for."""
+    """Line of the screen; empty where the case names no stations."""
     ledger = summary.get("ledger") or {}
     if ledger.get("stations_lost") is None:
         return ""

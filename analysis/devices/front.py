@@ -367,14 +367,14 @@ def tables(front: Front) -> Tables:
 
 
 def figures(front: Front, gathered: Gathered) -> Drawings:
-    """Figures of the front in time and, where water is asked for, beside Martin & Moyce's measurements."""
+    """Figures of the front in time and, where the case compares with water, beside Martin & Moyce's measurements."""
     flow, history = gathered.flow, cast(FrontHistory, front.history)
     water = martin_moyce_chart(history, flow) if flow.water else None
     return {"front": front_chart(history, flow), "martin_moyce": water}
 
 
 def section(found: Mapping[str, Any]) -> Section:
-    """The front; where water is asked for, against Ritter and Martin & Moyce."""
+    """The front; where the case compares with water, against Ritter and Martin & Moyce."""
     if found.get("position") is None:
         return Section("Front", [Text(shown(found.get("reason")), "warn")])
     rows: list[tuple[str, Any]] = []
@@ -395,7 +395,7 @@ def section(found: Mapping[str, Any]) -> Section:
 
 
 def front_chart(history: FrontHistory, flow: Flow) -> Chart | None:
-    """Front, column height and surface speed against time; where water is asked for, Ritter's front while it holds."""
+    """Front, column height and surface speed against time; beside water Ritter's front while it holds."""
     if not np.isfinite(history.bulk).any():
         return None
     (base, depth), gravity, time = history.column, flow.gravity, history.time

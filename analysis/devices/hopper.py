@@ -34,7 +34,7 @@ DISCS = 10
 ON = 0.5
 """Share of the usual discharge from which on the flow is on."""
 DOWN = 30.0
-"""Largest angle between the way of the discs and gravity at which a law for outlets in a floor is asked, degrees."""
+"""Largest angle between the way of the discs and gravity at which the law for outlets in a floor is used, degrees."""
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ from lammps_jump.scene.chains import X0, X1
 from lammps_jump.units import number
 
 PER_DIAMETER = 4
-"""Places on a diameter at which the bed is asked."""
+"""Places on a diameter at which the bed is looked at."""
 MOST_PLACES = 20_000
 LOWEST = 3.0
 """Diameters by which a bed must rise to be an obstacle; half of it in half a diameter is an upright face."""

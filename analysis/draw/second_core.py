@@ -41,7 +41,7 @@ def aside(work: Callable[Given, None], *given: Given.args, **named: Given.kwargs
 
 
 def _quietly(work: Callable[..., Any], given: tuple[Any, ...], named: dict[str, Any]) -> None:
-    """Do the work in the copy; what fails is told by the process that does it again."""
+    """Do the work in the copy; the process that does it again tells what fails."""
     with suppress(BaseException):
         work(*given, **named)
         return

@@ -30,7 +30,7 @@ from lammps_jump.units import number
 
 MOST_LAYERS = 5000
 HEIGHT = 2.0
-"""Height of a layer in diameters, where none is asked for."""
+"""Height of a layer in diameters, where the case gives none."""
 THIN = 0.1
 """Solid fraction below which single discs fly: I and mu mean nothing there, and are left out."""
 AREA, MASS, U, V, Y, UU, VV, UV, UY, VY, YY, FXX, FXY, FYX, FYY = range(15)

@@ -155,7 +155,7 @@ def section(jump: Mapping) -> Section:
 
 
 def _streams(jump: Mapping) -> Table:
-    """Every state that theory is asked about: state, frame, Froude number, sequent depth by Bélanger."""
+    """Every state that is compared with theory: state, frame, Froude number, sequent depth by Bélanger."""
     asked, local = jump.get("inflow"), jump.get("local")
     rows: list[tuple] = []
     if jump.get("froude") is not None and belongs("froude", jump) and jump["of"] != BEFORE:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What the player of a page is told of a run, besides its frames: walls, what to show, and Bélanger's depth in time."""
+"""What the player of a page knows of a run, besides its frames: walls, what to show, and Bélanger's depth in time."""
 
 from __future__ import annotations
 

@@ -307,7 +307,7 @@ def table(rows: Sequence[MeasuredRow], width: int) -> list[str]:
 
 
 def at_gauges(summary: Mapping) -> str:
-    """A line on the depths at the gauges that were asked for; empty where there are none."""
+    """A line on the depths at the gauges of the case; empty where there are none."""
     waves = summary.get("waves") or {}
     columns = [waves.get(key) or () for key in ("gauges", "means", "largest")]
     each = [f"x = {x:zg} m {mean:z.2f} ({most:z.2f})" for x, mean, most in zip(*columns, strict=False)]

@@ -76,7 +76,7 @@ def part(summary: Mapping[str, Any], key: str) -> Mapping[str, Any]:
 
 
 def asked_of_a_dump(quantity: str, summary: Mapping[str, Any]) -> bool:
-    """Whether a quantity was asked for, where the summary is that of a dump; of a run what is there was asked for."""
+    """Whether somebody asked for a quantity: of a dump by an option, of a run by its case, which has what is there."""
     return "given" not in summary or quantity in (summary["given"].get("analyses") or ())
 
 

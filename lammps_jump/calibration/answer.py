@@ -48,7 +48,7 @@ class Parameter:
     best, low, high : float
         Best value and 95 % range.
     prior : (float, float)
-        The range that was asked for.
+        The range that the study gives.
     identified : bool
         The 95 % range is at most half as wide as the prior.
     at_edge : bool

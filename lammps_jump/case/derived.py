@@ -105,7 +105,7 @@ class Derived:
         )
 
     def _quarters(self, graph: Hydrograph) -> list[str]:
-        """What is asked for in each quarter of the run."""
+        """What the table of the inflow has in each quarter of the run."""
         ends = [0.25 * i * self.fields.run.duration for i in range(5)]
         means = [(begin, end, *graph.means(begin, end)) for begin, end in pairwise(ends)]
         return [f"  t = {a:z.4g} to {b:z.4g} s  depth {h:z.4g} m  discharge {q:z.4g} m^2/s" for a, b, h, q in means]

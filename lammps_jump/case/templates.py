@@ -53,7 +53,7 @@ def scene_text(name: str) -> str:
 def described(text: str, source: CaseSource) -> str:
     """A description with the values behind it that ``--set`` or a study has changed; without them where it is too long.
 
-    Values that an earlier case had changed are told once: ``a channel; changed: run.seed = 1, contact.friction = 0.1``.
+    It names values that an earlier case had changed once: ``a channel; changed: run.seed = 1, contact.friction = 0.1``.
     """
     before, sign, told = text.rpartition(CHANGED)
     changes = dict(re.findall(r"([\w.-]+) = (.*?)(?=, [\w.-]+ = |$)", told)) if sign else {}
@@ -87,7 +87,7 @@ def of_another_case(source: CaseSource) -> str:
         if f"\ndescription: {line}\n" in (scene := scene_text(name)):
             try:
                 found, own = (CaseFields.model_validate(data) for data in (parse_source(scene).data, source.data))
-            except ValidationError:  # is told later, with its place
+            except ValidationError:  # the check tells it, with its place
                 return ""
             return name if any(getattr(found, key) != getattr(own, key) for key in OF_THE_FLOW) else ""
     return ""

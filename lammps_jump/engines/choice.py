@@ -47,7 +47,7 @@ def choose(engine: str, kernel: str, ranks: int | str, scene: Scene) -> tuple[Se
     CaseError
         A kernel that is not known.
     SetupError
-        LAMMPS is not installed, or the kernel that is asked for cannot be used or lacks something.
+        LAMMPS is not installed, or the kernel that the case names cannot be used or lacks something.
     """
     if engine == "twin":
         return Setting("twin", NATIVE_KERNELS["twin"]), []

@@ -14,7 +14,7 @@ import numpy as np
 BEVERLOO_K = 1.4
 """Diameters by which a slot is narrower for discs than it is (Beverloo, Leniger & van de Velde 1961)."""
 BEVERLOO_FROM = 6.0
-"""Narrowest slot in diameters for which the law is asked: below it discs form arches that stop the flow
+"""Narrowest slot in diameters for which the law is used: below it discs form arches that stop the flow
 (Mankoc et al. 2007, arXiv 0707.4550; validation/silo)."""
 
 

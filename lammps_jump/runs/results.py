@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 log = logging.getLogger(__name__)
 
 OF_A_DUMP = ("jump", "front")
-"""What is looked for in a bare dump where nothing is asked for."""
+"""What the analysis of a bare dump looks for where no option names anything."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ class Given:
     analyses : tuple of str
         Names of quantities to look for, by default `OF_A_DUMP`.
     stations : tuple of float
-        Places between which the head lost is asked for, m.
+        Places between which to tell the head lost, m.
     """
 
     diameter: float | Mapping[int, float] | None = None

@@ -136,7 +136,7 @@ def reanalyse(folder: Path, changes: Sequence[str] = ()) -> None:
     Parameters
     ----------
     changes : sequence of str
-        ``analysis.…=value``: what else is asked of the run.
+        ``analysis.…=value``: what else to find in the run.
 
     Raises
     ------

@@ -254,7 +254,7 @@ class Loaded(Kind):
 
 @dataclass(frozen=True)
 class Held(Kind):
-    """A tailgate: it rises and sinks until the mass depth at a place, or the place of the front, is what is asked."""
+    """A tailgate: it moves until the mass depth at a place, or the place of the front, is that of the case."""
 
     kind: Literal["hold"] = field(default="hold", kw_only=True, repr=False)
     speed: Annotated[MetrePerSecond, Field(ge=1e-9, le=1e6, description="largest")]

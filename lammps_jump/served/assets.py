@@ -32,7 +32,7 @@ def asset(name: str) -> Reply | None:
 
 
 def html(path: Path) -> Reply:
-    """A file of ours."""
+    """A file of this program."""
     return Reply(read_file(path, MOST_TEXT), KINDS[path.suffix])
 
 

@@ -19,7 +19,7 @@ PROGRAM = "lammps-jump"
 
 
 def as_typed(*words: str | Path) -> str:
-    """A command of ours as one types it."""
+    """A command of this program as one types it."""
     return shlex.join([PROGRAM, *map(str, words)])
 
 

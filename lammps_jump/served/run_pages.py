@@ -72,7 +72,7 @@ class RunPages:
         return None
 
     def _found(self, path: str) -> tuple[Watched | None, str]:
-        """The run that a path begins with, and what is asked of it."""
+        """The run that a path begins with, and what the rest of the path wants of it."""
         number, slash, part = path.partition("/")
         known = bool(slash) and number.isascii() and number.isdigit() and len(number) < 7
         return (self._runs[int(number)] if known and int(number) < len(self._runs) else None), part

@@ -26,7 +26,7 @@ POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; media-src blob:; "
     "connect-src 'self'; frame-src 'self'; frame-ancestors 'self'; base-uri 'none'; form-action 'none'"
 )
-"""What a page of ours may do: run our own scripts, and ask this server."""
+"""What a page may do: run the scripts of this program, and ask this server."""
 FOREIGN = (
     "sandbox allow-scripts allow-downloads; default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
     "img-src data: blob:; media-src data: blob:; frame-ancestors 'self'; base-uri 'none'; form-action 'none'"
@@ -120,11 +120,11 @@ class Handler(BaseHTTPRequestHandler):
     timeout = PATIENCE
 
     def do_GET(self) -> None:
-        """Answer what is asked for."""
+        """Answer a request."""
         self._answer(self._get)
 
     def do_POST(self) -> None:
-        """Do what is asked for."""
+        """Carry out a request."""
         self._answer(self._post)
 
     def log_message(self, format: str, *args: Any) -> None:

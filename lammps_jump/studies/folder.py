@@ -13,14 +13,14 @@ from lammps_jump.folders import MARKER_FILE, Marker, read_marker, writable, writ
 from lammps_jump.runs.folder import run_folder
 
 TOLD_BY = ("pieces", "disc_by_disc", "zones")
-"""Keys of results: one of them shows that a folder without a marker is of a study of ours."""
+"""Keys of results: one of them shows that a folder without a marker is of a study."""
 
 
 @contextmanager
 def held_folder(folder: Path, command: str) -> Iterator[Path]:
     """Hold the folder of a study, by the name of its command, as `run_folder` does; a new one is not left empty.
 
-    Folders of studies had no marker before: one with results of ours gets it.
+    Folders of studies had no marker before: one with results of a study gets it.
 
     Raises
     ------

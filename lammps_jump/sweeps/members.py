@@ -33,7 +33,7 @@ changes, and chaos makes the runs independent."""
 RUNS = "runs"
 Stage = Literal["done", "failed", "running", "interrupted", "waiting"]
 OVER = ("done", "failed")
-"""Stages of members that are not run again unless that is asked for."""
+"""Stages of members that are run again with --retry alone."""
 
 
 class Start(NamedTuple):
@@ -270,7 +270,7 @@ def state_of(member: Member, store: Path, *, named: bool = True) -> MemberState:
 
 
 def _is_analysed(case: Case, stored: Mapping[str, Any], named: bool) -> bool:
-    """Whether the results are of this analysis, with or without pictures; a player that is asked for is there."""
+    """Whether the results are of this analysis, with or without pictures; with a player where the study wants one."""
     if not stored.get("analysed"):
         return False
     words = ["player", "default", "all"] + (["none"] if case.fields.analysis.figures == "none" else [])

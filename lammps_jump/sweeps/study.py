@@ -265,7 +265,7 @@ def read_study(source: str | Path | Mapping[str, object] | ReadCase, **given: An
 
 
 def case_in(path: Path, changes: Mapping[str, object]) -> Case:
-    """The case of a study that names its file. Of a file that is no case nothing is told: a study may be received.
+    """The case of a study that names its file. Of a file that is no case it tells nothing: a study may be received.
 
     Raises
     ------

@@ -134,7 +134,7 @@ def flat(table: xr.Dataset, study: Study) -> pd.DataFrame:
 
 
 FIRST = 4
-"""Members from which the width of an interval is told for the first time."""
+"""Members from which the table first tells the width of an interval."""
 
 
 def members_needed(found: Mapping[str, float], share: float) -> int | None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What is asked for and cannot be: analyses without their subject, empty windows, angles that look like radians."""
+"""What a case asks for and cannot have: analyses without their subject, empty windows, angles like radians."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.scene import Beginning, MovingWall
 
 STATED_SLOPE = 20.0
-"""Slope of a heap whose creep is told, degrees."""
+"""Slope from which on `check` tells that a heap creeps, degrees."""
 FLAT = (
     "discs without contact.rolling roll off each other, so that their heap is flat: 10 degrees in column_collapse, 31 "
     "with rolling friction 0.3 in heap; give contact.rolling for an angle of repose as of grains with corners"

@@ -25,7 +25,7 @@ class Region(Strict):
 
 
 class EarlierDiscs(NamedTuple):
-    """What the run holds of the discs that are asked for: number, ends along x, top (m), largest speed (m/s)."""
+    """What the run holds of the discs that the case takes: number, ends along x, top (m), largest speed (m/s)."""
 
     count: int  # type: ignore[assignment]  # nobody counts in this tuple
     x: tuple[float, float]

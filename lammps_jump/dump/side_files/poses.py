@@ -52,7 +52,7 @@ class PoseWriter:
 
 
 class PoseFile:
-    """``walls.csv`` of a run, which may still grow: what is new is read when a later time is asked for.
+    """``walls.csv`` of a run, which may still grow: a later time reads what is new.
 
     Parameters
     ----------

@@ -77,7 +77,7 @@ class Steps:
         move(new, Path(STOP_FILE))
 
     def play(self, text: str) -> None:
-        """Run a script to its end, or until the end is asked for."""
+        """Run a script to its end, or until somebody asks for the end."""
         head, *runs = re.split(r"(?m)^(?=run )", text)
         self.engine.commands_string(head)
         if self.setting.stop_at is not None:
@@ -214,7 +214,7 @@ class Steps:
         return True
 
     def _go_on_to(self, step: int, *, save: bool) -> None:
-        """Run on to a step, also where an end is asked for meanwhile; with `save`, write the restart file there."""
+        """Run on to a step, whoever asks for an end meanwhile; with `save`, write the restart file there."""
         if save:
             if self.saver is not None:
                 delete(Path(STATE.format(step=step)))  # a hard-linked backup stays as it is

@@ -31,7 +31,7 @@ from .store import Numbers, measured_key, numbers_at, slosh_depth, store_of
 STARTS, QUICK_STARTS = 3, 2
 QUICK_NUMBERS = (0.3, 0.1, 0.03)
 COMPRESSIBLE = 0.2
-"""Mach number above which a flow is told to be compressible."""
+"""Mach number above which the page calls a flow compressible."""
 
 
 def interval(values: list[float]) -> list[float]:
