@@ -84,7 +84,7 @@ DEFECTS = [
     Defect("factor", CORE_LAW, "plain * root(0.75 * overlap / width)", "plain * root(overlap / width)", TWIN_TESTS),
     Defect("factor", CORE_LAW, "0.5 * k * overlap * overlap / width", "k * overlap * overlap / width", TWIN_TESTS),
     Defect("bound", CORE_LAW, "stretch = over ? left : stretch;", "", TWIN_TESTS),
-    Defect("lever", CORE_CONTACT, "SIZES || MEMORY ? pair.a - 0.5 * out.overlap : pair.a", "pair.a", TWIN_TESTS),
+    Defect("lever", CORE_CONTACT, "way_to_middle(pair.a, out.overlap)", "pair.a", TWIN_TESTS),
     Defect("corner", CORE_FACES, "(joint == CORNER && front && !shared)", "false", TWIN_TESTS),
     Defect("joint", CORE_FACES, "if (joint == FREE || (shared && behind)", "if (joint == FREE || shared", TWIN_TESTS),
     Defect("tie", CORE_FACES, "if (c.gap < 0.0) off += TIE * radius;", "if (c.gap < 0.0) off += radius;", TWIN_TESTS),

@@ -258,3 +258,17 @@ def play(case: dict, engine: str, folder: Path) -> Record:
 def rig():
     """`make_scene`, `start` and `play`."""
     return SimpleNamespace(make_scene=make_scene, start=start, play=play)
+
+
+@pytest.fixture(params=["native_verlet", pytest.param("compiled", marks=pytest.mark.lammps)])
+def started(request, rig, tmp_path):
+    """A function that starts a scene, on the native engine and on the compiled styles in turn."""
+    running = []
+
+    def start(scene):
+        running.append(rig.start(request.param, scene, [], tmp_path))
+        return running[-1]
+
+    yield start
+    for engine in running:
+        engine.close()

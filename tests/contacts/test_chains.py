@@ -14,22 +14,6 @@ from single_disc import Drawn, K, R, energy, one_disc
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.chains import Chain, circle
 
-ENGINES = ["native_verlet", pytest.param("compiled", marks=pytest.mark.lammps)]
-
-
-@pytest.fixture(params=ENGINES)
-def started(request, rig, tmp_path):
-    """A function that starts a scene on the engine."""
-    running = []
-
-    def start(scene):
-        running.append(rig.start(request.param, scene, [], tmp_path))
-        return running[-1]
-
-    yield start
-    for engine in running:
-        engine.close()
-
 
 def test_a_plane_in_four_hundred_unequal_pieces_is_one_segment(started):
     """A bed with friction after 300 steps."""

@@ -16,24 +16,9 @@ from lammps_jump.errors import CaseError
 from lammps_jump.scene import Plane, handmade_scene
 from lammps_jump.script import write_script
 
-ENGINES = ["native_verlet", pytest.param("compiled", marks=pytest.mark.lammps)]
 D, DENSITY, PULL = 0.2, 1000.0, 50.0
 MASS = DENSITY * D * D
 CEILING = Plane("ceiling", "y", 0.0, "below")
-
-
-@pytest.fixture(params=ENGINES)
-def started(request, rig, tmp_path):
-    """A function that starts a scene on the engine."""
-    running = []
-
-    def start(scene):
-        running.append(rig.start(request.param, scene, [], tmp_path))
-        return running[-1]
-
-    yield start
-    for engine in running:
-        engine.close()
 
 
 def scene_of(positions, velocities, walls=(), **others):

@@ -14,25 +14,10 @@ from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.scene import Block, Box, Chain, Motion, MovingWall, Plane, handmade_scene
 from lammps_jump.scene.tracks import Loaded, Oscillate, Rotate, Translate
 
-ENGINES = ["native_verlet", pytest.param("compiled", marks=pytest.mark.lammps)]
 D = 0.2
 PLACES = np.array([[x, y] for x in np.arange(-1, 1.1, 0.25) for y in (0.42, 0.67)])
 PLACES = PLACES + np.random.default_rng(1).normal(0, 0.01, PLACES.shape)
 FALLS = np.array([1.0, -2.0])
-
-
-@pytest.fixture(params=ENGINES)
-def started(request, rig, tmp_path):
-    """A function that starts a scene on the engine."""
-    running = []
-
-    def start(scene):
-        running.append(rig.start(request.param, scene, [], tmp_path))
-        return running[-1]
-
-    yield start
-    for engine in running:
-        engine.close()
 
 
 def discs_at(wall, positions=PLACES, velocity=FALLS, kind=None, **others):
