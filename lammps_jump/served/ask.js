@@ -33,6 +33,16 @@ async function ask(path, sent) {
   }
 }
 
+// The page of a run within this one, as high as it is.
+function showRun(number) {
+  const frame = made("iframe", { id: "run", src: `run/${number}/`, title: "The run" });
+  frame.addEventListener("load", () => {
+    const { body } = frame.contentDocument;
+    new ResizeObserver(() => { frame.style.height = `${body.offsetHeight + 4}px`; }).observe(body);
+  });
+  byId("run-place").replaceChildren(frame);
+}
+
 // Do something again and again, so many milliseconds after it has ended, while the page is seen.
 function again(milliseconds, act) {
   const turn = async () => {

@@ -19,7 +19,10 @@ KINDS = {
 }
 HERE, REPORT = Path(__file__).parent, Path(page.__file__).parent
 ASSETS = {
-    **{name: HERE / name for name in ("open.css", "ask.js", "case.js", "text.js", "places.js", "live.js", "run.js")},
+    **{
+        name: HERE / name
+        for name in ("open.css", "ask.js", "case.js", "text.js", "places.js", "live.js", "run.js", "study.js")
+    },
     **{name: REPORT / name for name in ("page.css", *page.SCRIPTS)},
 }
 """Nothing else is read for an address."""

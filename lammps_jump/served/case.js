@@ -143,16 +143,6 @@ async function go() {
   if (ok) showRun(data.number);
 }
 
-// The page of a run within this one, as high as it is.
-function showRun(number) {
-  const frame = made("iframe", { id: "run", src: `run/${number}/`, title: "The run" });
-  frame.addEventListener("load", () => {
-    const inside = frame.contentDocument.documentElement;
-    new ResizeObserver(() => { frame.style.height = `${inside.querySelector("body").scrollHeight + 4}px`; }).observe(inside.querySelector("body"));
-  });
-  byId("run-place").replaceChildren(frame);
-}
-
 document.addEventListener("text", () => { look(); later(); });
 document.addEventListener("dropped", save);
 document.addEventListener("visibilitychange", () => document.hidden && save());

@@ -19,19 +19,22 @@ from .children import Children, ServedChild, as_typed
 from .look import look
 from .run_pages import RunPages
 from .server import Pages, Refused, Reply, answer
+from .study import StudyView
 
 MOST_RUNS = 1000
 """Folders of runs of one case that are looked at for one that is free."""
 
 
 def pages_of(path: Path) -> Opened:
-    """The pages of a case file, or of the folder of a run.
+    """The pages of a case file, or of the folder of a run or of a study.
 
     Raises
     ------
     CaseError
-        There is no such file, or the folder holds no run.
+        There is no such file, or the folder holds neither.
     """
+    if (path / "study.yaml").is_file():
+        return StudyPages(path)
     return RunAlone(path) if path.is_dir() else CasePages(path)
 
 
@@ -72,6 +75,20 @@ class RunAlone(Opened):
         super().__init__()
         require_case(folder)
         self.runs.number(folder)
+
+
+class StudyPages(Opened):
+    """The page of a study: its table, and each of its runs by a click."""
+
+    def __init__(self, folder: Path):
+        super().__init__()
+        self.study = StudyView(folder, self.runs)
+
+    def get(self, path: str, query: Mapping[str, str]) -> Reply | None:
+        """The page, and how far the study is."""
+        if path == "":
+            return html(HERE / "study.html")
+        return answer(self.study.state()) if path == "state" else super().get(path, query)
 
 
 class CasePages(Opened):
