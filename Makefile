@@ -93,6 +93,7 @@ sensitivity: $(VENV)/.ready
 # the picture that README.md opens with
 figures: $(VENV)/.ready
 	$(BIN)/python docs/figures/make.py
+	$(BIN)/python docs/figures/page.py
 
 # the table of times of README.md, some minutes
 times: $(VENV)/.test

@@ -67,11 +67,26 @@ class Chromium:
         os.close(self.to_child)
 
 
+class Address:
+    """An address that a `Page` opens in place of a file."""
+
+    def __init__(self, text: str):
+        self.text = text
+
+    def absolute(self) -> Address:
+        """Itself, as a path has it."""
+        return self
+
+    def as_uri(self) -> str:
+        """The address."""
+        return self.text
+
+
 class Page:
     """A tab with one file open in it."""
 
-    def __init__(self, browser: Chromium, path: Path, *, width=1280, height=1000, scale=1.0, dark=False, phone=False,
-                 still=True, scripts=True):  # fmt: skip
+    def __init__(self, browser: Chromium, path: Path | Address, *, width=1280, height=1000, scale=1.0, dark=False,
+                 phone=False, still=True, scripts=True):  # fmt: skip
         self.browser = browser
         target = browser.call("Target.createTarget", url="about:blank")["targetId"]
         self.target = target

@@ -242,19 +242,27 @@ def parse_source(text: str, file: str = "<case>") -> CaseSource:
 
 
 def _compose(text: str, file: str) -> yaml.Node | None:
-    """Node tree of the text; nesting and values are counted before: building the tree recurses and takes long."""
-    depth = values = 0
-    for event in yaml.parse(text, Loader=_Loader):
-        values += isinstance(event, yaml.NodeEvent)
-        if values > MOST_VALUES:
-            raise CaseError(_too_many(file, event))
-        if isinstance(event, yaml.CollectionStartEvent):
-            depth += 1
-            if depth > MOST_DEPTH:
-                raise CaseError(_too_deep(file, event))
-        elif isinstance(event, yaml.CollectionEndEvent):
-            depth -= 1
-    return yaml.compose(text, Loader=_Loader)
+    """Node tree of the text; nesting and values are counted on the way: building the tree recurses and takes long."""
+    return _CountingLoader(text, file).get_single_node()
+
+
+class _CountingLoader(_Loader):
+    """Raises a CaseError where there are too many values, or groups too deep, before the tree has them."""
+
+    def __init__(self, text: str, file: str):
+        super().__init__(text)
+        self.file, self.depth, self.values = file, 0, 0
+
+    def get_event(self) -> Any:
+        """The next event."""
+        event = super().get_event()
+        self.values += isinstance(event, yaml.NodeEvent)
+        if self.values > MOST_VALUES:
+            raise CaseError(_too_many(self.file, event))
+        self.depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
+        if self.depth > MOST_DEPTH:
+            raise CaseError(_too_deep(self.file, event))
+        return event
 
 
 def _too_deep(file: str, here: Any) -> str:

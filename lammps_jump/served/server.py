@@ -131,12 +131,12 @@ class Handler(BaseHTTPRequestHandler):
         """Nothing: the terminal is for what a person has to know."""
 
     def _answer(self, make: Any) -> None:
+        self.close_connection = True  # what is sent behind a request is not read, and no line outlives the server
         try:
             reply = make(*self._asked())
             if reply is None:
                 raise Refused(404, "there is no such page")
         except Refused as refused:
-            self.close_connection = True  # what it sent besides is not read
             reply = answer({"refused": str(refused)}, refused.status)
         except JumpError as error:
             reply = answer({"refused": str(error)}, 422)
@@ -145,8 +145,7 @@ class Handler(BaseHTTPRequestHandler):
             headers = {"Content-Type": reply.kind, "Content-Length": str(len(reply.body)), **SAFE}
             for name, value in {**headers, "Content-Security-Policy": reply.policy}.items():
                 self.send_header(name, value)
-            if self.close_connection:
-                self.send_header("Connection", "close")
+            self.send_header("Connection", "close")
             self.end_headers()
             self.wfile.write(reply.body)
 

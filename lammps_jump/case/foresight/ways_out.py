@@ -9,6 +9,7 @@ steep flanks, gaps of a cell closed.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from math import cos, inf, isfinite, radians, sqrt
 
 import numpy as np
@@ -148,8 +149,7 @@ def _edges(
     free = np.ones(across.shape, bool)
     near = max(0.49 * begun.smallest, 0.75 * cell)
     for wall in walls:
-        gap = wall.distance(across, up)
-        free &= (gap >= near) | ((gap <= -near) & (not wall.deep))
+        free &= _free_of(wall, (left, right, bottom, top, cell), near)
     solid = ~free.reshape(len(y), len(x))
     for line in outlets:
         place = across if line.axis == "x" else up
@@ -178,6 +178,17 @@ def _edges(
         "bottom": (fall, x),
     }
     return {name: places[hit] for name, (hit, places) in sides.items() if hit.any()}
+
+
+@lru_cache(maxsize=32)  # of a case that changes most walls stay
+def _free_of(wall: Wall, grid: tuple[float, float, float, float, float], near: float) -> np.ndarray:
+    """Whether each cell of a grid (left, right, bottom, top, width of a cell, m) is so far from a wall; read-only."""
+    left, right, bottom, top, cell = grid
+    across, up = np.meshgrid(np.arange(left + 0.5 * cell, right, cell), np.arange(bottom + 0.5 * cell, top, cell))
+    gap = wall.distance(across.ravel(), up.ravel())
+    found = (gap >= near) | ((gap <= -near) & (not wall.deep))
+    found.setflags(write=False)
+    return found
 
 
 def _carried(solid: np.ndarray, free: np.ndarray) -> np.ndarray:
