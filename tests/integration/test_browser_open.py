@@ -233,8 +233,10 @@ def test_a_report_is_shown_by_its_own_rules(browser, case):
 
 def test_two_pages_at_once(browser, case):
     with serving(case) as server:
-        one, other = opened(browser, server), opened(browser, server)
-        drawn(one), drawn(other)
+        one = opened(browser, server)
+        drawn(one)
+        other = opened(browser, server)
+        drawn(other)
         typed(one, "restitution: 0.5", "restitution: 0.6")
         saved(one, case, "restitution: 0.6")
         until(other, "editor.text.includes('restitution: 0.6')")
