@@ -255,7 +255,7 @@ class _CountingLoader(_Loader):
 
     def get_event(self) -> Any:
         """The next event."""
-        event = super().get_event()
+        event = super().get_event()  # type: ignore[no-untyped-call]
         self.values += isinstance(event, yaml.NodeEvent)
         if self.values > MOST_VALUES:
             raise CaseError(_too_many(self.file, event))

@@ -8,8 +8,8 @@ from threading import Lock
 from typing import Any
 
 from lammps_jump import sweeps
-from lammps_jump.sweeps.held import Held
 from lammps_jump.sweeps.members import Member, State, state_of, told
+from lammps_jump.sweeps.study_folder import Held
 from lammps_jump.sweeps.words import heading
 
 from .children import as_typed
