@@ -8,8 +8,8 @@ from threading import Lock
 from typing import Any
 
 from lammps_jump import sweeps
-from lammps_jump.sweeps.members import Member, State, state_of, told
-from lammps_jump.sweeps.study_folder import Held
+from lammps_jump.sweeps.members import Member, MemberState, state_of, told
+from lammps_jump.sweeps.study_folder import StudyResults
 from lammps_jump.sweeps.words import heading
 
 from .children import as_typed
@@ -28,8 +28,8 @@ class StudyView:
     def __init__(self, folder: Path, runs: RunPages):
         self.folder, self.runs = folder, runs
         self._lock = Lock()
-        self._held: Held = sweeps.open_sweep(folder)
-        self._states: list[State] = []
+        self._held: StudyResults = sweeps.open_sweep(folder)
+        self._states: list[MemberState] = []
         self._table: dict[str, Any] = {}
 
     def state(self) -> dict[str, Any]:
@@ -61,7 +61,7 @@ class StudyView:
         frame = sweeps.page.summary_frame(self._held)
         return {"columns": list(frame.columns), "rows": frame.values.tolist(), "doubts": sweeps.page.doubts(self._held)}
 
-    def _run(self, member: Member, state: State) -> dict[str, Any]:
+    def _run(self, member: Member, state: MemberState) -> dict[str, Any]:
         """One member: its point, seed and stage, and the number of its page."""
         return {
             "number": self.runs.number(member.folder(self.folder)),
@@ -73,6 +73,6 @@ class StudyView:
         }
 
 
-def _over(states: list[State]) -> list[str]:
+def _over(states: list[MemberState]) -> list[str]:
     """Members that have ended, which the table is made of."""
     return [state.stage if state.stage in ("done", "failed") else "" for state in states]

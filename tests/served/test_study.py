@@ -7,7 +7,7 @@ from serving import asked, send, serving
 
 from lammps_jump.errors import CaseError
 from lammps_jump.served import pages_of
-from lammps_jump.sweeps import Sweep, prepare, read_study, study_folder
+from lammps_jump.sweeps import Sweep, held_study, prepare, read_study
 
 pytestmark = pytest.mark.usefixtures("blank_pictures")
 
@@ -15,7 +15,7 @@ pytestmark = pytest.mark.usefixtures("blank_pictures")
 def test_a_study_fills(tmp_path):
     study = {**STUDY, "axes": {"contact.restitution": [0.5, 0.8]}, "members": 1, "set": {"run.duration": 0.5}}
     found = Sweep(read_study({**study, "collect": ["energy.final"]}), tmp_path / "out")
-    with study_folder(found.folder):
+    with held_study(found.folder):
         prepare(found)
     before = {*found.folder.rglob("*")}
     with serving(found.folder) as server:
