@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
+from . import pipeline as pipeline
 from . import profiles as profiles
 from . import quantities as quantities
 from . import report as report
@@ -10,7 +11,7 @@ from .flow import Flow as Flow
 from .flow import from_scene as from_scene
 from .forces.history import Force as Force
 from .guess import from_dump as from_dump
-from .jump.summary import Jump as Jump
+from .jump.found import Jump as Jump
+from .pipeline import analyse as analyse
 from .quantities import QUANTITIES as QUANTITIES
-from .quantities import analyse as analyse
-from .quantities import main_numbers as main_numbers
+from .tables.rows import main_numbers as main_numbers

@@ -1,391 +1,127 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The analyses of a run, and how a dump becomes numbers, tables and figures."""
+"""The analyses of a run: where each is found, and how it is asked for.
+
+What is needed before an analysis is loaded stands here, because cases and commands load none. All else is told by the
+`QUANTITY` of its file (`quantity.py`).
+"""
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Callable, Collection, Mapping, Sequence
-from contextlib import ExitStack
-from dataclasses import replace
-from math import isfinite
-from pathlib import Path
+from collections.abc import Iterator, Mapping
+from importlib import import_module
 from typing import TYPE_CHECKING, NamedTuple
 
-from lammps_jump.dump.exports import write_netcdf, write_table
-from lammps_jump.dump.find import read_forces
-from lammps_jump.dump.read import Dump, open_dump
-from lammps_jump.dump.side_files.contacts import ContactFile
-from lammps_jump.errors import DumpError, SetupError
-from lammps_jump.files import CONTACTS_FILE, CURVES, plain, write_json
-from lammps_jump.units import as_summary, is_bound, numbers_of, shown
-
-from . import draw
-from .beds.slope import AlongBed, sloping_stretch
-from .budgets import depths, energy, grade, inflow, stations
-from .contacts import ContactCollector
-from .devices import drum, front, gaps, hopper, runup, tailgate, waves
-from .draw.chart import Bars, Chart, Drawings, Map
-from .draw.depths import depth_profile, xt_map
-from .draw.second_core import aside
-from .fields import write_fields
-from .flow import Flow
-from .forces import figures as forces
-from .forces.history import Force, Forces
-from .forces.impulse import Identity, MomentumLedger
-from .forces.reflection import ReflectedWave
-from .grains import heap, layers, rest, state
-from .jump import head
-from .jump import section as jump
-from .jump.summary import Jump
-from .passes import Collector, Gathered, Tables, Watcher, gather
-from .profiles import bin_edges, window_of
-from .report.headline import belongs
-from .report.page import Section
-from .verdicts import doubts, headline, is_shown
+from lammps_jump.files import PICTURES, RESULT_FILES
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-DISCS = "snapshots"
-"""Name of the figure of ten pictures."""
-MAIN = ("depth_profile",)
-"""Figures that are drawn beside `DISCS` where nobody names others; the page draws the curves of all itself."""
+    from .quantity import Quantity
 
 
-class Quantity(NamedTuple):
-    """One analysis of a run.
+class Listed(NamedTuple):
+    """How an analysis is found and asked for.
 
     Attributes
     ----------
-    result : type
-        Its numbers, described; labelled ones are shown on the screen.
-    collector : callable(flow, contacts) -> Collector, or None
-        Takes in the frames; None where profiles and contacts are enough.
-    analyse : callable(Gathered) -> result, or None where there is nothing to be said
-    tables, figures, section : callable
-        CSV tables of the result, what figures show of result and `Gathered`, section from ``summary.json``.
-    summary : callable(result) -> dict
-        As the result stands in ``summary.json``.
+    file : str
+        Its module.
+    asks : str
+        What its field of ``analysis`` in a case means; empty where a case cannot ask for it.
+    contacts : bool
+        It needs the forces of contacts.
+    look : str
+        Help of the option of ``analyze`` that looks for it in a bare dump; empty where there is none.
+    option : str
+        That option, where it has another name.
     """
 
-    result: type
-    collector: Callable[[Flow, ContactCollector | None], Collector] | None
-    analyse: Callable[[Gathered], object | None]
-    tables: Callable[[object], Tables]
-    figures: Callable[[object, Gathered], Drawings]
-    section: Callable[[Mapping], Section | None]
-    summary: Callable[[object], dict[str, object]] = as_summary
+    file: str
+    asks: str = ""
+    look: str = ""
+    option: str = ""
+    contacts: bool = False
 
 
-QUANTITIES = {
-    "inflow": Quantity(
-        inflow.Delivery, inflow.InflowCounter, inflow.analyse, lambda _: {}, lambda *_: {}, inflow.section
+LISTED = {
+    "inflow": Listed("lammps_jump.analysis.budgets.inflow"),
+    "jump": Listed("lammps_jump.analysis.jump.section", "hydraulic jump", "Find a hydraulic jump", contacts=True),
+    "grade": Listed("lammps_jump.analysis.budgets.grade"),
+    "front": Listed(
+        "lammps_jump.analysis.devices.front_page",
+        "front of a collapsing column. `water`: also against water, Ritter and the columns of Martin & Moyce",
+        "Follow the front",
     ),
-    "jump": Quantity(Jump, head.EnergyFluxes, jump.analyse, jump.tables, jump.figures, jump.section),
-    "grade": Quantity(grade.Grade, None, grade.analyse, grade.tables, grade.figures, grade.section),
-    "front": Quantity(front.Front, front.FrontTracker, front.analyse, front.tables, front.figures, front.section),
-    "force": Quantity(
-        Force, MomentumLedger, forces.analyse, Forces.tables, forces.figures, forces.section, Forces.summary
+    "force": Listed("lammps_jump.analysis.forces.figures"),
+    "energy": Listed("lammps_jump.analysis.budgets.energy", "energy against time", contacts=True),
+    "waves": Listed("lammps_jump.analysis.devices.waves"),
+    "runup": Listed("lammps_jump.analysis.devices.runup"),
+    "drum": Listed("lammps_jump.analysis.devices.drum", "angle of the surface in a drum that turns"),
+    "hopper": Listed("lammps_jump.analysis.devices.hopper", "discharge of a hopper", "Measure a discharge", "outlet"),
+    "layers": Listed(
+        "lammps_jump.analysis.grains.layers",
+        "profiles over y: velocity, solid fraction, temperature, stress, inertial number. `true`: in the middle half "
+        "of the channel, layers of two diameters. `{x: [10, 20], height: 0.4}`: in this stretch, with layers of this "
+        "height (m); either may be left out",
+        "Profiles over the height",
+        contacts=True,
     ),
-    "energy": Quantity(
-        energy.Energy, energy.EnergyLedger, energy.analyse, energy.tables, energy.figures, energy.section
+    "heap": Listed(
+        "lammps_jump.analysis.grains.heap",
+        "shape of the discs at the end, slopes of its flanks, run-out of a column",
+        "Measure the heap at the end",
     ),
-    "waves": Quantity(waves.Waves, None, waves.analyse, waves.tables, waves.figures, waves.section),
-    "runup": Quantity(runup.RunUp, runup.RunUpWatch, runup.analyse, runup.tables, runup.figures, runup.section),
-    "drum": Quantity(drum.Drum, drum.SurfaceAngles, drum.analyse, drum.tables, drum.figures, drum.section),
-    "hopper": Quantity(hopper.Hopper, gaps.Crossings, hopper.analyse, hopper.tables, hopper.figures, hopper.section),
-    "layers": Quantity(
-        layers.LayerProfiles, layers.LayerSums, layers.analyse, layers.tables, layers.figures, layers.section
-    ),
-    "heap": Quantity(heap.Heap, heap.HeapWatch, heap.analyse, heap.tables, heap.figures, heap.section),
-    "rest": Quantity(rest.Rest, rest.RestWatch, rest.analyse, rest.tables, rest.figures, rest.section),
-    "tailgate": Quantity(
-        tailgate.Tailgate,
-        tailgate.GateWatch,
-        tailgate.analyse,
-        tailgate.tables,
-        tailgate.figures,
-        tailgate.section,
-        tailgate.summary,
-    ),
-    "depth": Quantity(depths.Depths, None, depths.analyse, lambda _: {}, lambda *_: {}, depths.section),
-    "state": Quantity(state.DiscState, state.StateWatch, state.analyse, lambda _: {}, lambda *_: {}, lambda _: None),
+    "rest": Listed("lammps_jump.analysis.grains.rest", "when the discs come to rest", "Tell when discs rest"),
+    "tailgate": Listed("lammps_jump.analysis.devices.tailgate"),
+    "depth": Listed("lammps_jump.analysis.budgets.depths"),
+    "state": Listed("lammps_jump.analysis.grains.state"),
 }
 """By the key in ``summary.json``, in the order of the report."""
-BESIDE_FORCES = {"reflected_wave": ReflectedWave, "identity": Identity}
-"""Results that stand beside those of the structures under ``force`` in ``summary.json``."""
-ALWAYS = {"inflow", "force", "waves", "runup", "tailgate", "state"}
-"""Made whether asked for or not, where a scene has rows of inflow, probes, gauges, water before a slope or a gate that
-holds; and what is there at the end, of every flow."""
 
 
-class Pictures(NamedTuple):
-    """What is drawn.
+class Quantities(Mapping[str, "Quantity"]):
+    """The analyses by their names, in the order of the report; each is loaded where it is asked for."""
 
-    Attributes
-    ----------
-    figures : {'none', 'default', 'all'}
-        As ``figures/*.png``; default: `MAIN` and `DISCS`.
-    film : bool
-        Write ``animation.mp4``, or ``animation.gif`` without ffmpeg.
-    quiet : bool
-        Print nothing while the film is made.
-    """
+    def __getitem__(self, name: str) -> Quantity:
+        found: Quantity = import_module(LISTED[name].file).QUANTITY
+        return found
 
-    figures: str = "default"
-    film: bool = False
-    quiet: bool = False
+    def __contains__(self, name: object) -> bool:
+        return name in LISTED
 
+    def __iter__(self) -> Iterator[str]:
+        return iter(LISTED)
 
-DEFAULT_PICTURES = Pictures()
+    def __len__(self) -> int:
+        return len(LISTED)
 
 
-def analyse(
-    flow: Flow,
-    dump: Path,
-    out: Path,
-    wanted: Collection[str],
-    *,
-    pictures: Pictures = DEFAULT_PICTURES,
-    watch: Sequence[Watcher] = (),
-    gathered: Gathered | None = None,
-    told: Callable[[str], None] | None = None,
-) -> dict[str, object]:
-    """Analyse a dump file.
-
-    Parameters
-    ----------
-    flow : Flow
-        Of `flow.from_scene` or `guess.from_dump`.
-    dump : Path
-    out : Path
-        Folder that gets ``profiles.nc``, ``*.csv``, ``curves.json``, ``figures/*.png`` and the film. ``forces.csv`` is
-        looked for here and beside the dump.
-    wanted : collection of str
-        Of `QUANTITIES`, and 'fields' for mean fields on a grid. Profiles are always made, and `ALWAYS`.
-    pictures : Pictures
-    watch : sequence of Watcher
-        Are also shown every frame.
-    gathered : Gathered, optional
-        Of `collect` for the same quantities, where the frames were read before.
-    told : callable(str), optional
-        Called with what is done next: results, tables, figures.
-
-    Returns
-    -------
-    dict
-        ``profiles`` (what is in profiles.nc), the quantities, ``files`` (names written) and ``warnings`` (sentences).
-        Plain numbers, text and None; never NaN.
-
-    Raises
-    ------
-    DumpError
-        A quantity that is not known, no frame, a malformed dump, a place that cannot be written.
-    """
-    if unknown := sorted(set(wanted) - {*QUANTITIES, "fields"}):
-        known = ", ".join(name for name in QUANTITIES if name not in ALWAYS or name == "force")
-        raise DumpError(f"quantity '{unknown[0]}' is not known: use {known} or fields.")
-    gathered = gathered or collect(flow, open_dump(dump), (out, dump.parent), wanted, watch)
-    told, warnings = told or (lambda phase: None), list(gathered.warnings)
-    out.mkdir(parents=True, exist_ok=True)  # only now: a dump that cannot be read leaves nothing behind
-    with ExitStack() as busy:
-        if pictures.figures != "none":
-            busy.enter_context(aside(draw_figures, [DISCS], {}, out / "figures", dump, flow))
-        told("results")
-        names = [name for name in QUANTITIES if name in {*wanted, *ALWAYS}]
-        asked = {name: QUANTITIES[name].analyse(gathered) for name in names}
-        results = {name: result for name, result in asked.items() if result is not None}
-        warnings += results["jump"].notes if "jump" in results else ()
-        warnings += getattr(results.get("inflow"), "notes", ())
-        warnings += tailgate.notes(results.get("tailgate"))
-        parts: dict[str, object] = {name: QUANTITIES[name].summary(result) for name, result in results.items()}
-        shown = drawings(gathered, results) if pictures.figures != "none" else {}
-        drawn = {"none": (), "default": MAIN, "all": tuple(shown)}[pictures.figures]
-        if drawn:
-            busy.enter_context(aside(draw_figures, drawn, shown, out / "figures", dump, flow))
-        told("tables")
-        files = _write(gathered, results, shown if drawn else {}, out)
-        if "fields" in wanted:
-            parts["fields"], maps = write_fields(gathered.flow, gathered.profiles, open_dump(dump), out)
-            files.append("fields.nc")
-            if drawn:
-                draw_figures(list(maps), _titled(maps, flow), out / "figures", dump, flow)
-                files += [f"figures/{name}.png" for name in maps]
-        told("figures")
-    files += [f"figures/{name}.png" for name in ((*drawn, DISCS) if drawn else ())]
-    if pictures.film:
-        files += _film(gathered, dump, out, warnings, pictures.quiet)
-    parts |= {"profiles": _about_profiles(gathered), "files": files, "warnings": list(dict.fromkeys(warnings))}
-    return plain(parts)
+QUANTITIES = Quantities()
+"""By the key in ``summary.json``."""
+FIRST = {
+    "depth_profile": "Depth and velocity along the channel, mean of the window",
+    "depth_map": "Depth of the free surface over distance and time",
+}
+"""Figures that every flow has, with their captions; they stand before those of the analyses."""
+LAST = {
+    "snapshots": "Ten equal times, discs coloured by speed",
+    "field_density": "Density of the flow",
+    "field_pressure": "Pressure",
+    "bed_pressure": "Pressure at the bed against the weight above",
+}
+"""The discs, and what fields show; behind them."""
 
 
-def _write(
-    gathered: Gathered, results: Mapping[str, object], shown: Mapping[str, Chart | Bars | Map], out: Path
-) -> list[str]:
-    """Write profiles, tables and what the page draws; the names of the files."""
-    files = [write_netcdf(gathered.profiles, out / "profiles.nc").name]
-    clock = {} if gathered.flow.timed else {"time": "step"}
-    tables = {file: columns for name in results for file, columns in QUANTITIES[name].tables(results[name]).items()}
-    for file, columns in tables.items():
-        files.append(write_table({clock.get(name, name): column for name, column in columns.items()}, out / file).name)
-    if shown:
-        charts = {name: what.plain for name, what in shown.items() if not isinstance(what, Map)}
-        files.append(write_json(out / CURVES, charts, None).name)
-    return files
+def captions() -> dict[str, str]:
+    """Captions of all figures by their names, in the order of the report."""
+    own = (quantity.captions for quantity in QUANTITIES.values())
+    return {**FIRST, **{name: text for some in own for name, text in some.items()}, **LAST}
 
 
-def without_friction(flow: Flow, places: Sequence[Path], wanted: Collection[str]) -> list[str]:
-    """A note where forces of contacts lack the friction of springs with memory, because the engine wrote none."""
-    asked = {"layers", "jump", "energy", "fields"} & set(wanted)
-    if flow.scene.springs is None or not asked or any((place / CONTACTS_FILE).is_file() for place in places):
-        return []
-    return [
-        f"Contact forces lack the tangential springs, which no frame tells: {CONTACTS_FILE} is not there. Run with "
-        "engine.kernel: compiled or engine.name: native, which write it."
-    ]
+def tables() -> dict[str, str]:
+    """What each CSV table of an analysis holds, by the name of its file."""
+    return {name: text for quantity in QUANTITIES.values() for name, text in quantity.files.items()}
 
 
-def without_core(flow: Flow) -> list[str]:
-    """A warning where the analysis leaves out what the core alone computes."""
-    if flow.knows_contacts or not isfinite(flow.scene.coefficients.stiffness):
-        return []
-    return [f"Elastic energy, contact forces and pressure are left out: {flow.no_contacts}."]
-
-
-def collect(
-    flow: Flow, dump: Dump, places: Sequence[Path], wanted: Collection[str], watch: Sequence[Watcher] = ()
-) -> Gathered:
-    """One pass over a dump with the collectors of the wanted quantities.
-
-    ``forces.csv`` and the contacts that the engine wrote are looked for in `places`.
-    """
-    if flow.scene.contact_output:
-        found = [place / CONTACTS_FILE for place in places]
-        there = next((file for file in found if file.is_file()), found[-1])
-        flow = replace(flow, written=ContactFile(there, flow.scene))
-    warnings = [*flow.notes, *without_friction(flow, places, wanted), *without_core(flow)]
-    edges = bin_edges(flow.x_range, flow.bin_width) if "jump" in wanted else None
-    contacts = ContactCollector(flow, edges) if flow.knows_contacts and {"jump", "energy"} & set(wanted) else None
-    forces_asked = bool(flow.scene.probes) or ("force" in wanted and _forces_file(places) is not None)
-    there = {"inflow": bool(flow.scene.inlets), "force": forces_asked, "runup": True, "state": True}
-    there["tailgate"] = any(one.motion.holding for one in flow.scene.walls)
-    collectors = {
-        name: quantity.collector(flow, contacts)
-        for name, quantity in QUANTITIES.items()
-        if quantity.collector and there.get(name, name in wanted)
-    }
-    # contacts first: the energy takes each frame's elastic energy from them
-    stretch = sloping_stretch(flow) if "jump" in wanted and flow.velocities else None
-    along = [AlongBed(flow, stretch)] if stretch else []
-    fed = [*watch, *([contacts] if contacts else []), *collectors.values(), *along]
-    profiles = gather(dump, flow, fed, warnings)
-    histories = {name: collector.result() for name, collector in collectors.items()}
-    forces = {}
-    if forces_asked and (table := _forces_file(places)):  # of a run that goes on it is whole only now
-        try:
-            forces = read_forces(table)
-        except DumpError as error:
-            warnings.append(str(error))
-    sums, sloping = contacts.result() if contacts else None, along[0].result() if along else None
-    return Gathered(flow, profiles, sums, histories, forces, tuple(warnings), sloping)
-
-
-def _forces_file(places: Sequence[Path]) -> Path | None:
-    return next((place / "forces.csv" for place in places if (place / "forces.csv").is_file()), None)
-
-
-def drawings(gathered: Gathered, results: Mapping[str, object]) -> dict[str, Chart | Bars | Map]:
-    """What the results have to show, by the name of the figure."""
-    flow, found = gathered.flow, results.get("jump")
-    looks = jump.marks(found) if isinstance(found, Jump) else jump.Marks()
-    shown: Drawings = {
-        "depth_profile": depth_profile(gathered.profiles, flow, lines=looks.lines, marks=looks.places),
-        "depth_map": xt_map(gathered.thinned, toe=looks.track),
-    }
-    for name, result in results.items():
-        shown |= QUANTITIES[name].figures(result, gathered)
-    if isinstance(heads := shown.get("energy_head"), Chart):
-        first, *others = heads.panels
-        shown["energy_head"] = replace(heads, panels=(replace(first, marks={**first.marks, **looks.places}), *others))
-    return _titled(shown, flow)
-
-
-def _titled(shown: Drawings, flow: Flow) -> dict[str, Chart | Bars | Map]:
-    return {name: replace(what, name=flow.title) for name, what in shown.items() if what is not None}
-
-
-def figure(name: str, shown: Mapping[str, Chart | Bars | Map], dump: Path, flow: Flow) -> Figure:
-    """The matplotlib figure of this name, of `drawings` or the discs themselves."""
-    return draw.snapshots.snapshots(open_dump(dump), flow) if name == DISCS else draw.style.drawn(shown[name])
-
-
-def draw_figures(
-    names: Sequence[str],
-    shown: Mapping[str, Chart | Bars | Map],
-    folder: Path,
-    dump: Path,
-    flow: Flow,
-    ending: str = "png",
-) -> None:
-    """Draw figures into a folder, as files with this ending."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise DumpError(f"{folder}: cannot be made ({error.strerror}); name another folder.") from error
-    for name in names:
-        draw.style.save(figure(name, shown, dump, flow), folder / f"{name}.{ending}")
-
-
-def _film(gathered: Gathered, dump: Path, out: Path, warnings: list[str], quiet: bool) -> list[str]:
-    """The film; without ffmpeg a GIF and a note, and no failure where that cannot be made either."""
-
-    def told(done: int, total: int) -> None:
-        print(f"\ranimation: {done} of {total} frames", end="\n" if done == total else "", flush=True)
-
-    progress = None if quiet or not sys.stdout.isatty() else told
-    try:
-        path = out / "animation.mp4"
-        made = draw.film.animate(open_dump(dump), gathered.flow, path, forces=gathered.forces, progress=progress)
-    except SetupError as error:
-        warnings.append(f"no animation: {error}")
-        return []
-    warnings += [draw.film.NO_FFMPEG] if made != path else []
-    return [made.name]
-
-
-def _about_profiles(gathered: Gathered) -> dict[str, object]:
-    profiles = gathered.profiles
-    return {
-        "file": "profiles.nc",
-        "frames": profiles.sizes["time"],
-        "axis": "time" if gathered.flow.timed else "step",
-        "bins": profiles.sizes["x"],
-        "bin_width": profiles.attrs["bin_width"],
-        "first_time": float(profiles["time"][0]),
-        "last_time": float(profiles["time"][-1]),
-        "window": list(window_of(profiles)),
-        "window_frames": profiles.attrs["window_frames"],
-    }
-
-
-def main_numbers(summary: Mapping[str, object]) -> list[str]:
-    """The headline of a summary; a line for each quantity: its verdict and its labelled numbers that were found."""
-    said = headline(summary)
-    lines = [said] if said else []
-    for name, quantity in QUANTITIES.items():
-        found = summary.get(name)
-        if not isinstance(found, Mapping) or not is_shown(name, summary):
-            continue
-        texts = [f"verdict {found['verdict']}"] if found.get("verdict") else []
-        for number in numbers_of(quantity.result).values():
-            if number.label != number.meaning and found.get(number.key) is not None and belongs(number.key, found):
-                value = shown(
-                    found[number.key],
-                    number.unit,
-                    found.get(f"{number.key}_error"),
-                    bound=is_bound(found, number.key),
-                )
-                texts.append(f"{number.label} {value}")
-        lines += [f"{name}: {', '.join(texts)}"] if texts else []
-    lines += filter(None, [stations.line(summary)])
-    return [*lines, *(f"doubtful: {text}" for text in doubts(summary))]
+def result_files() -> tuple[str, ...]:
+    """Names and patterns of all that analyses make in a run folder, ``force_<structure>.csv`` of each probe besides."""
+    pictures = (f"figures/{name}.{ending}" for name in captions() for ending in PICTURES)
+    return (*RESULT_FILES, *tables(), *pictures)

@@ -66,6 +66,13 @@ STUDENT = 2.776
 """Standard errors in a 95 % interval: Student's t with `WAVES` degrees of freedom."""
 
 
+def student(freedom: float, share: float) -> float:
+    """Quantile of Student's t with so many degrees of freedom: this share of it lies below."""
+    from scipy.special import stdtrit  # 0.1 s; scipy.stats, with the same quantile, 0.4 s
+
+    return float(stdtrit(freedom, share))
+
+
 @dataclass(frozen=True)
 class Mean:
     """A mean and its standard error, from eight pieces; the error is NaN with fewer than two samples a piece."""

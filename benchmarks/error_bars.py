@@ -20,7 +20,7 @@ import numpy as np
 
 import lammps_jump as lj
 from lammps_jump.analysis.statistics import STUDENT, WAVES
-from lammps_jump.units import is_bound
+from lammps_jump.units import sure_of
 
 LEAST = 0.9
 """Share of 95 % intervals that must hold the truth."""
@@ -36,9 +36,9 @@ def with_errors(found: Mapping, path: str = "") -> Iterator[tuple[str, tuple[flo
         if isinstance(value, Mapping):
             yield from with_errors(value, f"{path}{key}.")
         elif isinstance(value, list) and isinstance(error, list) and value:
-            yield from ((f"{path}{key}.{k}", (value[k], error[k], is_bound(found, key))) for k in (0, -1))
+            yield from ((f"{path}{key}.{k}", (value[k], error[k], sure_of(found, key).bound)) for k in (0, -1))
         elif isinstance(value, float) and error is not None:
-            yield f"{path}{key}", (value, error, is_bound(found, key))
+            yield f"{path}{key}", (value, error, sure_of(found, key).bound)
 
 
 def row(key: str, starts: list[Numbers]) -> tuple[list[str], bool]:

@@ -2,7 +2,7 @@
 from .analysis.budgets.energy import Energy as Energy
 from .analysis.devices.front import Front as Front
 from .analysis.forces.history import Force as Force
-from .analysis.jump.summary import Jump as Jump
+from .analysis.jump.found import Jump as Jump
 from .calibration.calibrate import Calibrated as Calibrated
 from .calibration.calibrate import calibrate as calibrate
 from .dump.find import read_dump as read_dump

@@ -12,6 +12,7 @@ import hashlib
 import io
 import json
 import os
+import re
 import shutil
 import stat
 from collections.abc import Iterator
@@ -34,34 +35,6 @@ PLAYER = "player.json"
 """Header and packed frames of a member, for the page of its study."""
 BINARY_PART = "dump.resume.lammpsbin"
 """Binary dump of a part that goes on: LAMMPS appends to text and gzip dumps only."""
-FIGURES = {
-    "depth_profile.png": "Depth and velocity along the channel, mean of the window",
-    "depth_map.png": "Depth of the free surface over distance and time",
-    "jump_track.png": "The jump in time",
-    "jump_stream.png": "The stream before the jump",
-    "jump_frame.png": "The jump in its own frame",
-    "jump_balance.png": "Where the momentum goes",
-    "energy_head.png": "Energy head along the channel",
-    "front.png": "Front and column",
-    "martin_moyce.png": "Against Martin & Moyce (1952)",
-    "forces.png": "Force on the structures",
-    "impulse.png": "Impulse",
-    "reflected_wave.png": "The reflected wave",
-    "energy.png": "Energy of the discs",
-    "gauges.png": "Depth at the gauges",
-    "tailgate.png": "Tailgate",
-    "runup.png": "Run-up and overtopping",
-    "drum.png": "Surface of the discs in the drum",
-    "hopper.png": "Discs that pass the gap",
-    "layers.png": "Profiles over the height, mean of the window",
-    "heap.png": "Shape of the heap at the last frame",
-    "rest.png": "The discs come to rest",
-    "snapshots.png": "Ten equal times, discs coloured by speed",
-    "field_density.png": "Density of the flow",
-    "field_pressure.png": "Pressure",
-    "bed_pressure.png": "Pressure at the bed against the weight above",
-}
-"""Pictures in ``figures/``, in the order of the report, with their captions there."""
 POSES, POSES_HEADER = "walls.csv", "time,wall,x,y,angle"
 """Where walls are that the discs push, a row a wall and frame, and its first line."""
 BODIES, BODIES_HEADER = "bodies.csv", "time,body,x,y,angle,vx,vy,spin,fx,fy,moment"
@@ -116,26 +89,12 @@ RESULT_FILES = (
     "animation.gif",
     "report.html",
     "live.png",
-    "energy.csv",
-    "gauges.csv",
-    "runup.csv",
-    "drum.csv",
-    "hopper.csv",
-    "tailgate.csv",
-    "layers.csv",
-    "heap.csv",
-    "grade.csv",
-    "rest.csv",
-    "front.csv",
-    "jump_track.csv",
-    "jump_frame.csv",
-    "jump_stream.csv",
-    "reflected_wave.csv",
     "fields.nc",
     *(name for names in EXPORTS.values() for name in names),
-    *(f"figures/{name.removesuffix('png')}{ending}" for name in FIGURES for ending in PICTURES),
 )
-"""What is made of them; ``force_<structure>.csv`` of each probe besides."""
+"""What is made of them, tables and figures of the analyses besides (`lammps_jump.analysis.quantities`)."""
+TABLE, FIGURE = re.compile(r"[a-z][a-z0-9_]*\.csv"), re.compile(rf"figures/[a-z0-9_]+\.({'|'.join(PICTURES)})")
+"""What tables and figures of the analyses are called."""
 ARRAY_FILE = "sweep.slurm"
 SWEEP_FILES = (
     "study.yaml", "points.json", "summary.json", "table.csv", "table.nc", "sweep.html", ARRAY_FILE,
@@ -170,10 +129,6 @@ FORCES_HEADER = "time,structure,fx,fy,moment"
 def forces_header(*, power: bool) -> str:
     """First line of ``forces.csv``: with the column of power where walls move."""
     return f"{FORCES_HEADER},power" if power else FORCES_HEADER
-
-
-OWN_FILES = (*RUN_FILES, *RESULT_FILES)
-"""What a run folder may hold of an earlier run (names and patterns), tables of forces besides."""
 
 
 MOST_JSON = 100_000_000

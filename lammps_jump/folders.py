@@ -19,9 +19,12 @@ from typing import Any
 from .errors import DumpError, SetupError
 from .files import (
     COMPARED_FILES,
-    OWN_FILES,
+    FIGURE,
+    RESULT_FILES,
+    RUN_FILES,
     STUDY_FILES,
     SWEEP_FILES,
+    TABLE,
     delete,
     flush,
     read_json,
@@ -73,7 +76,7 @@ class Marker:
 
 
 def read_marker(folder: Path) -> Marker | None:
-    """The marker of a folder, None where there is none; of its names only those that this program writes.
+    """The marker of a folder, None where there is none; of its names only such as this program writes.
 
     Raises
     ------
@@ -83,8 +86,9 @@ def read_marker(folder: Path) -> Marker | None:
     path = folder / MARKER_FILE
     try:
         stored = read_json(path)
-        known = {*OWN_FILES, *SWEEP_FILES, *COMPARED_FILES, *(name for names in STUDY_FILES.values() for name in names)}
-        names = [name for name in stored["files"] if name in known or FORCE_TABLE.fullmatch(name)]
+        known = {*RUN_FILES, *RESULT_FILES, *SWEEP_FILES, *COMPARED_FILES}.union(*STUDY_FILES.values())
+        made = (FORCE_TABLE, TABLE, FIGURE)
+        names = [name for name in stored["files"] if name in known or any(one.fullmatch(name) for one in made)]
         return Marker(str(stored["kind"]), tuple(names), dict(stored["about"]))
     except (FileNotFoundError, NotADirectoryError):
         return None

@@ -61,27 +61,56 @@ def number(unit: str, meaning: str, *, default: Any = dataclasses.MISSING, label
     return dataclasses.field(default=default, metadata={"number": (unit, meaning, label or meaning)})
 
 
-def estimate(unit: str, meaning: str, *, label: str = "") -> Any:
-    """`number` with a standard error, of a result that is one of `Estimates`; both are NaN where not measured."""
-    described = {"number": (unit, meaning, label or meaning), "error": (unit, f"standard error of {meaning}")}
-    return dataclasses.field(default=nan, metadata=described)
+def estimate(unit: str, meaning: str, *, label: str = "", interval: str = "") -> Any:
+    """`number` of one of `Estimates`, with how sure it is; both are NaN where not measured.
+
+    Parameters
+    ----------
+    unit, meaning, label : str
+        As of `number`.
+    interval : str
+        What half of its 95 % interval is; without it the number has a standard error.
+    """
+    described = {"number": (unit, meaning, label or meaning)}
+    sure = ("_interval", interval) if interval else ("_error", f"standard error of {meaning}")
+    return dataclasses.field(default=nan, metadata=described | {"sure": (sure[0], unit, sure[1])})
 
 
 class Estimates:
-    """Base of results: behind each `estimate` stands its standard error, the field ``<name>_error``."""
+    """Base of results: behind each `estimate` stands its standard error ``<name>_error``, or ``<name>_interval``.
+
+    Names in ``lower_bounds`` are of numbers whose error one run cannot tell: it is a lower bound.
+    """
 
     def __init_subclass__(cls) -> None:
         fields: dict[str, Any] = {}
         for name, kind in inspect.get_annotations(cls).items():
             fields[name] = kind
-            if error := getattr(cls.__dict__.get(name), "metadata", {}).get("error"):
-                fields[f"{name}_error"] = "float"
-                setattr(cls, f"{name}_error", number(*error, default=nan))
+            if sure := getattr(cls.__dict__.get(name), "metadata", {}).get("sure"):
+                ending, *described = sure
+                fields[f"{name}{ending}"] = "float"
+                setattr(cls, f"{name}{ending}", number(*described, default=nan))
         cls.__annotations__ = fields
 
     if TYPE_CHECKING:  # the errors
 
         def __getattr__(self, name: str) -> float: ...
+
+
+class Sure(NamedTuple):
+    """How sure a number is: its standard error within one run or half of its 95 % interval; None where not known.
+
+    `bound` says that it is a lower bound.
+    """
+
+    value: float | None
+    bound: bool = False
+
+
+def sure_of(found: Mapping[str, Any], key: str) -> Sure:
+    """How sure a number of a result is, as in ``summary.json``."""
+    values = (found.get(f"{key}{ending}") for ending in ("_error", "_interval"))
+    return Sure(next((value for value in values if value is not None), None), key in (found.get("lower_bounds") or ()))
 
 
 def numbers_of(result: object) -> dict[str, Number]:
@@ -162,11 +191,6 @@ def _to_digit_of(error: float, value: float) -> str:
     """A value rounded to the second digit of an error."""
     last = 1 - floor(log10(float(f"{error:z.1e}")))
     return f"{round(value, last) + 0.0:z.{max(0, last)}f}"
-
-
-def is_bound(found: Mapping[str, Any], key: str) -> bool:
-    """Whether the error of a number of a result, as in ``summary.json``, is a lower bound: one run cannot tell it."""
-    return key in (found.get("lower_bounds") or ())
 
 
 _FACTOR = r"(?:[^\W\d_]\w*|°|%)(?:(?:\^|\*\*)[+-]?[0-9]+)?"

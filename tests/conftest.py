@@ -105,8 +105,8 @@ def _blank_pictures():
     from made_up import blank_figures, on_the_spot  # 2.6 s, as above
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("lammps_jump.analysis.quantities.draw_figures", blank_figures)
-        patch.setattr("lammps_jump.analysis.quantities.aside", on_the_spot)
+        patch.setattr("lammps_jump.analysis.pipeline.draw_figures", blank_figures)
+        patch.setattr("lammps_jump.analysis.pipeline.aside", on_the_spot)
         yield
 
 

@@ -159,7 +159,7 @@ DEFECTS = [
            "analysis/test_profiles.py analysis"),
     Defect("left out", "lammps_jump/core/pairs.cpp", "UP[] = {0, 1, -1, 0, 1}", "UP[] = {0, 1, 0, 0, 1}",
            "analysis/test_contacts.py"),
-    Defect("factor", "analysis/jump/head.py", "energy = 0.5 * (u * u", "energy = 1.0 * (u * u",
+    Defect("factor", "analysis/budgets/head.py", "energy = 0.5 * (u * u", "energy = 1.0 * (u * u",
            "analysis/test_budget.py"),
     Defect("rate", "analysis/report/coder.py", "ahead > 1 else -(ones >> 5)", "ahead > 1 else -(ones >> 4)",
            "analysis/test_player.py analysis"),

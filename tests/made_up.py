@@ -193,7 +193,7 @@ def without_analysis(monkeypatch) -> None:
 
 
 def blank_figures(names, shown, folder, dump, flow, ending="png") -> None:
-    """In place of `lammps_jump.analysis.quantities.draw_figures`: files of one grey pixel."""
+    """In place of `lammps_jump.analysis.pipeline.draw_figures`: files of one grey pixel."""
     folder.mkdir(parents=True, exist_ok=True)
     for name in names:
         (folder / f"{name}.{ending}").write_bytes(GREY_PIXEL)

@@ -27,7 +27,7 @@ ROOT = Path(__file__).parents[1]
 
 FLOORS = (
     "errors", "quoting", "files", "folders", "units", "provenance", "identity", "compiling", "core", "physics", "scene",
-    "dump", "case", "drawings", "script", "engines", "analysis", "runs", "sweeps", "calibration", "studies", "served",
+    "dump", "analysis", "case", "drawings", "script", "engines", "runs", "sweeps", "calibration", "studies", "served",
     "cli",
 )  # fmt: skip
 """What lies in ``lammps_jump``, from the top down: each imports only what stands before it."""

@@ -6,7 +6,7 @@ from math import isnan, nan
 
 import pytest
 
-from lammps_jump.units import ABSENT, Estimates, Number, as_summary, estimate, is_bound, number, numbers_of, shown
+from lammps_jump.units import ABSENT, Estimates, Number, as_summary, estimate, number, numbers_of, shown, sure_of
 
 
 @dataclass(frozen=True)
@@ -63,8 +63,9 @@ def test_errors_of_every_size_are_told():
     assert shown(3.4, "m", bound=True) == "3.4 m"
     assert shown(506.3, "kN/m", 99.6) == "510 ± 100 kN/m"
     assert shown(6.0, "m", 1e-15) == "6 m"  # arithmetic, no error
-    assert is_bound({"lower_bounds": ["y2"]}, "y2") and not is_bound({"lower_bounds": ["y2"]}, "y1")
-    assert not is_bound({}, "y2")
+    found = {"y2": 3.0, "y2_error": 0.1, "angle": 20.0, "angle_interval": 2.0, "lower_bounds": ["y2"]}
+    assert sure_of(found, "y2") == (0.1, True) and sure_of(found, "angle") == (2.0, False)
+    assert sure_of({}, "y2") == (None, False)
 
 
 def test_an_estimate_has_its_error_behind_it():

@@ -14,17 +14,25 @@ import sys
 from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Annotated, Literal, get_args
 
 import numpy as np
 import pytest
+import yaml
 from pydantic import Field
 
 import lammps_jump.case.case as cases
 from lammps_jump.analysis.flow import from_scene
-from lammps_jump.case.fields import CaseFields, Contact
+from lammps_jump.analysis.quantities import LISTED, Listed, captions, result_files
+from lammps_jump.analysis.report.run import write_report
+from lammps_jump.analysis.tables.rows import main_numbers, rows_of
+from lammps_jump.case.fields import Analysis, CaseFields, Contact, asked_for
+from lammps_jump.dump.frame import make_frame
+from lammps_jump.dump.write import DumpWriter
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.physics.slip import FRICTION_LAWS
+from lammps_jump.runs.results import analyse, flow_of
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.chains import Chain
 from lammps_jump.scene.motion import Motion, MovingWall
@@ -32,6 +40,8 @@ from lammps_jump.scene.tracks import Corner, Kind
 from lammps_jump.scene.walls import KINDS, Block, Coordinate, Wall, WallName
 from lammps_jump.script.stock import lacking
 from lammps_jump.script.walls import JOIN, plugin_walls
+from lammps_jump.sweeps.study import collected
+from lammps_jump.sweeps.table import row_of
 from lammps_jump.units import Metre
 
 ROOT = Path(__file__).parents[1]
@@ -75,7 +85,7 @@ def nodes(words: set[str]):
 
 
 def test_the_files_of_the_table_are_there():
-    assert len(table()) == 8
+    assert len(table()) == 8 and len(table()["an analysis"]) == 2
     for files in table().values():
         assert files and all((ROOT / file).exists() for file in files), files
 
@@ -288,3 +298,85 @@ def test_a_new_motion_runs_without_another_change():
     assert wall.extent[1][1] == pytest.approx(up, abs=1e-4)
     assert f" {len(moving.motion.track)} " in f"{plugin_walls(scene)[0]} ".replace(JOIN, " ")
     assert "move" in plugin_walls(scene)[0]
+
+
+SPREAD = Listed("made_quantity", "height of the discs", look="Height of the discs")
+"""The line of a quantity in the list of them; its own file is ``made_quantity.py``."""
+FALL = {
+    "discs": {"diameter": 0.2}, "contact": {"restitution": 0.4, "impact_speed": 6},
+    "domain": {"x": [-2, 2], "y": [-1, 4]},
+    "walls": [{"name": "bed", "kind": "plane", "axis": "y", "at": 0, "side": "above"}],
+    "initial": [{"kind": "list", "positions": [[0, 0.2], [0.5, 1.2]]}],
+    "run": {"duration": 0.3, "output_interval": 0.01}, "engine": {"name": "native"},
+    "analysis": {"spread": True, "figures": "player"},
+}  # fmt: skip
+
+
+def test_a_new_quantity_stands_in_its_file_and_in_the_list(monkeypatch, tmp_path):
+    """Field, summary, table, curve, screen, page, errors, column of a study: nothing else was told of it."""
+    monkeypatch.setitem(LISTED, "spread", SPREAD)
+
+    class Fields(CaseFields):
+        analysis: asked_for(Analysis, {"spread": SPREAD}) = Analysis()
+
+    monkeypatch.setattr(cases, "CaseFields", Fields)
+    case = cases.ReadCase.parse(yaml.safe_dump(FALL))
+    flow = flow_of(case)
+    with DumpWriter(tmp_path / "dump.lammpstrj", ("id", "x", "y", "vx", "vy")) as writer:
+        for step in range(0, 200, 10):
+            columns = {"id": [1, 2], "x": [0, 0.5], "y": [0.2, 1.2 + 0.01 * step], "vx": [0, 0], "vy": [0, 0]}
+            writer.write_frame(make_frame(step, flow.scene.time(step), flow.scene.domain, columns))
+    parts = analyse(case, flow, tmp_path, tmp_path / "out")
+    mean = float(np.mean([1.0 + 0.01 * step for step in range(0, 200, 10)]))
+    assert parts["spread"]["height"] == pytest.approx(mean) and parts["spread"]["height_error"] > 0
+    assert "spread.csv" in parts["files"] and (tmp_path / "out" / "spread.csv").read_text().startswith("time,height")
+    assert "figures/spread.png" in result_files() and captions()["spread"] == "Height of the discs"
+    summary = {"name": "fall", **parts}
+    assert any(line.startswith("spread: spread 1.9") for line in main_numbers(summary))
+    assert rows_of([summary])[0].label == "height that the discs are spread over"
+    page = write_report(tmp_path / "out", summary).read_text()
+    assert page.count("that the discs are spread over") >= 3  # at the top, in its section, among the errors
+    assert "from the lowest disc to the highest" in page
+    found = collected("spread.height", case)
+    row = row_of(summary, SimpleNamespace(collect=[found]))
+    assert (
+        found.unit == "m"
+        and set(row) == {"spread.height", "spread.height_error"}
+        and np.isfinite([*row.values()]).all()
+    )
+
+
+@pytest.mark.long
+def test_a_program_with_a_new_quantity_runs(tmp_path):
+    """The program itself with the two files: one run and a study of two, on the screen and from Python."""
+    place = tmp_path / "program" / "lammps_jump"
+    (place / "analysis").mkdir(parents=True)
+    for folder, source in ((place, ROOT / "lammps_jump"), (place / "analysis", ROOT / "analysis")):
+        for path in source.iterdir():
+            if path.name not in ("analysis", "quantities.py", "__pycache__"):
+                (folder / path.name).symlink_to(path)
+    text = (ROOT / "analysis" / "quantities.py").read_text()
+    line = '    "spread": Listed("lammps_jump.analysis.spread", "height of the discs", look="Height of the discs"),\n'
+    at = text.index('    "tailgate": Listed(')
+    (place / "analysis" / "quantities.py").write_text(text[:at] + line + text[at:])
+    shutil.copy(ROOT / "tests" / "made_quantity.py", place / "analysis" / "spread.py")
+    (tmp_path / "fall.yaml").write_text(yaml.safe_dump(FALL))
+    script = """
+import lammps_jump as lj
+case = lj.load_case("fall.yaml")
+run = case.run("run")
+print(run.spread.height == run.results["spread"].height == run.summary["spread"]["height"])
+print(lj.sweep(case, "study", members=2, jobs=1).table["spread.height"].sel(statistic="n").item())
+"""
+    program = {**os.environ, "PYTHONPATH": str(place.parent)}
+
+    def call(*words):
+        done = subprocess.run([sys.executable, *words], cwd=tmp_path, env=program, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    assert call("-c", script).split() == ["True", "2.0"]
+    screen = call("-m", "lammps_jump", "analyze", "run")
+    assert "spread: spread" in screen
+    assert "--spread" in call("-m", "lammps_jump", "analyze", "--help")
+    assert "spread.height" in (tmp_path / "study" / "table.csv").read_text()

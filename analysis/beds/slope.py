@@ -13,10 +13,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from lammps_jump.analysis.budgets.head import EnergyFluxes
 from lammps_jump.analysis.contacts import ContactCollector
 from lammps_jump.analysis.flow import Flow
-from lammps_jump.analysis.jump.head import EnergyFluxes
-from lammps_jump.analysis.jump.summary import Jump
+from lammps_jump.analysis.jump.found import Jump
 from lammps_jump.analysis.passes import Gathered, Watcher
 from lammps_jump.analysis.profiles import Binner, add_means, bin_edges
 from lammps_jump.dump.frame import Frame, make_frame
@@ -187,12 +187,12 @@ def in_place(jump: Jump, stretch: Stretch) -> Jump:
         values = {name: getattr(found, name) for name in names}
         return {name: stretch.place(value) for name, value in values.items() if value is not None}
 
-    measured, stream, budget = jump.measured, jump.stream, jump.budget
-    if measured is not None and measured.track is not None:
-        measured = replace(measured, track=replace(measured.track, **moved(measured.track, TRACKED)))
+    track, stream, budget = jump.track, jump.stream, jump.budget
+    if track is not None:
+        track = replace(track, **moved(track, TRACKED))
     if stream is not None:
         stream = replace(stream, **moved(stream, ("start", "stop", "compression")))
     if budget is not None:
         budget = replace(budget, x=(float(stretch.place(budget.x[0])), float(stretch.place(budget.x[1]))))
     places = moved(jump, ("position", "toe", "end"))
-    return replace(jump, measured=measured, stream=stream, budget=budget, **places)
+    return replace(jump, track=track, stream=stream, budget=budget, **places)

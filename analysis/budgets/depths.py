@@ -17,6 +17,7 @@ import xarray as xr
 
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered
+from lammps_jump.analysis.quantity import Quantity, Wanted
 from lammps_jump.analysis.report.page import Section, Table, Text, described
 from lammps_jump.errors import DumpError
 from lammps_jump.units import number, shown
@@ -83,3 +84,19 @@ def section(found: Mapping[str, Any]) -> Section:
     if found.get("mass") is None:
         return Section("Depth", [Text(found.get("reason") or "", "small")])
     return Section("Depth", [Table(described(Depths, found, "surface", "mass", "ratio", "deepest", "length"))])
+
+
+QUANTITY = Quantity(
+    name="depth",
+    title="Depths of a foreign dump",
+    result=Depths,
+    definitions="""\
+by mass       Σ d² of the discs over the length: as deep as the same discs would stand in squares
+surface       free surface over the bed; both are means of the window, where that is two diameters or more
+over          touching discs have 0.8 to 1.2; a dump beyond 1.5 is refused: its discs overlap
+""",
+    analyse=analyse,
+    section=section,
+    headline=(Wanted("mass", "surface", "surface"),),
+    rank=140,
+)

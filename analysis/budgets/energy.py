@@ -16,7 +16,9 @@ from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.forces.impulse import window_lengths
 from lammps_jump.analysis.passes import Gathered, Tables
+from lammps_jump.analysis.quantity import Quantity, Wanted
 from lammps_jump.analysis.report.page import Section, Table, described, percent
+from lammps_jump.analysis.verdicts.kinds import part
 from lammps_jump.dump.find import ForceHistory
 from lammps_jump.dump.frame import Frame
 from lammps_jump.units import number
@@ -233,3 +235,35 @@ def energy_chart(energy: Energy) -> Chart | None:
         off = Trace("deviation from the start", time, 100 * (total / total[0] - 1))
         panels.append(Panel("Deviation from\nthe start [%]", [off]))
     return Chart("energy of the discs", TIME, panels)
+
+
+OF_A_CLOSED_BOX = {"max_deviation", "drift"}
+"""Errors of the engine, where nothing dissipates and no disc comes or goes."""
+
+QUANTITY = Quantity(
+    name="energy",
+    title="Energy",
+    result=Energy,
+    definitions="""\
+kinetic, spin, potential (−m g·r), elastic (k δ²/2) energy of all discs, per metre of width
+drift         straight-line change over the record, over the energy at the start
+deviation     largest |E − E₀|/|E₀|, exact for this run; it judges the engine only where nothing dissipates
+""",
+    collector=EnergyLedger,
+    analyse=analyse,
+    files={"energy.csv": "energies against time"},
+    captions={"energy": "Energy of the discs"},
+    tables=tables,
+    figures=figures,
+    section=section,
+    headline=(
+        Wanted("max_deviation", "exact: 0", label="largest change of the energy", scale=0.01, unit="%"),
+        Wanted("drift", "exact: 0", label="drift of the energy", scale=0.01, unit="%"),
+        Wanted("final", "at the start", "initial"),
+        Wanted("kinetic"),
+        Wanted("potential"),
+    ),
+    rank=120,
+    goes=lambda _, summary: bool(part(summary, "energy").get("conservative")),
+    belongs=lambda key, found: key not in OF_A_CLOSED_BOX or found.get("conservative") is not False,
+)

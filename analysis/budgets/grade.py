@@ -21,8 +21,10 @@ from lammps_jump.analysis.draw.chart import PLACE, Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.profiles import window_of, within
+from lammps_jump.analysis.quantity import Quantity, Wanted
 from lammps_jump.analysis.report.page import Section, Table, Text, cut, heading
 from lammps_jump.analysis.statistics import as_fields, mean_of
+from lammps_jump.analysis.verdicts.kinds import part
 from lammps_jump.units import Estimates, estimate, number, numbers_of
 
 FLOWS = 0.2
@@ -223,3 +225,32 @@ def section(found: Mapping[str, Any]) -> Section:
     return Section(
         "Energy grade line", [Table(rows, heads), Text(found.get("reason") or "", "warn"), Text(text, "small")]
     )
+
+
+def _ends(summary: Mapping[str, Any]) -> dict[str, str]:
+    ends = [part(summary, "grade").get(key) for key in ("upstream", "downstream")]
+    return {"stations": " to ".join(f"{x:z.3g}" for x in ends if isinstance(x, int | float)) + " m"}
+
+
+QUANTITY = Quantity(
+    name="grade",
+    title="Energy grade line",
+    result=Grade,
+    definitions="""\
+head        z + p + k of the discs in a bin, means of the window by mass: height of the centre of mass; half of the
+            depth that is connected to the bed (hydrostatic pressure); ∑ m u |v|²/2 over g ∑ m u (kinetic energy);
+            where discs strike the bed, pressure is more than hydrostatic, and the line dips
+lost        difference of the heads of two stations whose discharges are within 10 %; friction, impacts and the jump
+stations    analysis.stations (--stations), else the gauges, else the ends of the stream; each is the bin that holds it
+error       standard error within this run, from eight pieces of the window
+""",
+    analyse=analyse,
+    files={"grade.csv": "energy grade line over x, and the head lost since the first station"},
+    captions={"energy_head": "Energy head along the channel"},
+    tables=tables,
+    figures=figures,
+    section=section,
+    headline=(Wanted("lost", label="head lost from {stations}"),),
+    rank=100,
+    words=_ends,
+)

@@ -14,6 +14,7 @@ import numpy as np
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered
 from lammps_jump.analysis.profiles import window_of, within
+from lammps_jump.analysis.quantity import Quantity, Wanted
 from lammps_jump.analysis.report.page import Section, Table, Text, cut
 from lammps_jump.analysis.statistics import Mean, as_fields, mean_of, propagated
 from lammps_jump.dump.frame import Frame
@@ -340,3 +341,29 @@ def section(found: Mapping[str, Any]) -> Section:
             ),
         ],
     )
+
+
+QUANTITY = Quantity(
+    name="inflow",
+    title="Inflow",
+    result=Delivery,
+    definitions="""\
+asked       Va y₁, or the mean of the inflow's table over the window; in whole steps: what the rows carry where no disc
+            is refused
+delivered   area of the discs that entered in the window over the time of their turns; discs are counted by their ids
+refused     turns of the whole record at which the place of the disc was occupied
+depth, speed, momentum   means of the window from one to six depths behind the inlet, weight 1 − cos 2πs
+Froude      u/√(g s) of these, and Bélanger's depth of this stream, in the laboratory
+""",
+    always=lambda flow: bool(flow.scene.inlets),
+    collector=InflowCounter,
+    analyse=analyse,
+    section=section,
+    notes=lambda found: found.notes,
+    headline=(
+        Wanted("delivered", "asked", "asked", holds="of an inlet that nothing holds up"),
+        Wanted("froude"),
+    ),
+    rank=130,
+    errors={"": Delivery},
+)

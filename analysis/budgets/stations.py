@@ -9,6 +9,15 @@ from typing import Any
 
 from lammps_jump.analysis.report.page import Section, Table, Text, cut
 
+DEFINITIONS = """\
+carried     m [((u − c)² + v²)/2 + g y] of each disc that crosses a station; c is the velocity of the stations
+contacts    F · [(v_i + v_j)/2 − c] of each contact that a station cuts;  walls: −c times their force along x
+stored      change of kinetic and gravitational energy between the stations
+lost        what dashpots and friction take: every contact between the stations, those that a station cuts by half
+left over   elastic energy stored and carried away, and the error of its integration
+frames      the same from the frames, where nothing rubs; elastic energy is in carried and stored there
+"""
+"""What the numbers of its section mean."""
 ROWS = {
     "carried": "Carried by discs, in less out [m]",
     "contacts": "Handed on by contacts, in less out [m]",

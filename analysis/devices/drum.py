@@ -19,12 +19,13 @@ from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.profiles import window_of, within
+from lammps_jump.analysis.quantity import Quantity, Wanted
 from lammps_jump.analysis.report.page import Section, Table, described
-from lammps_jump.analysis.statistics import mean_of
+from lammps_jump.analysis.statistics import as_fields, mean_of
 from lammps_jump.dump.frame import Frame
 from lammps_jump.physics import devices
 from lammps_jump.scene.scene import Scene
-from lammps_jump.units import number
+from lammps_jump.units import Estimates, estimate, number
 
 MIDDLE = 0.5
 """Share of the drum's radius, to either side of its centre, over which the surface is fitted."""
@@ -34,11 +35,10 @@ PACKED = 0.82
 
 
 @dataclass(frozen=True)
-class Drum:
+class Drum(Estimates):
     """Surface of the discs in a drum, mean of the window."""
 
-    angle: float = number("degree", "angle of the surface, rising with the wall", default=nan, label="surface angle")
-    angle_error: float = number("degree", "standard error of the angle within this run", default=nan)
+    angle: float = estimate("degree", "angle of the surface, rising with the wall", label="surface angle")
     scatter: float = number("degree", "standard deviation of the angle from frame to frame", default=nan)
     froude: float = number("", "Froude number ω²R/g of the drum", default=nan)
     turns: float = number("", "turns of the drum in the window", default=nan)
@@ -107,12 +107,11 @@ def analyse(gathered: Gathered) -> Drum:
     used = angles[inside]
     mean = mean_of(used)
     return Drum(
-        mean.value,
-        mean.error,
-        float(used.std(ddof=1)),
-        devices.rotation_froude(rate, radius, flow.gravity),
-        abs(rate) * (window[1] - window[0]) / (2 * np.pi),
-        _filling(scene, radius),
+        **as_fields(angle=mean),
+        scatter=float(used.std(ddof=1)),
+        froude=devices.rotation_froude(rate, radius, flow.gravity),
+        turns=abs(rate) * (window[1] - window[0]) / (2 * np.pi),
+        filling=_filling(scene, radius),
         time=time,
         angles=angles,
     )
@@ -144,3 +143,24 @@ def section(drum: Mapping[str, Any]) -> Section:
     if drum.get("angle") is None:
         return Section("Drum", [])
     return Section("Drum", [Table(described(Drum, drum, "angle", "scatter", "froude", "turns"))])
+
+
+QUANTITY = Quantity(
+    name="drum",
+    title="Drum",
+    result=Drum,
+    definitions="""\
+angle         straight line through the top edges of the highest discs of strips one diameter wide, middle half of the
+              drum; mean of the window; above 0 where the surface rises with the wall that lifts the discs
+scatter       standard deviation of the angle from frame to frame;  Froude number: ω²R/g
+""",
+    collector=SurfaceAngles,
+    analyse=analyse,
+    files={"drum.csv": "angle of the surface in a drum against time"},
+    captions={"drum": "Surface of the discs in the drum"},
+    tables=tables,
+    figures=figures,
+    section=section,
+    headline=(Wanted("angle"), Wanted("scatter"), Wanted("froude")),
+    rank=40,
+)

@@ -6,25 +6,21 @@ two diameters (the largest disc's) or more between neighbours in x; the *99 % fr
 right edges.
 """
 
-# ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import inf, isfinite, isnan, nan, sqrt
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from lammps_jump.analysis.contacts import ContactCollector
-from lammps_jump.analysis.draw.chart import Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
-from lammps_jump.analysis.passes import Gathered, Tables
-from lammps_jump.analysis.report.page import Section, Table, Text, described, percent
+from lammps_jump.analysis.passes import Gathered
 from lammps_jump.analysis.statistics import known_mean
 from lammps_jump.dump.frame import Frame, make_frame
 from lammps_jump.physics import measured, waves
-from lammps_jump.units import number, shown
+from lammps_jump.units import number
 
 ASPECT = 2
 """n² = H/a of the columns in Martin & Moyce's tables."""
@@ -359,83 +355,3 @@ def _martin_moyce(history: FrontHistory, gravity: float, end: float) -> MartinMo
 def analyse(gathered: Gathered) -> Front:
     """Front of a run."""
     return analyse_front(gathered.histories["front"], gathered.flow)
-
-
-def tables(front: Front) -> Tables:
-    """Front and column against time, m and m/s."""
-    return {"front.csv": {name: value for name, value in vars(front.history).items() if isinstance(value, np.ndarray)}}
-
-
-def figures(front: Front, gathered: Gathered) -> Drawings:
-    """Figures of the front in time and, where the case compares with water, beside Martin & Moyce's measurements."""
-    flow, history = gathered.flow, cast(FrontHistory, front.history)
-    water = martin_moyce_chart(history, flow) if flow.water else None
-    return {"front": front_chart(history, flow), "martin_moyce": water}
-
-
-def section(found: Mapping[str, Any]) -> Section:
-    """The front; where the case compares with water, against Ritter and Martin & Moyce."""
-    if found.get("position") is None:
-        return Section("Front", [Text(shown(found.get("reason")), "warn")])
-    rows: list[tuple[str, Any]] = []
-    if found.get("column_base") is not None:
-        size = " × ".join(shown(found[key], digits=3) for key in ("column_base", "column_depth"))
-        rows.append(("Column at the start, base × height [m]", size))
-    rows += described(Front, found, "position", "position_99", "column_height", "speed", "arrival_time")
-    moyce = found.get("martin_moyce")
-    if moyce and (ritter := found.get("ritter")):
-        until = f"Ritter's front, holds until t = {ritter['valid_until']:z.2g} s: RMS difference"
-        rows.append((until, percent(ritter["rms"])))
-    if moyce:
-        rows += described(MartinMoyce, moyce, "aspect")
-        keys = ("mean_bulk", "rms_bulk", "rms_99", "rms_height") if moyce["comparable"] else ()
-        rows += [(label, percent(value)) for label, value in described(MartinMoyce, moyce, *keys)]
-        rows += described(MartinMoyce, moyce, "slope", "slope_of_table")
-    return Section("Front", [Table(rows), *([Text(found["reason"], "warn")] if found.get("reason") else [])])
-
-
-def front_chart(history: FrontHistory, flow: Flow) -> Chart | None:
-    """Front, column height and surface speed against time; beside water Ritter's front while it holds."""
-    if not np.isfinite(history.bulk).any():
-        return None
-    (base, depth), gravity, time = history.column, flow.gravity, history.time
-    fronts = [Trace("bulk front", time, history.bulk), Trace("99 % of the discs", time, history.quantile, "second")]
-    if flow.water and gravity > 0 and depth > 0 and flow.timed:
-        limit = waves.ritter_wall_time(base, depth, gravity)
-        t = np.linspace(0, max(min(limit, time.max()), 1e-9), 20)
-        label = f"Ritter, until its wave meets the back wall (t = {limit:z.2g} s)"
-        fronts.append(Trace(label, t, base + 2 * t * np.sqrt(gravity * depth), "theory"))
-    both = (Trace("surface, mean", time, history.top_speed), Trace("tip (last 5 d)", time, history.tip_speed, "second"))
-    panels = (
-        Panel("Distance from\nthe back wall [m]", fronts, height=1.5),
-        Panel("Column at the\nback wall [m]", (Trace("column", time, history.height),), ylim=(0.0, None)),
-        Panel("Velocity u [m/s]", both),
-    )
-    return Chart("front and column", flow.time_axis, panels)
-
-
-def martin_moyce_chart(history: FrontHistory, flow: Flow) -> Chart | None:
-    """Front and column height in Martin & Moyce's variables with their measurements beside them."""
-    gravity, (base, depth) = flow.gravity, history.column
-    if not (flow.timed and np.isfinite(history.bulk).any() and gravity > 0 and base > 0 and depth > 0):
-        return None
-    values, live = dimensionless(history, gravity), history.time >= 0
-    if live.sum() < 2:
-        return None
-    ahead, same = way(flow, history, base), abs(depth / base - ASPECT) < 0.1
-    fronts = [
-        Trace("bulk front", values["T"][live], values["Z"][live]),
-        Trace("99 % of the discs", values["T"][live], values["Z99"][live], "second"),
-    ]
-    columns = [Trace("column", values["tau"][live], values["h"][live])]
-    for each, table in ((fronts, measured.MARTIN_MOYCE_FRONT), (columns, measured.MARTIN_MOYCE_HEIGHT)):
-        each += [Trace("Martin & Moyce 1952, n² = 2", np.array(table.x), np.array(table.y), "measured")] if same else []
-    free = ahead.length / base if ahead.blocked else inf
-    top = max(5.0, 1.08 * min(free, 6))
-    obstacle = {"first obstacle": free} if free < top else {}
-    ends = (0.0, float(min(values["T"].max(), 5))), (0.0, float(min(values["tau"].max(), 5.5)))
-    panels = (
-        Panel("Z = front / a", fronts, "T = n t √(g/a)", obstacle, xlim=ends[0], ylim=(1.0, top)),
-        Panel("h / H", columns, "τ = t √(g/a)", xlim=ends[1], ylim=(0.0, 1.05)),
-    )
-    return Chart(f"n² = H/a = {depth / base:z.3g}{'' if same else ': no measured curve'}", "", panels)

@@ -20,6 +20,7 @@ import numpy as np
 from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
+from lammps_jump.analysis.quantity import Quantity, Wanted
 from lammps_jump.analysis.report.page import Section, Table, Text, described, percent
 from lammps_jump.analysis.statistics import piece_bounds, piece_error
 from lammps_jump.physics import devices
@@ -263,3 +264,34 @@ def section(hopper: Mapping[str, Any]) -> Section:
     gaps = list(zip(*(hopper.get(key) or () for key in keys), strict=True))
     header = ("Gap, x [m]", "y [m]", "width [m]", "way to −y [degrees]", "discharge [kg/s/m]", "discs, whole run")
     return Section("Outlet", [Table(rows), Table(gaps, header)])
+
+
+QUANTITY = Quantity(
+    name="hopper",
+    title="Outlet",
+    result=Hopper,
+    definitions="""\
+gap           narrow place between standing walls that discs pass, from their tracks; of gaps behind each other the
+              narrowest; width D, and the way of the discs to the direction −y, counter-clockwise
+discharge     slope of the mass that has passed against time, over the window;  change: second half over first
+window        from flow on to flow off: from the first to the last time with half of the usual discharge, which half of
+              the mass passes faster; a window that the case asks for cuts it
+Beverloo      W/(ρ √g (D − 1.4 d)^1.5), ρ and d of a disc, for one gap from 6 d on in a floor: by the law of Beverloo,
+              Leniger & van de Velde (1961) in two dimensions the same for every gap and height of fill
+""",
+    collector=Crossings,
+    analyse=analyse,
+    files={"hopper.csv": "mass before the gaps that discs pass, and discharge, against time"},
+    captions={"hopper": "Discs that pass the gap"},
+    tables=tables,
+    figures=figures,
+    section=section,
+    headline=(
+        Wanted("discharge", label="discharge, per metre"),
+        Wanted("beverloo"),
+        Wanted("slot", label="width of the gap"),
+        Wanted("slot_in_diameters", label="width of the gap over the diameter", rank=78),
+        Wanted("change", label="discharge, second half of the window over the first", scale=0.01, unit="%", rank=78),
+    ),
+    rank=50,
+)

@@ -6,6 +6,7 @@ diameters along the slope. Where it has come to an upright face, the highest pla
 before the face without such a gap. A disc has gone over when it was last seen beyond the crest.
 """
 
+# ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
@@ -20,6 +21,7 @@ from lammps_jump.analysis.devices.front import bulk_front, stack_top
 from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
+from lammps_jump.analysis.quantity import Quantity, Wanted
 from lammps_jump.analysis.report.page import Section, Table, described
 from lammps_jump.dump.frame import Frame, make_frame
 from lammps_jump.scene.chains import X0, X1
@@ -333,3 +335,32 @@ def section(runup: Mapping[str, Any]) -> Section:
         return Section("Run-up", [])
     keys = ("highest", "still", "run_up", "time", "place", "crest", "over", "over_discs")
     return Section("Run-up", [Table(described(RunUp, runup, *(key for key in keys if runup.get(key) is not None)))])
+
+
+QUANTITY = Quantity(
+    name="runup",
+    title="Run-up and overtopping",
+    result=RunUp,
+    definitions="""\
+obstacle      where the bed rises by three diameters or more from where the discs are; its crest is the first top
+highest       bed under the end of the tongue, before the first gap of two diameters along the slope; before an upright
+              face the top of the discs that stand there without such a gap
+still water   median of the highest edges of strips two diameters wide, before walls move; without such walls that
+              of the water before the foot of the obstacle at the start
+over          discs that were before the crest at the start and were last seen beyond it, their mass over ρ
+""",
+    always=lambda _: True,
+    collector=RunUpWatch,
+    analyse=analyse,
+    files={"runup.csv": "highest water on a slope or wall, and what has gone over it, against time"},
+    captions={"runup": "Run-up and overtopping"},
+    tables=tables,
+    figures=figures,
+    section=section,
+    headline=(
+        Wanted("highest", label="highest water, y"),
+        Wanted("run_up", label="run-up over still water"),
+        Wanted("over", label="volume over the crest"),
+    ),
+    rank=30,
+)

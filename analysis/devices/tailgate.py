@@ -18,12 +18,13 @@ from lammps_jump.analysis.contacts import ContactCollector
 from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
+from lammps_jump.analysis.quantity import Named, Quantity
 from lammps_jump.analysis.report.page import Section, Table, Text, described
 from lammps_jump.analysis.statistics import STUDENT, Mean, mean_of
 from lammps_jump.dump.frame import Frame
 from lammps_jump.physics.devices import GATE_LOOKS, Holding, gate_areas, gate_sees
 from lammps_jump.scene import MovingWall
-from lammps_jump.units import as_summary, number
+from lammps_jump.units import Estimates, as_summary, estimate, number
 
 LAST = 0.25
 """Share of the time of holding, at the end, in which the height must stand."""
@@ -38,16 +39,21 @@ AT_END = 1e-3
 
 
 @dataclass(frozen=True)
-class Tailgate:
+class Tailgate(Estimates):
     """The height that one gate has found; absent numbers were not measured, and `reason` says why."""
 
-    height: float = number("m", "height y of the crest, mean since it settled", default=nan, label="crest at")
-    height_interval: float = number("m", "± of the height, 95 % from the swings of one run", default=nan)
+    height: float = estimate(
+        "m",
+        "height y of the crest, mean since it settled",
+        label="crest at",
+        interval="± of the height, 95 % from the swings of one run",
+    )
     settled_at: float = number("s", "time from which on the height stands", default=nan)
     at_limit: bool = False
     target: float = number("m", "asked for: mass depth, or place x of the front", default=nan)
-    held: float = number("m", "mean of what it holds, since it settled", default=nan)
-    held_interval: float = number("m", "± of that, 95 % from the swings of one run", default=nan)
+    held: float = estimate(
+        "m", "mean of what it holds, since it settled", interval="± of that, 95 % from the swings of one run"
+    )
     last_height: float = number("m", "height y of the crest at the end", default=nan)
     reason: str | None = None
     no_interval: str | None = None
@@ -122,7 +128,8 @@ def _found(flow: Flow, one: MovingWall, record: Record) -> Tailgate:
     reason = _why_not(holding, limit, int(end[-1]), held.value, stands)
     if reason:
         return Tailgate(**common, reason=reason)
-    return Tailgate(height=found.value, height_interval=_interval(found), settled_at=float(time[first]), **common)
+    common |= {"height": found.value, "height_interval": _interval(found)}
+    return Tailgate(settled_at=float(time[first]), **common)
 
 
 def _interval(mean: Mean) -> float:
@@ -203,3 +210,28 @@ def section(gates: Mapping[str, Mapping[str, Any]]) -> Section:
 
 
 KEYS = ("height", "height_interval", "settled_at", "target", "held", "held_interval", "last_height")
+
+
+QUANTITY = Quantity(
+    name="tailgate",
+    title="Tailgates",
+    result=Tailgate,
+    definitions="""\
+height        y of the crest; mean since it settled, ± from the swings within this run
+settled       from then on the height, averaged over a response, stays within half a diameter of the mean of the last
+              quarter; and what is held is off by 2 % of the depth, or (y1 + y2)/8 along x, at most
+held          mass depth over ten diameters around the place, or x where the mass depth first comes to (y1 + y2)/2, y2
+              after Bélanger; mean of the last quarter
+""",
+    always=lambda flow: any(one.motion.holding for one in flow.scene.walls),
+    collector=GateWatch,
+    analyse=analyse,
+    files={"tailgate.csv": "height of a tailgate and what it holds, against time"},
+    captions={"tailgate": "Tailgate"},
+    tables=tables,
+    figures=figures,
+    section=section,
+    notes=notes,
+    summary=summary,
+    named=Named("tailgate", "give a wall of the case the motion hold", "tailgates", "<wall>"),
+)

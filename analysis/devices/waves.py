@@ -5,6 +5,7 @@ The mean wave of a gauge is the mean of its depth over whole periods, at equal t
 its trough is the height: noise of single discs, which another period does not repeat, is averaged first.
 """
 
+# ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
 from __future__ import annotations
 
 from collections.abc import Mapping
@@ -18,8 +19,10 @@ from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.profiles import window_of, within
+from lammps_jump.analysis.quantity import Quantity, Wanted
 from lammps_jump.analysis.report import Block
 from lammps_jump.analysis.report.page import Section, Table, Text, described
+from lammps_jump.analysis.verdicts.kinds import part
 from lammps_jump.physics import devices
 from lammps_jump.units import number
 
@@ -127,3 +130,38 @@ def section(waves: Mapping[str, Any]) -> Section:
     if waves.get("height") is None:
         return Section("Gauges", blocks)
     return Section("Waves", [*blocks, Table(described(Waves, waves, "period", "periods", "height_piston"))])
+
+
+def line(summary: Mapping[str, Any]) -> str:
+    """A line on the depths at the gauges of the case; empty where there are none."""
+    columns = [part(summary, "waves").get(key) or () for key in ("gauges", "means", "largest")]
+    each = [f"x = {x:zg} m {mean:z.2f} ({most:z.2f})" for x, mean, most in zip(*columns, strict=False)]
+    return f"depth at gauges, mean of the window (largest), m: {', '.join(each)}" if each else ""
+
+
+QUANTITY = Quantity(
+    name="waves",
+    title="Waves at gauges",
+    result=Waves,
+    definitions="""\
+height        crest less trough of the mean wave: the depth at the gauge, averaged over the whole periods of the paddle
+              at the end of the window at equal times within the period
+piston        S 2 (cosh 2kh − 1)/(sinh 2kh + 2kh), small waves of water; S whole stroke, ω² = g k tanh kh
+depth         of the free surface at the gauge, mean of the same periods
+gauges        mean: depth over the window; lowest, largest: of all frames
+""",
+    always=lambda flow: bool(flow.scene.gauges),
+    analyse=analyse,
+    files={"gauges.csv": "depth at the gauges against time"},
+    captions={"gauges": "Depth at the gauges"},
+    tables=tables,
+    figures=figures,
+    section=section,
+    headline=(
+        Wanted("height", "piston, small waves", "height_piston", holds="of small waves of a piston"),
+        Wanted("height_last"),
+        Wanted("depth"),
+    ),
+    rank=20,
+    line=line,
+)

@@ -15,12 +15,15 @@ from lammps_jump.analysis.budgets.inflow import Arrivals
 from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Map, Panel, Trace
 from lammps_jump.analysis.draw.depths import xt_map
 from lammps_jump.analysis.passes import Gathered
+from lammps_jump.analysis.quantity import Named, Quantity, Wanted
 from lammps_jump.analysis.report import Block
 from lammps_jump.analysis.report.page import Section, Table, Text, cut, heading
+from lammps_jump.analysis.verdicts.kinds import part
 from lammps_jump.units import numbers_of
 
 from .history import LOW_PASS, Force, Forces, analyse_forces
-from .impulse import MomentumHistory, with_inflow
+from .impulse import Identity, MomentumHistory, MomentumLedger, with_inflow
+from .reflection import ReflectedWave
 
 LEAST = 1e-6
 """Share of the largest component below which another one is round-off, and not drawn."""
@@ -152,3 +155,73 @@ def reflected_map(result: Forces, profiles: xr.Dataset) -> Map | None:
     shown = xt_map(profiles, "mass_depth", title=f"wave thrown back by {wave.structure}")
     front = Trace("reflected front", wave.position[good], wave.time[good], "measured")
     return replace(shown, lines=(front, Trace(label, wave.start + wave.speed * ends, ends, "theory")))
+
+
+KILO_NEWTON = "kN/m"
+
+
+def _touched(key: str, summary: Mapping[str, Any]) -> dict[str, str]:
+    """Structures of which a number is shown, and their components: those that something touched.
+
+    A stream has a mean of the component, an impact its peak.
+    """
+    found = {
+        name: str(values.get("component") or "fx")
+        for name, values in part(summary, "force").items()
+        if isinstance(values, Mapping) and not values.get("reason")
+    }
+    if not summary.get("inflow"):
+        return found if key == "peak" else {}
+    return {name: component for name, component in found.items() if key == f"mean_{component}"}
+
+
+AT_REST = "of water at rest before an upright face"
+QUANTITY = Quantity(
+    name="force",
+    title="Forces",
+    result=Force,
+    definitions="""\
+peak          largest mean over 0.05 s, of the component with the larger impulse; per metre of width; in the window
+              where discs flow in, after t = 0 elsewhere; start-up: the largest before the window
+error         standard error within this run: scatter of the maxima of blocks of 0.5 s; only with an inlet
+component     Fx or Fy, whichever has the larger integral of its size; none where nothing touched the structure
+resultant     √(Fx² + Fy²) of the means over 0.05 s, largest; direction: its angle to the x axis, anticlockwise
+sign          a contact pulls for a moment at the end of an impact, because its dashpot acts until the discs part: short
+              windows may show a small force of the other sign
+impulse       ∫ F dt after t = 0
+moment        about the foot of upright faces at the bed, anticlockwise positive
+identity      change of all discs' momentum against the impulse of walls, weight and discs that came and went
+wave          place where the mean velocity falls through half of its largest value upstream; bore: of a wall instead
+hydrostatic   on the wetted face, largest: ρg(s² − a²)/2 for the mass depth s in front, a of it above the face
+oncoming      largest ρsu² + ρgs²/2 two bins in front
+""",
+    always=lambda flow: bool(flow.scene.probes),
+    collector=MomentumLedger,
+    analyse=analyse,
+    files={"reflected_wave.csv": "front of the reflected wave against time"},
+    captions={
+        "forces": "Force on the structures",
+        "impulse": "Impulse",
+        "reflected_wave": "The reflected wave",
+    },
+    tables=Forces.tables,
+    figures=figures,
+    section=section,
+    summary=Forces.summary,
+    headline=(
+        Wanted("*.mean_fx", "hydrostatic", "*.mean_hydrostatic", "mean Fx, {name}", KILO, KILO_NEWTON, holds=AT_REST),
+        Wanted("*.mean_fy", label="mean Fy, {name}", scale=KILO, unit=KILO_NEWTON),
+        Wanted("*.peak", "hydrostatic", "*.hydrostatic", "peak {component}, {name}", KILO, KILO_NEWTON, holds=AT_REST),
+    ),
+    rank=110,
+    structures=_touched,
+    errors={"*": Force, "reflected_wave": ReflectedWave},
+    named=Named("probe", "name the wall in probes.forces of the case", "structures", "structures.<wall>"),
+    parts={
+        "settled": dict[str, dict[str, float]],
+        "reflected_wave": ReflectedWave,
+        "identity": dict[str, Identity],
+        "low_pass": float,
+        "notes": list[str],
+    },
+)

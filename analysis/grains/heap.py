@@ -15,7 +15,6 @@ from math import atan, atan2, degrees, isfinite, nan, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.special import stdtrit
 
 from lammps_jump.analysis.contacts import ContactCollector
 from lammps_jump.analysis.devices.front import bulk_front, quantile_front
@@ -23,10 +22,13 @@ from lammps_jump.analysis.draw.chart import PLACE, Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.profiles import bin_frames
+from lammps_jump.analysis.quantity import Quantity, Wanted
 from lammps_jump.analysis.report.page import Section, Table, Text, described
+from lammps_jump.analysis.statistics import student
+from lammps_jump.analysis.verdicts.kinds import part
 from lammps_jump.dump.frame import Frame
 from lammps_jump.physics import devices, measured
-from lammps_jump.units import number
+from lammps_jump.units import Estimates, estimate, number, sure_of
 
 from .rest import RestHistory, rests
 
@@ -43,18 +45,17 @@ SAME_ASPECT = 0.1
 
 
 @dataclass(frozen=True)
-class Heap:
+class Heap(Estimates):
     """Heap at the last frame; intervals are half of 95 % intervals, from the scatter about the fitted line."""
 
     height: float = number("m", "height of the heap over the bed", default=nan, label="height")
     height_in_diameters: float = number("", "height over the diameter", default=nan)
     top: float = number("m", "place x of its top", default=nan)
-    angle: float = number("degree", "angle of the flanks to the horizontal", default=nan, label="angle of the flanks")
-    angle_interval: float = number("degree", "± of the angle of the flanks, from the fit", default=nan)
-    angle_left: float = number("degree", "angle of the left flank", default=nan)
-    angle_left_interval: float = number("degree", "± of the angle of the left flank, from the fit", default=nan)
-    angle_right: float = number("degree", "angle of the right flank", default=nan)
-    angle_right_interval: float = number("degree", "± of the angle of the right flank, from the fit", default=nan)
+    angle: float = estimate(
+        "degree", "angle of the flanks to the horizontal", label="angle of the flanks", interval="± of it, from the fit"
+    )
+    angle_left: float = estimate("degree", "angle of the left flank", interval="± of it, from the fit")
+    angle_right: float = estimate("degree", "angle of the right flank", interval="± of it, from the fit")
     left: float = number("m", "left end of the bulk", default=nan)
     right: float = number("m", "right end of the bulk", default=nan)
     base: float = number("m", "base L₀ of the column at the start (half of one that falls to both sides)", default=nan)
@@ -181,7 +182,7 @@ def flank_of(x: np.ndarray, surface: np.ndarray, depth: np.ndarray, side: int) -
     ends = tuple(float(y.mean() - fall * place[k]) for k in (0, -1))
     return Flank(
         fall,
-        float(stdtrit(len(part) - 2, 0.975)) * error,
+        student(len(part) - 2, 0.975) * error,
         (float(x[part[0]]), float(x[part[-1]])),
         (ends[0], ends[1]),
     )
@@ -261,16 +262,16 @@ def analyse(gathered: Gathered) -> Heap:
     middle = float(shape.x[shape.depth == height].mean())
     left, right = (_end(frame, flow, middle, side, bulk=True) for side in (-1, 1))
     rest = gathered.histories.get("rest")
+    both = float(np.sqrt(np.sum(np.array(intervals)[known] ** 2)) / known.sum()) if known.any() else nan
+    sure = {"angle_interval": both, "angle_left_interval": intervals[0], "angle_right_interval": intervals[1]}
     return Heap(
         height=height,
         height_in_diameters=height / scene.diameter,
         top=middle,
         angle=float(np.mean(np.array(angles)[known])) if known.any() else nan,
-        angle_interval=float(np.sqrt(np.sum(np.array(intervals)[known] ** 2)) / known.sum()) if known.any() else nan,
         angle_left=angles[0],
-        angle_left_interval=intervals[0],
         angle_right=angles[1],
-        angle_right_interval=intervals[1],
+        **sure,
         left=left,
         right=right,
         **_run_out(remains, flow, shape),
@@ -374,10 +375,6 @@ def figures(heap: Heap, gathered: Gathered) -> Drawings:
     return {"heap": Chart("shape of the heap", PLACE, [panel])}
 
 
-def _with_interval(heap: Mapping[str, Any], key: str) -> str:
-    return f"{heap[key]:z.1f} ± {heap[f'{key}_interval']:z.1f}"
-
-
 def section(heap: Mapping[str, Any]) -> Section:
     """Height and slopes; run-out of a column beside published ones."""
     if heap.get("height") is None:
@@ -385,7 +382,8 @@ def section(heap: Mapping[str, Any]) -> Section:
     rows = [*described(Heap, heap, "height", "top", "left", "right")]
     for key, words in (("angle", "flanks"), ("angle_left", "left flank"), ("angle_right", "right flank")):
         if heap.get(key) is not None:
-            rows.append((f"Angle of the {words} to the horizontal [degrees], 95 %", _with_interval(heap, key)))
+            value = f"{heap[key]:z.1f} ± {sure_of(heap, key).value:z.1f}"
+            rows.append((f"Angle of the {words} to the horizontal [degrees], 95 %", value))
     blocks: list[Text | Table] = []
     if heap.get("at_rest") is False:
         blocks.append(Text("The discs still move: shape and run-out are those of the last frame, not at rest.", "warn"))
@@ -395,3 +393,35 @@ def section(heap: Mapping[str, Any]) -> Section:
         known = [key for key in ("discs", "rods", "sand", "height_rods", "shape_off") if heap.get(key) is not None]
         rows += described(Heap, heap, *known)
     return Section("Heap", [*blocks, Table(rows)])
+
+
+FALLEN = "of columns of {} that fall on a level bed"
+QUANTITY = Quantity(
+    name="heap",
+    title="Heap",
+    result=Heap,
+    definitions="""\
+surface       free surface in bins one diameter wide, last frame; height: the largest depth over the bed
+angle         straight line through the bins from 80 % down to 20 % of the height, to the horizontal; ± is half of the
+              95 % interval, from their scatter about the line; a flank that leans on a wall is none
+run-out       L − L₀; L₀ base of the column at the start, half of it where it falls to both sides (the mean is given)
+fronts        bulk: before the first gap of two diameters between neighbours in x; 99 %: what 1 % of the discs pass
+discs, rods, sand   published, for the same a = H₀/L₀; they are of other grains: friction and sizes differ
+""",
+    collector=HeapWatch,
+    analyse=analyse,
+    files={"heap.csv": "surface of the heap at the last frame"},
+    captions={"heap": "Shape of the heap at the last frame"},
+    tables=tables,
+    figures=figures,
+    section=section,
+    headline=(
+        Wanted("run_out_over_base", "rods", "rods", holds=FALLEN.format("rods")),
+        Wanted("run_out_over_base", "sand", "sand", holds=FALLEN.format("sand")),
+        Wanted("height_over_base", "rods", "height_rods", holds=FALLEN.format("rods")),
+        Wanted("angle"),
+        Wanted("height", rank=75),
+    ),
+    rank=60,
+    goes=lambda wanted, summary: not wanted.other or part(summary, "heap").get(wanted.other) is not None,
+)

@@ -21,6 +21,7 @@ from lammps_jump.analysis.draw.chart import Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.profiles import FrameDiscs, shares, window_of, within
+from lammps_jump.analysis.quantity import Quantity, Wanted
 from lammps_jump.analysis.report.page import Section, Table, described
 from lammps_jump.core.library import INTEGER, INTEGERS, REALS, core, function
 from lammps_jump.dump.frame import Frame
@@ -331,3 +332,26 @@ def section(layers: Mapping[str, Any]) -> Section:
     keys = ("begin", "end", "height", "layers", "packing", "velocity", "fastest")
     known = [key for key in ("pressure", "inertial_number", "friction") if isfinite(layers.get(key) or nan)]
     return Section("Layers", [Table(described(LayerProfiles, layers, *keys, *known))])
+
+
+QUANTITY = Quantity(
+    name="layers",
+    title="Layers",
+    result=LayerProfiles,
+    definitions="""\
+layer         discs count with the share of their area in it, contacts with that of the line between the centres
+packing       π d²/4 of the discs over the area of the layer
+temperature   half of the mean square of the velocities about the mean of the layer, the shear taken off, m²/s²
+stress        σ = (∑ F l + ∑ m v′ v′)/area, contacts and fluctuations; τ = −σ_xy: the upper layer drags the lower
+I, μ          γ̇ √(m/P) = γ̇ d √(ρ/P) and |τ|/P, with P = σ_yy
+""",
+    collector=LayerSums,
+    analyse=analyse,
+    files={"layers.csv": "profiles over the height"},
+    captions={"layers": "Profiles over the height, mean of the window"},
+    tables=tables,
+    figures=figures,
+    section=section,
+    headline=(Wanted("inertial_number"), Wanted("friction"), Wanted("packing"), Wanted("velocity")),
+    rank=80,
+)

@@ -19,6 +19,7 @@ from lammps_jump.analysis.contacts import ContactCollector
 from lammps_jump.analysis.draw.chart import Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
+from lammps_jump.analysis.quantity import Quantity, Wanted
 from lammps_jump.analysis.report.page import Section, Table, Text, described
 from lammps_jump.dump.frame import Frame
 from lammps_jump.scene.scene import Scene
@@ -258,3 +259,24 @@ def section(rest: Mapping[str, Any]) -> Section:
         return Section("Rest", [])
     rows = described(Rest, rest, *(["time"] if rest.get("time") is not None else []), "speed", "top", "sinking")
     return Section("Rest", [Text(rest.get("reason") or "", "warn"), Table(rows)])
+
+
+QUANTITY = Quantity(
+    name="rest",
+    title="Rest",
+    result=Rest,
+    definitions="""\
+rest          from the first frame on after which, up to the end: median speed below 0.01 √(g d), highest edge within
+              0.05 d, number of discs as it is; at least for 20 √(d/g), with all gates open
+sinking       fall of the highest edge over the last 20 √(d/g)
+""",
+    collector=RestWatch,
+    analyse=analyse,
+    files={"rest.csv": "how fast the discs still move, against time"},
+    captions={"rest": "The discs come to rest"},
+    tables=tables,
+    figures=figures,
+    section=section,
+    headline=(Wanted("time"),),
+    rank=70,
+)

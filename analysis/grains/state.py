@@ -12,6 +12,7 @@ import numpy as np
 from lammps_jump.analysis.contacts import ContactCollector
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered
+from lammps_jump.analysis.quantity import Quantity
 from lammps_jump.dump.frame import Frame
 from lammps_jump.units import number
 
@@ -86,3 +87,17 @@ def analyse(gathered: Gathered) -> DiscState:
         rest_time=rest.begin if flow.g > 0 and flow.timed else nan,
         at_rest=rests(rest, flow),
     )
+
+
+QUANTITY = Quantity(
+    name="state",
+    title="State at the end",
+    result=DiscState,
+    definitions="""\
+speed         median of the discs of the last frame that holds some;  along: mean velocity along x, by mass
+room          length and height that 98 % of the discs take;  rest: as in the section on rest
+""",
+    always=lambda _: True,
+    collector=StateWatch,
+    analyse=analyse,
+)

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-from .result import JumpResult as JumpResult
+from .found import Jump as Jump
 from .result import analyse_jump as analyse_jump
-from .summary import Jump as Jump
 from .summary import inflow_theory as inflow_theory
 from .summary import summarise_jump as summarise_jump
 from .track import straight_motion as straight_motion

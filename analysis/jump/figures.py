@@ -11,14 +11,13 @@ import numpy as np
 from lammps_jump.analysis.draw.chart import PLACE, Bars, Chart, Panel, Trace, stairs
 from lammps_jump.units import numbers_of
 
+from .found import Jump
 from .stream import running_median
-from .summary import Jump
 
 
 def track_chart(jump: Jump) -> Chart | None:
     """Toe, end and equal-mass front against time with the fitted straight motion; None where nothing was tracked."""
-    result = jump.measured
-    track = result.track
+    track = jump.track
     if track is None or not track.found.any():
         return None
     lines = [
@@ -29,15 +28,15 @@ def track_chart(jump: Jump) -> Chart | None:
     if track.compression is not None and np.isfinite(track.compression).any():
         lines.append(Trace("", track.time, track.compression, "dots"))
         lines.append(Trace("front of the compression", track.time, running_median(track.compression), "third"))
-    if result.motion is not None:
-        ends = np.array(result.window)
-        lines.append(Trace("fit in the window", ends, result.motion.start + result.motion.speed * ends, "fit"))
-    return Chart(result.verdict, result.flow.time_axis, (Panel(PLACE, lines),), result.window)
+    if jump.motion is not None:
+        ends = np.array(jump.window)
+        lines.append(Trace("fit in the window", ends, jump.motion.start + jump.motion.speed * ends, "fit"))
+    return Chart(jump.verdict, jump.flow.time_axis, (Panel(PLACE, lines),), jump.window)
 
 
 def stream_chart(jump: Jump) -> Chart | None:
     """Momentum flux, thrust and their sum along the stream; what Bélanger makes of its state at each place."""
-    stream = jump.measured.stream
+    stream = jump.stream
     if stream is None:
         return None
     edges = np.append(stream.start, stream.stop[-1])
@@ -58,21 +57,20 @@ def stream_chart(jump: Jump) -> Chart | None:
 
 def frame_chart(jump: Jump) -> Chart | None:
     """Mean depth, velocity and packing in the frame of the front, with Bélanger's depth beside them."""
-    result = jump.measured
-    if result.moving is None:
+    if jump.moving is None:
         return None
-    xi, mean = result.moving.xi, result.moving.mean
+    xi, mean = jump.moving.xi, jump.moving.mean
     depth = mean("mass_depth")
     covered = xi[np.isfinite(depth)]
-    limits = max(result.upstream.zone[0] - 2, covered[0]), min(result.downstream.zone[1] + 2, covered[-1])
+    limits = max(jump.upstream.zone[0] - 2, covered[0]), min(jump.downstream.zone[1] + 2, covered[-1])
     lines = [
         Trace("free surface h", xi, mean("surface_depth")),
         Trace("mass depth s", xi, depth, "second"),
     ]
-    for state, name in ((result.upstream, "s₁"), (result.downstream, "s₂")):
+    for state, name in ((jump.upstream, "s₁"), (jump.downstream, "s₂")):
         lines.append(Trace(name, np.array(state.zone), np.full(2, state.mass_depth), "fit"))
     levels = {f"Bélanger, {jump.of}": jump.belanger_y2} if jump.belanger_y2 > 0 else {}
-    marks = {"toe": result.surface_toe, "end": result.surface_end}
+    marks = {"toe": jump.surface_toe, "end": jump.surface_end}
     top = 1.1 * max(np.nanmax(depth), np.nan_to_num(jump.belanger_y2))
     with np.errstate(invalid="ignore", divide="ignore"):
         speeds = [
@@ -88,7 +86,7 @@ def frame_chart(jump: Jump) -> Chart | None:
 
 def balance_bars(jump: Jump) -> Bars | None:
     """Terms of the momentum balance across the jump, in per cent of the downstream momentum function."""
-    terms = jump.measured.balance
+    terms = jump.momentum_terms
     if terms is None:
         return None
     numbers = [number for number in numbers_of(terms).values() if number.key != "pressure_error"]

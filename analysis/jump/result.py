@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 from collections import Counter
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import isfinite, nan, sqrt
 
 import numpy as np
@@ -19,12 +19,12 @@ from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.profiles import window_of, within
 from lammps_jump.analysis.report.headline import AT_SILL
 from lammps_jump.analysis.statistics import piece_bounds
-from lammps_jump.units import number
 
 from . import frame
-from .stream import Stream, compression_front, measure_stream
-from .tail import Tail, measure_tail
-from .track import TO_THE_END, AlongStream, FrontMotion, JumpTrack, piece_speeds, straight_motion, track_jump
+from .found import Jump, StandingHeap
+from .stream import compression_front, measure_stream
+from .tail import measure_tail
+from .track import TO_THE_END, FrontMotion, piece_speeds, straight_motion, track_jump
 
 Stretches = tuple[tuple[float, float], tuple[float, float]]
 
@@ -33,8 +33,6 @@ ODD = ("discharge", "energy_flux", "surface_velocity", "bed")
 """Those that change their sign with the direction of x."""
 STILL = 0.02
 """Below this share of sqrt(g s) the discs of a bin count as standing."""
-HEAP_SLOPE = 0.02
-"""A standing surface steeper than this is a heap: water at rest is level."""
 SURE, MARGINAL = 0.9, 0.1
 """Share of the window's frames with a jump that makes a jump, and that makes a marginal one."""
 LEVEL = 0.05
@@ -43,85 +41,6 @@ BAFFLE = 0.25
 """A block that is lower than this share of the depth above it does not end the level bed."""
 INLET_REACH = 2.0
 """The inlet is drowned when the toe is closer than this many inflow depths (or bins) to it."""
-
-
-@dataclass(frozen=True)
-class StandingHeap:
-    """Discs behind the jump that stand still."""
-
-    standing_share: float = number("", "share of the discs behind the toe that stand still", default=nan)
-    surface_slope: float = number("", "slope of the surface behind the crest", default=nan)
-
-    @property
-    def locked(self) -> bool:
-        """Most discs stand still under a sloping surface: friction has locked them."""
-        return self.standing_share > 0.5 and abs(self.surface_slope) > HEAP_SLOPE
-
-
-@dataclass(frozen=True)
-class JumpResult(AlongStream):
-    """All that is known of a jump; `verdict` says whether it is one.
-
-    Attributes
-    ----------
-    verdict : {'jump', 'marginal jump', 'jump at the sill', 'no jump found', 'drowned inlet', 'locked heap'}
-    reason : str
-        One sentence behind the verdict.
-    direction : int
-        +1 for a stream towards larger x, -1 towards smaller.
-    window : (float, float)
-        s.
-    in_window : ndarray of bool, shape (frames,)
-    track : JumpTrack or None
-    toe_speed, end_speed : float
-        Of the toe and the end, along x, m/s.
-    motion : FrontMotion or None
-        Of the front of equal mass.
-    moving : frame.Moving or None
-    toe, end : float
-        In the moving frame, from the mean mass depth, m along the stream from the front; `surface_toe`, `surface_end`
-        from the surface.
-    upstream, downstream : frame.FlowState or None
-    developed : bool or None
-        A level stretch behind the end was there to be measured.
-    balance : frame.Balance or None
-    mass : frame.Mass or None
-    roller : frame.Roller or None
-    heap : StandingHeap or None
-    tail : Tail or None
-    """
-
-    ALONG = ("track", "toe_speed", "end_speed", "motion", "stream")
-    verdict: str
-    reason: str
-    flow: Flow
-    direction: int
-    window: tuple[float, float]
-    in_window: np.ndarray
-    track: JumpTrack | None = None
-    toe_speed: float = nan
-    end_speed: float = nan
-    motion: FrontMotion | None = None
-    moving: frame.Moving | None = None
-    toe: float = nan
-    end: float = nan
-    surface_toe: float = nan
-    surface_end: float = nan
-    upstream: frame.FlowState | None = None
-    downstream: frame.FlowState | None = None
-    developed: bool | None = None
-    balance: frame.Balance | None = None
-    mass: frame.Mass | None = None
-    roller: frame.Roller | None = None
-    heap: StandingHeap | None = None
-    tail: Tail | None = None
-    stream: Stream | None = None
-    pieces: tuple[JumpResult, ...] = ()
-
-    @property
-    def used(self) -> np.ndarray:
-        """Whether a frame of the window has a jump, shape (frames,)."""
-        return self.track.found & self.in_window
 
 
 def level_reach(bed: np.ndarray, diameter: float) -> np.ndarray:
@@ -153,7 +72,7 @@ def without_baffles(bed: np.ndarray, depth: np.ndarray, width: float, diameter: 
     return bare
 
 
-def analyse_jump(profiles: xr.Dataset, flow: Flow, contacts: ContactSeries | None = None) -> JumpResult:
+def analyse_jump(profiles: xr.Dataset, flow: Flow, contacts: ContactSeries | None = None) -> Jump:
     """Find the jump in depth profiles, follow it, measure it in its own frame.
 
     Parameters
@@ -166,13 +85,13 @@ def analyse_jump(profiles: xr.Dataset, flow: Flow, contacts: ContactSeries | Non
 
     Returns
     -------
-    JumpResult
+    Jump
         With verdict 'no jump found' and the reason where there is none.
     """
     window, gravity = window_of(profiles), flow.gravity
     in_window = within(profiles["time"].values, window)
     direction = -1 if np.nansum(profiles["discharge"].values[in_window]) < 0 else 1
-    nothing = JumpResult("no jump found", "", flow, direction, window, in_window)
+    nothing = Jump("no jump found", "", window=window, flow=flow, direction=direction, in_window=in_window)
     if gravity <= 0:
         return replace(nothing, reason="there is no gravity towards the bed")
     depth = profiles["mass_depth"].values[in_window].mean(axis=0)
@@ -192,7 +111,7 @@ def analyse_jump(profiles: xr.Dataset, flow: Flow, contacts: ContactSeries | Non
     return replace(found.turned(direction), pieces=tuple(piece.turned(direction) for piece in found.pieces))
 
 
-def _follow(nothing: JumpResult, stream: xr.Dataset, width: float) -> JumpResult:
+def _follow(nothing: Jump, stream: xr.Dataset, width: float) -> Jump:
     """The jump of a stream towards larger x, on a level bed, in bins of this width, m."""
     flow, in_window, gravity = nothing.flow, nothing.in_window, nothing.flow.gravity
     x, time = stream.x.values, stream.time.values
@@ -233,7 +152,7 @@ def _follow(nothing: JumpResult, stream: xr.Dataset, width: float) -> JumpResult
     return replace(result, verdict=verdict, reason=reason)
 
 
-def _measure(result: JumpResult, stream: xr.Dataset, used: np.ndarray) -> JumpResult:
+def _measure(result: Jump, stream: xr.Dataset, used: np.ndarray) -> Jump:
     """Average in the moving frame; toe, end, states, balances."""
     track, speed = result.track, result.motion.speed
     # the frame moves with the fitted straight motion: a control volume at a steady speed has an exact balance
@@ -246,7 +165,7 @@ def _measure(result: JumpResult, stream: xr.Dataset, used: np.ndarray) -> JumpRe
     for _ in range(2):
         before, behind, enough = frame.zones(moving, toe, end, *levels)
         result = _within(result, moving, (before, behind), (toe, end))
-        toe, end = result.toe, result.end
+        toe, end = result.mass_toe, result.mass_end
     depth = result.downstream.mass_depth
     # water beyond a baffle is lower: it takes up momentum
     tail = measure_tail(stream.isel(time=used, x=slice(stream.attrs["clear"])), front, depth)
@@ -257,7 +176,7 @@ def _measure(result: JumpResult, stream: xr.Dataset, used: np.ndarray) -> JumpRe
     return replace(result, pieces=_pieces(result))
 
 
-def _within(result: JumpResult, moving: frame.Moving, stretches: Stretches, around: tuple[float, float]) -> JumpResult:
+def _within(result: Jump, moving: frame.Moving, stretches: Stretches, around: tuple[float, float]) -> Jump:
     """States, ends and balances from frames of the moving frame, in the zones of the states."""
     one, two = (frame.measure_state(moving, zone, result.motion.speed, result.flow.gravity) for zone in stretches)
     toe, end = _ends(moving, "mass_depth", one, two, *around)
@@ -265,18 +184,18 @@ def _within(result: JumpResult, moving: frame.Moving, stretches: Stretches, arou
     return replace(
         result,
         moving=moving,
-        toe=toe,
-        end=end,
+        mass_toe=toe,
+        mass_end=end,
         surface_toe=ends[0],
         surface_end=ends[1],
         upstream=one,
         downstream=two,
-        balance=frame.balance(moving, one, two, result.direction * result.flow.scene.gravity[0]),
+        momentum_terms=frame.balance(moving, one, two, result.direction * result.flow.scene.gravity[0]),
         mass=frame.mass_balance(moving, one, two),
     )
 
 
-def _pieces(whole: JumpResult) -> tuple[JumpResult, ...]:
+def _pieces(whole: Jump) -> tuple[Jump, ...]:
     """The jump of each piece of the window, with the speed of that piece."""
     frames = np.flatnonzero(whole.used)
     track = whole.track
@@ -290,7 +209,7 @@ def _pieces(whole: JumpResult) -> tuple[JumpResult, ...]:
         moved = replace(whole, in_window=inside, toe_speed=float(toe), end_speed=float(end), motion=motion)
         zones_kept = whole.upstream.zone, whole.downstream.zone
         moving = whole.moving.cut(slice(first, stop))
-        result.append(_within(moved, moving, zones_kept, (whole.toe, whole.end)))
+        result.append(_within(moved, moving, zones_kept, (whole.mass_toe, whole.mass_end)))
     known = all(isfinite(piece.upstream.mass_depth + piece.downstream.mass_depth) for piece in result)
     return tuple(result) if known else ()
 
@@ -317,7 +236,7 @@ def _heap(stream: xr.Dataset, start: float, gravity: float) -> StandingHeap:
     return StandingHeap(float(s[standing].sum() / s.sum()), slope)
 
 
-def _judge(result: JumpResult, used: np.ndarray, gravity: float, to_inlet: float, drowned: bool) -> tuple[str, str]:
+def _judge(result: Jump, used: np.ndarray, gravity: float, to_inlet: float, drowned: bool) -> tuple[str, str]:
     """Jump, locked heap or drowned inlet, and the reason."""
     heap, motion = result.heap, result.motion
     if heap.locked:

@@ -7,26 +7,30 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from math import isfinite
-from types import MappingProxyType
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 
 from lammps_jump.analysis.beds.slope import TurnedFlow, in_place
-from lammps_jump.analysis.budgets import inflow
+from lammps_jump.analysis.budgets import inflow, stations
+from lammps_jump.analysis.budgets.head import EnergyFluxes, energy_budget, no_budget
 from lammps_jump.analysis.draw.chart import Drawings
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
+from lammps_jump.analysis.quantity import Marks, Quantity, Wanted
 from lammps_jump.analysis.report.headline import AT_SILL, belongs
 from lammps_jump.analysis.report.page import Beside, Section, Table, Text, cut, described, heading, percent_of
 from lammps_jump.analysis.statistics import Mean, propagated
+from lammps_jump.analysis.verdicts.jump import is_asked
+from lammps_jump.analysis.verdicts.kinds import part
 from lammps_jump.units import ABSENT, numbers_of, shown
 
 from .certainty import starts_needed
 from .figures import balance_bars, frame_chart, stream_chart, track_chart
-from .head import Budget, energy_budget, no_budget
-from .result import LEVEL, JumpResult, analyse_jump
-from .summary import ASKED, BEFORE, Jump, Local, summarise_jump
+from .found import Budget, Jump, Local
+from .result import LEVEL, analyse_jump
+from .summary import ASKED, BEFORE, summarise_jump
+from .tail import Tail
 from .verdict import A_JUMP, untimed, worded
 
 STATES = (
@@ -41,7 +45,7 @@ def analyse(gathered: Gathered) -> Jump:
     found, along = _analysed(gathered, gathered), gathered.along
     if along is None or found.verdict in (*A_JUMP, AT_SILL) or not isinstance(along.flow, TurnedFlow):
         return found
-    sloping, looked = _analysed(along, gathered), found.measured is not None and found.measured.track is not None
+    sloping, looked = _analysed(along, gathered), found.track is not None
     return found if looked and sloping.verdict not in A_JUMP else in_place(sloping, along.flow.stretch)
 
 
@@ -57,36 +61,20 @@ def _analysed(gathered: Gathered, whole: Gathered) -> Jump:
     if not gathered.flow.timed:
         return untimed(found)
     found = worded(found)
-    budget = energy_budget(gathered.histories.get("jump"), found.measured)
+    budget = energy_budget(gathered.histories.get("jump"), found)
     if budget is None:
         why = no_budget(gathered.flow) if found.verdict in A_JUMP else ""
         return replace(found, reason=f"{found.reason} {why}".strip())
     return replace(found, budget=budget, head_lost=budget.lost, head_lost_error=budget.inflow_error)
 
 
-def _on_level_of_inlet(flow: Flow, measured: JumpResult) -> bool:
+def _on_level_of_inlet(flow: Flow, measured: Jump) -> bool:
     """Whether the bed under the toe is as high as that at the inlet: else the inflow is no state before the jump."""
     rows, track = flow.scene.inlets, measured.track
     if isinstance(flow, TurnedFlow) or not rows or track is None or not track.found.any():
         return True
     at_inlet, at_toe = flow.bed_height(np.array([rows[0].x, float(np.median(track.toe[track.found]))]))
     return not abs(at_toe - at_inlet) >= LEVEL * flow.scene.diameter
-
-
-class Marks(NamedTuple):
-    """What the figures of the profiles show of a jump.
-
-    Attributes
-    ----------
-    lines : dict of label to depth, m
-    places : dict of label to x, m
-    track : (ndarray, ndarray) or None
-        Places (m) and times (s) of the toe.
-    """
-
-    lines: Mapping[str, float] = MappingProxyType({})
-    places: Mapping[str, float] = MappingProxyType({})
-    track: tuple[np.ndarray, np.ndarray] | None = None
 
 
 def marks(jump: Jump) -> Marks:
@@ -97,7 +85,7 @@ def marks(jump: Jump) -> Marks:
     if jump.of != BEFORE and isfinite(jump.belanger_y2):
         lines["Bélanger of the inflow"] = jump.belanger_y2
     places = {"toe": jump.toe, "end": jump.end} if isfinite(jump.toe) else {}
-    track = jump.measured.track
+    track = jump.track
     if track is None or not track.found.any():
         return Marks(lines, places)
     return Marks(lines, places, (track.toe[track.found], track.time[track.found]))
@@ -105,14 +93,14 @@ def marks(jump: Jump) -> Marks:
 
 def tables(jump: Jump) -> Tables:
     """The track, the mean profile in the moving frame, and the stream before the jump."""
-    result, found = jump.measured, {}
-    if result.track is not None:
-        columns = {name: values for name, values in _arrays(result.track).items() if name != "reach_end"}
-        found["jump_track.csv"] = {**columns, "found": result.track.found.astype(int)}
-    if result.moving is not None:
-        means = {name: result.moving.mean(name) for name in result.moving.fields}
-        found["jump_frame.csv"] = {"distance": result.moving.xi, **means}
-    return found | ({"jump_stream.csv": _arrays(result.stream)} if result.stream else {})
+    found = {}
+    if jump.track is not None:
+        columns = {name: values for name, values in _arrays(jump.track).items() if name != "reach_end"}
+        found["jump_track.csv"] = {**columns, "found": jump.track.found.astype(int)}
+    if jump.moving is not None:
+        means = {name: jump.moving.mean(name) for name in jump.moving.fields}
+        found["jump_frame.csv"] = {"distance": jump.moving.xi, **means}
+    return found | ({"jump_stream.csv": _arrays(jump.stream)} if jump.stream else {})
 
 
 def _arrays(result: object) -> dict[str, np.ndarray]:
@@ -293,3 +281,68 @@ SHORT = (
     "diameters of the front. A length far below the thesis' and the USBR's is no error of the run."
 )
 """Said beside the length."""
+
+
+def _jump_is_shown(wanted: Wanted, summary: Mapping[str, Any]) -> bool:
+    return is_asked(summary) and belongs(wanted.key, part(summary, "jump"))
+
+
+LEVEL_BED = "of one jump on a level bed, with hydrostatic pressure on both sides"
+QUANTITY = Quantity(
+    name="jump",
+    title="Hydraulic jump",
+    result=Jump,
+    definitions="""\
+front       where a sharp step between the mean depths would hold the same mass; c is its velocity
+toe, end    where the mean profile in the front's frame, smoothed over 0.25 s₂, has made 5 % and 95 % of its rise
+length      from toe to end on the free surface; thesis: 9.75 s₁ (Fr₁ − 1)^1.01, USBR: curve of EM 25
+s           mass depth, N m/(ρ L); h depth of the free surface; u mean velocity by mass
+comparison  mass depth of the tail water (else behind the end) against Bélanger's for the delivered inflow (else the
+            stream before the toe), in the front's frame; deviation: their ratio less one
+1, 2        beside the jump: a stretch of five depths s₁ that ends five depths before the toe; one of 1.5 depths s₂ that
+            begins 0.25 depths behind the end
+Fr          (u − c)/√(g s); Bélanger: s₂/s₁ = (√(1 + 8 Fr₁²) − 1)/2
+head        s + (u − c)²/2g; loss of head: the energy between two stations that move with the front, carried by
+            discs and handed on by contacts, in less out less stored;  momentum function: ρ (s (u − c)² + g s²/2)
+β           ∑ m (u − c)² over the same with the mean velocity
+thrust      contact force through a vertical plane over ρ, hydrostatic pressure in it; flux: ∑ m u²/(ρ L)
+packing     area of the discs over that below the surface;  bulk density: ρ s/h
+density     ratio of the bulk densities, downstream over upstream
+roller      where the mean velocity of the surface discs is below the front's own
+parts       of the momentum balance: each over the downstream momentum function, 1 less 2
+errors      standard errors within this run, from eight pieces of the window; "at least": one run cannot tell it
+tail water  from 1.2 y₂ behind the front to 0.5 y₂ before the sill
+""",
+    beside=stations.DEFINITIONS,
+    collector=EnergyFluxes,
+    analyse=analyse,
+    files={
+        "jump_track.csv": "front and toe of the jump against time",
+        "jump_frame.csv": "mean profile in the frame of the front",
+        "jump_stream.csv": "the stream before the jump",
+    },
+    captions={
+        "jump_track": "The jump in time",
+        "jump_stream": "The stream before the jump",
+        "jump_frame": "The jump in its own frame",
+        "jump_balance": "Where the momentum goes",
+    },
+    tables=tables,
+    figures=figures,
+    section=section,
+    marks=marks,
+    notes=lambda jump: jump.notes,
+    headline=(
+        Wanted("y2", "Bélanger", "belanger_y2", "sequent depth", holds=LEVEL_BED),
+        Wanted("speed", "from mass", "mass.speed_from_mass", "front velocity", plain=True),
+        Wanted("length", "thesis (4.27)", "length_theory", "jump length"),
+        Wanted("length", "USBR", "length_usbr", "jump length"),
+        Wanted("head_lost", "Bélanger", "head_lost_theory", "head lost", holds=LEVEL_BED),
+        Wanted("froude"),
+    ),
+    rank=10,
+    goes=_jump_is_shown,
+    belongs=belongs,
+    shown=is_asked,
+    errors={"": Jump, "local": Local, "budget": Budget, "tail": Tail},
+)

@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Numbers of a jump, with what theory says beside them; docs/measuring.md explains them."""
 
-# ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from math import isfinite, nan, sqrt
 
 import numpy as np
@@ -13,14 +12,11 @@ import numpy as np
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.statistics import Mean, as_fields, known_mean, propagated
 from lammps_jump.physics import jump as theory
-from lammps_jump.units import Estimates, estimate, number
 
-from .certainty import LOCAL_BOUNDS, LOWER_BOUNDS, Drift, Members, drift, errors, members
-from .frame import Balance, Mass, Roller, measure_state, share
-from .head import Budget
-from .result import JumpResult, StandingHeap
-from .stream import Stream
-from .tail import Tail, against, froude
+from .certainty import drift, errors, members
+from .found import Jump, Local
+from .frame import measure_state, share
+from .tail import against, froude
 
 DEVELOPED_SHARE = 0.7
 """A front whose depth stays below this share of Bélanger's is still on its way to be a jump."""
@@ -31,119 +27,6 @@ FRICTION, SLOPE = "friction", "slope"
 TAIL, BEHIND = "tail water", "depth behind the end"
 """What is held against them."""
 
-SHARED = ("verdict", "reason", "window", "heap", "developed", "roller", "tail", "stream", "mass")
-"""Fields of a `JumpResult` that stand in a `Jump` too."""
-
-
-@dataclass(frozen=True)
-class Local(Estimates):
-    """The flow beside the jump and theory for it, frame of the front; 1 is before the toe, 2 behind the end.
-
-    Depths s are by mass, h by the free surface. The comparison of a `Jump` is another one: with the delivered inflow.
-    """
-
-    froude: float = estimate("", "Froude number before the toe, front's frame")
-    froude_lab: float = estimate("", "Froude number before the toe, laboratory")
-    froude_downstream: float = estimate("", "Froude number behind the end, front's frame")
-    y1: float = estimate("m", "mass depth s before the toe")
-    y2: float = estimate("m", "mass depth s behind the end")
-    h1: float = estimate("m", "surface depth h before the toe")
-    h2: float = estimate("m", "surface depth h behind the end")
-    u1: float = estimate("m/s", "mean velocity u before the toe")
-    u2: float = estimate("m/s", "mean velocity u behind the end")
-    packing_1: float = estimate("", "packing before the toe")
-    packing_2: float = estimate("", "packing behind the end")
-    beta_1: float = estimate("", "momentum coefficient β before the toe")
-    beta_2: float = estimate("", "momentum coefficient β behind the end")
-    sequent_ratio: float = estimate("", "s₂/s₁ beside the jump")
-    pressure_relation_ratio: float = estimate("", "s₂/s₁ by momentum, with the measured thrust")
-    pressure_relation_deviation: float = estimate("", "s₂/s₁ over that ratio, less one")
-    belanger_ratio: float = estimate("", "s₂/s₁ by Bélanger")
-    belanger_y2: float = estimate("m", "sequent depth by Bélanger of the state before the toe")
-    belanger_deviation: float = estimate("", "s₂/s₁ over Bélanger's ratio, less one")
-    density_ratio: float = estimate("", "bulk density downstream over upstream")
-    density_relation_ratio: float = estimate("", "s₂/s₁ by momentum, with the density ratio")
-    density_relation_deviation: float = estimate("", "s₂/s₁ over that ratio, less one")
-    sloping_ratio: float = estimate("", "s₂/s₁ by Bélanger with the weight of the jump along the bed")
-    full_relation_ratio: float = estimate("", "s₂/s₁ by momentum, with density, bed force, slope and β")
-    pressure_coefficient_1: float = estimate("", "contact pressure over hydrostatic, before the toe")
-    pressure_coefficient_2: float = estimate("", "contact pressure over hydrostatic, behind the end")
-    head_upstream: float = estimate("m", "head s + (u − c)²/2g before the toe")
-    head_downstream: float = estimate("m", "head s + (u − c)²/2g behind the end")
-    energy_loss: float = estimate("m", "difference of s + (u − c)²/2g")
-    energy_loss_theory: float = estimate("m", "head lost by Bélanger, of the state before the toe")
-    energy_loss_depths: float = number("m", "head lost by the two depths", default=nan)
-    momentum_upstream: float = estimate("N/m", "momentum function before the toe")
-    momentum_downstream: float = estimate("N/m", "momentum function behind the end")
-    momentum_residual: float = estimate("", "momentum function 1 − 2 over 2")
-    moved_y1: float = number("m", "change of y1 where its stretch lies one depth further upstream", default=nan)
-    moved_froude: float = number("", "change of the Froude number, the same", default=nan)
-    moved_belanger_y2: float = number("m", "change of Bélanger's depth, the same", default=nan)
-    moved_y2: float = number("m", "change of y2 where its stretch lies as far further down", default=nan)
-    lower_bounds: tuple[str, ...] = LOCAL_BOUNDS
-
-
-@dataclass(frozen=True)
-class Jump(Estimates):
-    """Hydraulic jump in numbers; NaN where it was not measured.
-
-    `y1`, `froude`, `y2`, `belanger_y2` and `belanger_deviation` are the one comparison with theory: the depth `at`
-    against Bélanger's for the stream `of`, in the frame of the front; `left_out` of the relation. ``_error`` is the
-    standard error within this run in the same unit, NaN where one run cannot tell. The front is where a sharp step
-    would hold the same mass.
-    """
-
-    verdict: str
-    reason: str
-    headline: str = ""
-    notes: tuple[str, ...] = field(default=(), metadata={"summary": False})
-    inflow: theory.Inflow | None = None
-    window: tuple[float, float] = (nan, nan)
-    frames_found: int | None = None
-    frames_in_window: int | None = None
-    share_found: float = number("", "share of the window's frames that have a jump", default=nan)
-    heap: StandingHeap | None = None
-    filling: bool | None = None
-    time: float = number("s", "time of the last frame used", default=nan)
-    position: float = number("m", "front at that time", default=nan)
-    toe: float = number("m", "toe at that time", default=nan)
-    end: float = number("m", "end at that time", default=nan)
-    of: str = ""
-    at: str = ""
-    left_out: tuple[str, ...] = ()
-    froude: float = estimate("", "Froude number, front's frame", label="Fr1")
-    y1: float = estimate("m", "mass depth of the stream", label="y1")
-    y2: float = estimate("m", "sequent depth, by mass", label="y2")
-    belanger_y2: float = estimate("m", "sequent depth by Bélanger, front's frame", label="Bélanger")
-    belanger_deviation: float = estimate("", "sequent depth over Bélanger's, less one", label="deviation")
-    bed_slope: float = number("", "fall of the bed along the stream, per length along the level", default=nan)
-    sloping_y2: float = estimate("m", "sequent depth by Bélanger with the weight of the jump along the bed")
-    sloping_deviation: float = estimate("", "sequent depth over that, less one")
-    speed: float = estimate("m/s", "velocity of the front", label="shock speed")
-    length: float = estimate("m", "length of the jump", label="length")
-    toe_speed: float = estimate("m/s", "velocity of the toe")
-    end_speed: float = estimate("m/s", "velocity of the end")
-    developed: bool | None = None
-    jump_class: str | None = field(default=None, metadata={"key": "class"})
-    length_mass: float = estimate("m", "length by the mass depth")
-    length_ramp: float = estimate("m", "length by the fitted ramps")
-    length_over_y2: float = estimate("", "length over y2")
-    length_theory: float = estimate("m", "length by thesis (4.27)")
-    length_usbr: float = estimate("m", "length by the USBR curve")
-    head_lost: float = estimate("m", "head lost, energy budget", label="head lost")
-    head_lost_theory: float = estimate("m", "head lost by Bélanger")
-    budget: Budget | None = None
-    local: Local | None = None
-    momentum_terms: Balance | None = None
-    mass: Mass | None = None
-    roller: Roller | None = None
-    tail: Tail | None = None
-    stream: Stream | None = None
-    drift: Drift | None = None
-    members: Members | None = None
-    lower_bounds: tuple[str, ...] = LOWER_BOUNDS
-    measured: JumpResult | None = field(default=None, metadata={"summary": False})
-
 
 def inflow_theory(flow: Flow) -> theory.Inflow | None:
     """What hydraulics says of the inflow: Froude number, Bélanger depth, lengths, loss; None without an inflow."""
@@ -152,34 +35,34 @@ def inflow_theory(flow: Flow) -> theory.Inflow | None:
     return theory.inflow_theory(flow.inflow_depth, flow.inflow_speed, flow.gravity)
 
 
-def summarise_jump(result: JumpResult, delivered: tuple[Mean, Mean] | None = None) -> Jump:
-    """Numbers of a measured jump.
+def summarise_jump(jump: Jump, delivered: tuple[Mean, Mean] | None = None) -> Jump:
+    """A measured jump with its numbers.
 
     Parameters
     ----------
-    result : JumpResult
+    jump : Jump
+        As measured.
     delivered : (Mean, Mean), optional
         Depth (m) and mean velocity (m/s) behind the inlet, which the tail water is held against; by default those that
         were asked for.
     """
-    shared = {name: getattr(result, name) for name in SHARED}
-    jump = Jump(inflow=inflow_theory(result.flow), momentum_terms=result.balance, measured=result, **shared)
-    if result.track is None:
+    jump = replace(jump, inflow=inflow_theory(jump.flow))
+    if jump.track is None:
         return jump
-    found, frames = int(result.used.sum()), int(result.in_window.sum())
+    found, frames = int(jump.used.sum()), int(jump.in_window.sum())
     jump = replace(jump, frames_found=found, frames_in_window=frames, share_found=found / frames if frames else nan)
-    if result.upstream is None:
+    if jump.upstream is None:
         return jump
-    pieces = [_places(piece) for piece in result.pieces]
-    beside = [_local(piece) for piece in result.pieces]
-    local = Local(**_local(result), **_moved(result))
+    pieces = [_places(piece) for piece in jump.pieces]
+    beside = [_local(piece) for piece in jump.pieces]
+    local = Local(**_local(jump), **_moved(jump))
     local = replace(local, **errors(local, beside))
-    jump = replace(jump, local=local, **_places(result))
+    jump = replace(jump, local=local, **_places(jump))
     jump = replace(jump, **errors(jump, pieces))
     jump = replace(jump, **_compared(jump, delivered))
     moved = drift([place | {"y2": depth["y2"]} for place, depth in zip(pieces, beside, strict=True)])
     if jump.at == TAIL and pieces:
-        moved = replace(moved, y2=result.tail.drift)
+        moved = replace(moved, y2=jump.tail.drift)
     jump = replace(jump, drift=moved, members=members(jump), filling=_filling(jump))
     if jump.verdict == "jump" and (why := _undeveloped(jump)):
         jump = replace(jump, verdict="jump not developed", reason=f"{jump.reason} {why}")
@@ -196,22 +79,22 @@ def _streams(jump: Jump, delivered: tuple[Mean, Mean] | None) -> tuple[str, Mean
 
 def _compared(jump: Jump, delivered: tuple[Mean, Mean] | None) -> dict[str, object]:
     """The fields of the one comparison with theory: tail water, else the depth behind the end, against a stream."""
-    result, local = jump.measured, jump.local
-    level = isfinite(result.tail.depth.value)
-    y2 = result.tail.depth if level else Mean.of(local, "y2")
-    if not result.flow.timed:
+    local = jump.local
+    level = isfinite(jump.tail.depth.value)
+    y2 = jump.tail.depth if level else Mean.of(local, "y2")
+    if not jump.flow.timed:
         return as_fields(y1=Mean.of(local, "y1"), y2=y2)
     of, depth, velocity = _streams(jump, delivered)
-    sign, gravity = result.direction, result.flow.gravity
+    sign, gravity = jump.direction, jump.flow.gravity
     forward = abs(velocity.value) if jump.inflow else sign * velocity.value
     stream = depth, Mean(forward, velocity.error), Mean(sign * jump.speed, jump.speed_error)
     found = against(y2, stream, Mean.of(jump, "length"), gravity)
     if of == BEFORE:  # the same numbers, whose errors the pieces of the window tell
         found |= {name: Mean.of(local, name) for name in ("froude", "belanger_y2")}
     kind = theory.jump_class(found["froude"].value)
-    scene, there = result.flow.scene, []
-    if fall := _fall(result):
-        area = _area(result)
+    scene, there = jump.flow.scene, []
+    if fall := _fall(jump):
+        area = _area(jump)
 
         def sequent(y: float, u: float, c: float) -> float:
             return y * theory.sloping_ratio(froude(y, u, c, gravity), 2 * fall * area / y**2)
@@ -230,20 +113,20 @@ def _compared(jump: Jump, delivered: tuple[Mean, Mean] | None) -> dict[str, obje
     return as_fields(**found) | words
 
 
-def _fall(result: JumpResult) -> float:
+def _fall(result: Jump) -> float:
     """Tangent of the angle by which the bed falls along the stream."""
     return result.direction * result.flow.scene.gravity[0] / result.flow.gravity
 
 
-def _area(result: JumpResult) -> float:
+def _area(result: Jump) -> float:
     """Area of the water between toe and end, by mass, m^2."""
     moving = result.moving
-    return float(known_mean(moving.integral(moving.fields["mass_depth"], result.toe, result.end)))
+    return float(known_mean(moving.integral(moving.fields["mass_depth"], result.mass_toe, result.mass_end)))
 
 
 def _filling(jump: Jump) -> bool:
     """Whether the front runs upstream and has no level tail water behind it yet: the channel still fills."""
-    upstream = -jump.measured.direction * jump.speed
+    upstream = -jump.direction * jump.speed
     return jump.at == BEHIND and upstream > 2 * np.nan_to_num(jump.speed_error)
 
 
@@ -255,7 +138,7 @@ def _undeveloped(jump: Jump) -> str:
     return ""
 
 
-def _moved(result: JumpResult) -> dict[str, float]:
+def _moved(result: Jump) -> dict[str, float]:
     """Changes of the numbers of the states where their stretches are moved one depth away from the jump."""
     one, two = result.upstream, result.downstream
     far, down = (
@@ -271,13 +154,13 @@ def _moved(result: JumpResult) -> dict[str, float]:
     }
 
 
-def _local(result: JumpResult) -> dict[str, float]:
+def _local(result: Jump) -> dict[str, float]:
     """Numbers of a `Local`, by their keys, of what was measured in a window or in a piece of it."""
     found = _states(result)
     return found | (_against_theory(result, found) if result.flow.timed else {})
 
 
-def _places(result: JumpResult) -> dict[str, float]:
+def _places(result: Jump) -> dict[str, float]:
     """Places along x at the last frame used, velocities, and lengths."""
     track, motion = result.track, result.motion
     used = result.used
@@ -286,18 +169,18 @@ def _places(result: JumpResult) -> dict[str, float]:
     return {
         "time": time,
         "position": front,
-        "toe": front + result.direction * result.toe,
-        "end": front + result.direction * result.end,
+        "toe": front + result.direction * result.mass_toe,
+        "end": front + result.direction * result.mass_end,
         "speed": motion.speed,
         "toe_speed": result.toe_speed,
         "end_speed": result.end_speed,
         "length": result.surface_end - result.surface_toe,
-        "length_mass": result.end - result.toe,
+        "length_mass": result.mass_end - result.mass_toe,
         "length_ramp": result.direction * float(np.median(track.end[used] - track.toe[used])),
     }
 
 
-def _states(result: JumpResult) -> dict[str, float]:
+def _states(result: Jump) -> dict[str, float]:
     """Depths, velocities, packing, Froude numbers, momentum and head on both sides."""
     one, two, density, found = result.upstream, result.downstream, result.flow.scene.density, {}
     for k, state in ((1, one), (2, two)):
@@ -313,20 +196,20 @@ def _states(result: JumpResult) -> dict[str, float]:
         "head_upstream": one.head,
         "head_downstream": two.head,
         "energy_loss": one.head - two.head,
-        "momentum_upstream": density * result.balance.upstream,
-        "momentum_downstream": density * result.balance.downstream,
-        "momentum_residual": result.balance.classical,
+        "momentum_upstream": density * result.momentum_terms.upstream,
+        "momentum_downstream": density * result.momentum_terms.downstream,
+        "momentum_residual": result.momentum_terms.classical,
     }
 
 
-def _against_theory(result: JumpResult, found: Mapping[str, float]) -> dict[str, float]:
+def _against_theory(result: Jump, found: Mapping[str, float]) -> dict[str, float]:
     """Sequent ratio and loss beside theory, which takes in one measured ingredient after the other.
 
     `density_relation_ratio`: the change of density (`theory.sequent_ratio`); `full_relation_ratio`: bed force and
     slope, and the momentum coefficients too; `pressure_relation_ratio`: in place of hydrostatics the contact pressure,
     and what the control volume stores.
     """
-    one, two, terms = result.upstream, result.downstream, result.balance
+    one, two, terms = result.upstream, result.downstream, result.momentum_terms
     fr1, s1, s2, ratio, density = (found[key] for key in ("froude", "y1", "y2", "sequent_ratio", "density_ratio"))
     betas, belanger = (found["beta_1"], found["beta_2"]), theory.belanger(fr1)
     # forces over g s1^2/2, the unit of the relation with thrust

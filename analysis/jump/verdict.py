@@ -4,16 +4,17 @@
 # ruff: noqa: RUF001  (minus signs are meant for readers)
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from math import isfinite
 from typing import Any
 
 from lammps_jump.analysis.report.headline import A_JUMP
 from lammps_jump.analysis.report.page import cut, percent_of, with_error
-from lammps_jump.units import AT_LEAST, is_bound
+from lammps_jump.units import AT_LEAST, sure_of
 
 from .certainty import starts_needed
-from .summary import FRICTION, SLOPE, Jump, Local
+from .found import Jump, Local
+from .summary import FRICTION, SLOPE
 
 
 def worded(jump: Jump) -> Jump:
@@ -39,16 +40,17 @@ def untimed(jump: Jump) -> Jump:
     known = _kept(jump, WITHOUT_TIMES)
     if jump.local is not None:
         known["local"] = Local(**_kept(jump.local, BESIDE_WITHOUT_TIMES))
-    held = jump.measured and replace(jump.measured, motion=None, moving=None, stream=None)
+    kept = {one.name: getattr(jump, one.name) for one in fields(jump) if not one.metadata.get("summary", True)}
+    known |= kept | {"motion": None, "moving": None, "notes": ()}
     if jump.verdict not in A_JUMP:
-        return Jump(jump.verdict, jump.reason, headline(jump), measured=held, **known)
+        return Jump(jump.verdict, jump.reason, headline(jump), **known)
     said = (
         f"A step in depth is found in {jump.frames_found} of {jump.frames_in_window} frames: mass depth "
         f"{cut(vars(jump), 'y1', unit='m')} before it, {cut(vars(jump), 'y2', unit='m')} behind. Without times "
         "its speed, Froude number and head are not known, and nothing says that it is a hydraulic jump."
     )
     verdict = "marginal jump" if jump.verdict == "marginal jump" else "jump"
-    return Jump(verdict, said, said, measured=held, **known)
+    return Jump(verdict, said, said, **known)
 
 
 def _kept(found: Jump | Local, names: tuple[str, ...]) -> dict[str, Any]:
@@ -67,7 +69,7 @@ def headline(jump: Jump) -> str:
 
 def compared(jump: Jump) -> str:
     """The depth behind the jump against Bélanger's of a named state."""
-    off = percent_of(jump.belanger_deviation, jump.belanger_deviation_error, bound=is_bound(vars(jump), OFF))
+    off = percent_of(jump.belanger_deviation, *sure_of(vars(jump), OFF))
     return (
         f"Compare the {jump.at}, {_number(jump, 'y2', 'm')}, with {_number(jump, 'belanger_y2', 'm')} by Bélanger "
         f"for the {jump.of} in the front's frame (Fr = {_number(jump, 'froude')}): {off}."
@@ -87,8 +89,7 @@ def left_out(jump: Jump) -> str:
         for name, term in (known[name] for name in jump.left_out)
     ]
     if isfinite(jump.sloping_y2):
-        bound = is_bound(vars(jump), "sloping_deviation")
-        off = percent_of(jump.sloping_deviation, jump.sloping_deviation_error, bound=bound)
+        off = percent_of(jump.sloping_deviation, *sure_of(vars(jump), "sloping_deviation"))
         said.append(f"With the weight of the jump along the bed it gives {_number(jump, 'sloping_y2', 'm')}: {off}.")
     return " ".join(said)
 
@@ -110,7 +111,7 @@ def _how_sure(jump: Jump) -> str:
 
 def belongs_to(jump: Jump) -> str:
     """Where the numbers beside the jump were measured, and how far contacts have changed the stream there."""
-    near, far = -jump.measured.upstream.zone[1], -jump.measured.upstream.zone[0]
+    near, far = -jump.upstream.zone[1], -jump.upstream.zone[0]
     text = f"The state before the toe is that of the stream {near:z.1f} to {far:z.1f} m before the front"
     stream = jump.stream
     if stream is None or not isfinite(stream.compression):

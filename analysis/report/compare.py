@@ -11,9 +11,9 @@ from math import hypot
 from typing import Any
 
 from lammps_jump.analysis.quantities import QUANTITIES
-from lammps_jump.units import Number, numbers_of, shown
+from lammps_jump.analysis.quantity import Quantity
+from lammps_jump.units import Number, numbers_of, shown, sure_of
 
-from .headline import belongs
 from .page import Beside, Curve, Player, Section, Table, Text, cut, heading, render
 
 
@@ -60,28 +60,31 @@ def comparison(left: Side, right: Side) -> str:
 def _rows(left: Mapping[str, Any], right: Mapping[str, Any]) -> Iterator[tuple[str, str, str, str]]:
     """Label, both numbers and their difference, cut to their errors within the runs."""
     for name, quantity in QUANTITIES.items():
-        first, second = (_parts(summary.get(name)) for summary in (left, right))
+        first, second = (_parts(quantity, summary.get(name)) for summary in (left, right))
         for part in dict.fromkeys([*first, *second]):
             sides = first.get(part, {}), second.get(part, {})
             for number in numbers_of(quantity.result).values():
-                known = [side for side in sides if side.get(number.key) is not None and belongs(number.key, side)]
+                known = [
+                    side for side in sides if side.get(number.key) is not None and quantity.belongs(number.key, side)
+                ]
                 if number.label != number.meaning and known:
                     yield _row(part, number, *sides)
 
 
-def _parts(found: object) -> dict[str, Mapping[str, Any]]:
-    """What holds the numbers of a quantity, by the name of the structure where there are several."""
+def _parts(quantity: Quantity, found: object) -> dict[str, Mapping[str, Any]]:
+    """What holds the numbers of a quantity, by the name of the wall where there are several."""
     if not isinstance(found, Mapping):
         return {}
-    structures = {name: part for name, part in found.items() if isinstance(part, Mapping) and "peak" in part}
-    return structures or {"": found}
+    if quantity.named is None:
+        return {"": found}
+    return {name: part for name, part in found.items() if isinstance(part, Mapping) and name not in quantity.parts}
 
 
 def _row(part: str, number: Number, left: Mapping[str, Any], right: Mapping[str, Any]) -> tuple[str, str, str, str]:
     key, unit = number.key, number.unit
     texts = [cut(side, key) if side.get(key) is not None else shown(None) for side in (left, right)]
     values: list[Any] = [side.get(key) for side in (left, right)]
-    errors: list[Any] = [side.get(f"{key}_error") for side in (left, right)]
+    errors: list[Any] = [sure_of(side, key).value for side in (left, right)]
     difference = shown(None)
     if all(isinstance(value, int | float) for value in values):
         error = hypot(*errors) if all(isinstance(error, float) for error in errors) else None

@@ -11,8 +11,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, Field, FiniteFloat, RootModel, ValidationError, model_validator
 
+from lammps_jump.analysis.quantities import captions
 from lammps_jump.errors import DumpError
-from lammps_jump.files import CURVES, FIGURES, MOST_JSON, read_file
+from lammps_jump.files import CURVES, MOST_JSON, read_file
 from lammps_jump.quoting import shortened
 
 MOST_LINES, MOST_VALUES, MOST_PANELS = 1_000, 10_000, 100
@@ -97,5 +98,5 @@ def read_curves(folder: Path) -> dict[str, dict[str, Any]]:
         raise DumpError(
             f"{path}: {shortened(place)}: {shortened(first['msg'])}; `lammps-jump analyze {folder}` makes it again"
         ) from None
-    known = {Path(name).stem for name in FIGURES}
+    known = captions()
     return {name: one.model_dump(exclude_unset=True) for name, one in stored.root.items() if name in known}

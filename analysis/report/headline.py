@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Verdicts of a jump in words, what is compared with theory, and which numbers go with which verdict."""
+"""Verdicts of a jump in words, and which numbers go with which verdict."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import NamedTuple
 
 A_JUMP = {
     "jump": "A hydraulic jump",
@@ -17,25 +16,6 @@ WITH = {(): "", ("friction",): " with friction", ("slope",): " on a slope",
 """What Bélanger's relation leaves out, behind a verdict."""
 AT_SILL = "jump at the sill"
 """Verdict on a rise that goes on up to the sill or fall: nothing behind it can be compared."""
-
-
-class Against(NamedTuple):
-    """A measured number of a jump and the number of theory that it is held against: keys of ``summary.json: jump``."""
-
-    key: str
-    label: str
-    words: str
-    theory: str
-
-
-COMPARED = (
-    Against("y2", "sequent depth", "Bélanger", "belanger_y2"),
-    Against("speed", "front velocity", "from mass", "mass.speed_from_mass"),
-    Against("length", "jump length", "thesis (4.27)", "length_theory"),
-    Against("length", "jump length", "USBR", "length_usbr"),
-    Against("head_lost", "head lost", "Bélanger", "head_lost_theory"),
-)
-"""What is measured of a jump and what theory says: the one comparison, for page, tiles and screen."""
 DISCS = (-0.2, 0.0)
 """Mean difference of fronts of frictionless discs from Martin & Moyce's water, five starts (docs/theory.md)."""
 
@@ -55,14 +35,8 @@ OF_A_JUMP = (*OF_A_STEADY_JUMP, "belanger_y2", "belanger_deviation", "froude", "
 """Numbers that mean nothing where there is no jump."""
 
 
-OF_A_CLOSED_BOX = {"max_deviation", "drift"}
-"""Errors of the engine, where nothing dissipates and no disc comes or goes."""
-
-
 def belongs(key: str, found: Mapping) -> bool:
-    """Whether a number of a quantity goes with what was found: no length of a jump where there is none."""
-    if key in OF_A_CLOSED_BOX and found.get("conservative") is False:
-        return False
+    """Whether a number of a jump goes with what was found: no length of a jump where there is none."""
     verdict = found.get("verdict", "jump")
     if verdict in ("marginal jump", "jump not developed"):
         return key not in OF_A_STEADY_JUMP

@@ -24,7 +24,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
 from markupsafe import Markup, escape
 
 from lammps_jump.files import plain, read_file, read_start, text_of
-from lammps_jump.units import ABSENT, AT_LEAST, POWERS, is_bound, numbers_of, shown, two_digits
+from lammps_jump.units import ABSENT, AT_LEAST, POWERS, numbers_of, shown, sure_of, two_digits
 
 from .coder import digits_of, encode
 
@@ -292,11 +292,11 @@ def heading(meaning: str, unit: str) -> str:
 
 def errors_of(result: type, found: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Rows (meaning with unit, standard error within this run) of a result's numbers that have one."""
-    numbers = numbers_of(result).values()
-    known = [(number, found.get(f"{number.key}_error")) for number in numbers if found.get(number.key) is not None]
+    numbers = [number for number in numbers_of(result).values() if found.get(number.key) is not None]
+    known = [(number, *sure_of(found, number.key)) for number in numbers]
     return [
-        (heading(number.meaning, number.unit), f"{AT_LEAST * is_bound(found, number.key)}{two_digits(error)}")
-        for number, error in known
+        (heading(number.meaning, number.unit), f"{AT_LEAST * bound}{two_digits(error)}")
+        for number, error, bound in known
         if error
     ]
 
@@ -308,7 +308,7 @@ def percent(share: Any, digits: int = 1) -> str:
     return f"{100 * share:{'+' if digits > 1 else ''}z.{digits}f} %"
 
 
-def percent_of(share: float | None, error: float | None = None, *, bound: bool = False, alone: bool = False) -> str:
+def percent_of(share: float | None, error: float | None = None, bound: bool = False, *, alone: bool = False) -> str:
     """A share in per cent with its error, which may be a lower bound; `alone` shows it cut to the error."""
     if share is None or share != share:
         return ABSENT
@@ -319,12 +319,12 @@ def percent_of(share: float | None, error: float | None = None, *, bound: bool =
 
 
 def with_error(found: Mapping[str, Any], key: str, scale: float = 1.0, unit: str = "", *, alone: bool = False) -> str:
-    """A number of ``summary.json`` with its standard error within this run, where it has one."""
-    value, error = found[key], found.get(f"{key}_error")
+    """A number of ``summary.json`` with how sure it is within this run, where that is known."""
+    value, (error, bound) = found[key], sure_of(found, key)
     if value is None:
         return ABSENT
     error = None if error is None else error / scale
-    return shown(value / scale, unit, error, bound=is_bound(found, key), alone=alone).replace("-", "−")
+    return shown(value / scale, unit, error, bound=bound, alone=alone).replace("-", "−")
 
 
 def cut(found: Mapping[str, Any], key: str, scale: float = 1.0, unit: str = "") -> str:

@@ -7,26 +7,20 @@ import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from shlex import quote
+from typing import Any
 
 from lammps_jump.analysis.budgets import stations
-from lammps_jump.analysis.budgets.inflow import Delivery
-from lammps_jump.analysis.forces.history import Force
-from lammps_jump.analysis.forces.reflection import ReflectedWave
-from lammps_jump.analysis.jump.head import Budget
 from lammps_jump.analysis.jump.section import certainty
-from lammps_jump.analysis.jump.summary import Jump, Local
-from lammps_jump.analysis.jump.tail import Tail
-from lammps_jump.analysis.quantities import QUANTITIES
-from lammps_jump.analysis.tables.rows import MOST, at_gauges, rows_of, sure, tiles
-from lammps_jump.analysis.verdicts import doubts, is_shown, verdict
+from lammps_jump.analysis.quantities import LISTED, QUANTITIES, captions
+from lammps_jump.analysis.quantity import Quantity
+from lammps_jump.analysis.tables.rows import MOST, lines, rows_of, sure, tiles
+from lammps_jump.analysis.verdicts import doubts, verdict
 from lammps_jump.errors import DumpError
-from lammps_jump.files import FIGURES, write_text
+from lammps_jump.files import write_text
 from lammps_jump.physics.contact import Coefficients
 from lammps_jump.units import ABSENT, numbers_of
 
 from .curves_check import read_curves
-from .definitions import DEFINITIONS
-from .headline import against_water, belongs
 from .page import (
     Beside,
     Boxes,
@@ -52,15 +46,6 @@ LARGEST = 5_000_000
 FILMS = ("animation.mp4", "animation.gif")
 LINKED = ("jump_track.png", "front.png", "forces.png", "energy.png")
 """Curves over time that stand below the player and show its time."""
-
-WITH_ERRORS = {
-    "inflow": Delivery, "jump": Jump, "jump.local": Local, "jump.budget": Budget, "jump.tail": Tail,
-    "force.*": Force, "force.reflected_wave": ReflectedWave,
-}  # fmt: skip
-"""Parts of ``summary.json`` that hold standard errors within this run."""
-
-OPTIONS = {"hopper": "outlet"}
-"""Options of the command that ask a bare dump for a quantity, where they have another name."""
 
 REPEAT = """\
 lammps-jump build-and-run case.yaml --out again
@@ -112,11 +97,11 @@ def write_report(
     begins = [f"{text[:1].upper()}{text[1:]}." for text in summary.get("begins") or ()]
     before.append(Section("", [Items([*begins, *(summary.get("warnings") or ())], "Notes")]))
     after = [
-        _defined(key, quantity.section(summary[key]), summary)
+        _defined(quantity.section(summary[key]), quantity.definitions + quantity.defined(summary))
         for key, quantity in QUANTITIES.items()
-        if summary.get(key) and is_shown(key, summary)
+        if summary.get(key) and quantity.shown(summary)
     ]
-    after.append(_defined("stations", stations.section(summary), summary))
+    after.append(_defined(stations.section(summary), stations.DEFINITIONS))
     numbers = numbers_of(Coefficients)
     values = [(numbers[key], value) for key, value in (summary.get("coefficients") or {}).items() if key in numbers]
     coefficients = [(heading(number.meaning, ""), value, number.unit) for number, value in values]
@@ -137,11 +122,10 @@ def write_report(
     return path
 
 
-def _defined(key: str, section: Section | None, summary: Mapping) -> Section | None:
+def _defined(section: Section | None, text: str) -> Section | None:
     """The section of a quantity, with what its numbers mean folded away at its end."""
     if section is None or not section.blocks:
         return section
-    text = DEFINITIONS[key] + DEFINITIONS["water"] * (key == "front" and against_water(summary["front"]))
     return section._replace(blocks=[*section.blocks, Code(text, "What these numbers mean")])
 
 
@@ -150,13 +134,9 @@ def _lead(summary: Mapping) -> list[Text | Boxes]:
     return [
         Text(summary.get("message") or "", "bad"),
         Boxes(tiles(rows)[:MOST]),
-        Text(_first_large(at_gauges(summary)), "small"),
+        *(Text(f"{line[:1].upper()}{line[1:]}", "small") for line in lines(summary)),
         Text(sure(summary) if rows else "", "sure"),
     ]
-
-
-def _first_large(text: str) -> str:
-    return f"{text[:1].upper()}{text[1:]}"
 
 
 def _errors(summary: Mapping) -> Section:
@@ -164,8 +144,9 @@ def _errors(summary: Mapping) -> Section:
     jump = summary.get("jump") or {}
     rows = [
         (f"{name}: {label}" if name else label, error)
-        for part, result in WITH_ERRORS.items()
-        for name, found in _parts(summary, part)
+        for quantity in QUANTITIES.values()
+        for part, result in quantity.errors.items()
+        for name, found in _parts(quantity, part, summary.get(quantity.name) or {})
         for label, error in errors_of(result, found)
     ]
     said = certainty(jump) if jump.get("drift") and rows else ()
@@ -173,20 +154,16 @@ def _errors(summary: Mapping) -> Section:
     return Section("Errors within this run", [table, *map(Text, said)])
 
 
-def _parts(summary: Mapping, path: str) -> list[tuple[str, Mapping]]:
-    """What stands at a path, with its name where it is one of several."""
-    part, _, key = path.partition(".")
-    found = summary.get(part) or {}
-    if key == "*":
-        return [(name, values) for name, values in found.items() if isinstance(values, Mapping) and "peak" in values]
-    found = (found.get(key) if key else found) or {}
-    if part == "jump" and not belongs("local.y1", summary.get(part) or {}):
-        return []
-    return [("", found)]
+def _parts(quantity: Quantity, path: str, whole: Mapping[str, Any]) -> list[tuple[str, Mapping[str, Any]]]:
+    """What stands at a path in the part of a quantity, with its name where it is one of several."""
+    if path == "*":
+        return [(name, values) for name, values in whole.items() if name not in quantity.parts]
+    found = (whole.get(path) if path else whole) or {}
+    return [("", found)] if quantity.belongs("local.y1", whole) else []
 
 
 def curves(folder: Path) -> dict[str, Curve]:
-    """What the page draws of a run folder, by the name of the figure's file, in the order of `FIGURES`.
+    """What the page draws of a run folder, by the name of the figure's file, in the order of the report.
 
     Raises
     ------
@@ -194,16 +171,16 @@ def curves(folder: Path) -> dict[str, Curve]:
         As of `read_curves`.
     """
     found = read_curves(folder)
-    return {name: Curve(text, found[Path(name).stem]) for name, text in FIGURES.items() if Path(name).stem in found}
+    return {f"{name}.png": Curve(text, found[name]) for name, text in captions().items() if name in found}
 
 
 def _pictures(folder: Path, beside: Path | None) -> dict[str, Path]:
     """Films and pictures of a folder, by name, and those of the one beside it; links and other files are left out."""
-    found = {}
+    found, known = {}, captions()
     for place in filter(None, (beside, folder)):
         figures = () if (place / "figures").is_symlink() else (place / "figures").glob("*.png")
         for path in (*sorted(figures), *(place / film for film in FILMS)):
-            if picture_kind(path) and (place == folder or path.name not in FIGURES):
+            if picture_kind(path) and (place == folder or path.stem not in known):
                 found[path.name] = path
     return found
 
@@ -213,8 +190,9 @@ def _figures(given: Mapping[str, Path], room: int, player: Player | None, drawn:
     left = {*drawn, *(LINKED if player else ()), *([STILL] if player and player.still else ())}
     films = [given[name] for name in FILMS if name in given]
     found = {name: given[name] for name in sorted(given) if name not in (*FILMS, *left)}
-    order = [name for name in FIGURES if name in found] + [name for name in found if name not in FIGURES]
-    files = [(found[name], FIGURES.get(name, name.removesuffix(".png").replace("_", " "))) for name in order]
+    known = {f"{name}.png": text for name, text in captions().items()}
+    order = [name for name in known if name in found] + [name for name in found if name not in known]
+    files = [(found[name], known.get(name, name.removesuffix(".png").replace("_", " "))) for name in order]
     shown: list[Picture] = []
     left_out = []
     for path, caption in [*files, *((film, "The flow") for film in films)]:
@@ -239,7 +217,7 @@ def _command(summary: Mapping) -> list[Text | Code]:
 def _option(key: str, value: object) -> list[str]:
     """What was given with a bare dump, as options of its command."""
     if key == "analyses" and isinstance(value, Sequence):
-        return [f"--{OPTIONS.get(name, name)}" for name in value]
+        return [f"--{LISTED[name].option or name}" for name in value if name in LISTED]
     if key == "stations" and isinstance(value, Sequence):
         value = ",".join(f"{x:zg}" for x in value)
     if isinstance(value, Mapping):

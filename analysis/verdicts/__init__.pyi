@@ -2,5 +2,4 @@
 from .say import VERDICTS as VERDICTS
 from .say import doubts as doubts
 from .say import headline as headline
-from .say import is_shown as is_shown
 from .say import verdict as verdict

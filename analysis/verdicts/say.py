@@ -10,9 +10,8 @@ from typing import Any
 from .gates import TAILGATE
 from .grains import DRUM, HEAP, INCLINE, OUTLET
 from .jump import HYDRAULIC_JUMP
-from .jump import is_asked as jump_is_asked
 from .plain import DISCS, ENERGY
-from .water import COLLAPSE, IMPACT, RUN_UP, WAVES, has_front
+from .water import COLLAPSE, IMPACT, RUN_UP, WAVES
 
 VERDICTS = (OUTLET, HEAP, DRUM, INCLINE, HYDRAULIC_JUMP, TAILGATE, WAVES, COLLAPSE, RUN_UP, IMPACT, ENERGY, DISCS)
 """In the order in which they claim the title. Pages, screens and the table of the site are made from it."""
@@ -65,15 +64,6 @@ def doubts(summary: Mapping[str, Any]) -> list[str]:
         for text in one.doubted(summary)
     ]
     return [_signed(f"{text[:1].upper()}{text[1:].rstrip('.')}.") for text in dict.fromkeys(found)]
-
-
-def is_shown(quantity: str, summary: Mapping[str, Any]) -> bool:
-    """Whether page and screen show a quantity: no jump that nobody asked for, no front where nothing runs."""
-    if quantity == "jump":
-        return jump_is_asked(summary)
-    if quantity == "front" and "given" in summary:
-        return has_front(summary)
-    return True
 
 
 def _signed(text: str) -> str:

@@ -10,6 +10,7 @@ from typing import Any, get_args
 
 import yaml
 
+from lammps_jump.analysis.quantities import LISTED
 from lammps_jump.case.explain import fields_of
 from lammps_jump.case.fields import CaseFields
 from lammps_jump.case.parts.base import Strict
@@ -26,7 +27,8 @@ SIGNS = {"gt": ">", "ge": "≥", "lt": "<", "le": "≤"}
 UNITS = {"m^3": "m³", "m^2": "m²", "s^2": "s²", "degree": "degrees"}
 WORDS = {"number": "number", "integer": "whole number", "string": "text", "boolean": "true or false"}
 MEANINGS: dict[str, str] = yaml.safe_load(Path(__file__).with_name("meanings.yaml").read_text(encoding="utf-8"))
-"""What the fields mean, by `_key`."""
+"""What the fields mean, by `_key`; the analyses tell of their own."""
+MEANINGS |= {f"analysis.{name}": one.asks for name, one in LISTED.items() if one.asks}
 HEAD = """\
 # All fields of a case
 

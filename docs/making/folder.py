@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from lammps_jump.files import FIGURES, RESULT_FILES, RUN_FILES
+from lammps_jump.analysis.quantities import captions, tables
+from lammps_jump.files import RESULT_FILES, RUN_FILES
 
 HEAD = """\
 # Files of a run folder
@@ -44,22 +45,7 @@ FILES = {
     "animation.gif": "film, where ffmpeg is missing",
     "report.html": "the report",
     "live.png": "picture of the run while it goes on (`--live`)",
-    "energy.csv": "energies against time",
     "bodies.csv": "bodies against time: centre of mass, turn, velocities, and force and moment of the discs",
-    "gauges.csv": "depth at the gauges against time",
-    "runup.csv": "highest water on a slope or wall, and what has gone over it, against time",
-    "tailgate.csv": "height of a tailgate and what it holds, against time",
-    "drum.csv": "angle of the surface in a drum against time",
-    "hopper.csv": "mass before the gaps that discs pass, and discharge, against time",
-    "layers.csv": "profiles over the height",
-    "heap.csv": "surface of the heap at the last frame",
-    "grade.csv": "energy grade line over x, and the head lost since the first station",
-    "rest.csv": "how fast the discs still move, against time",
-    "front.csv": "front and column against time",
-    "jump_track.csv": "front and toe of the jump against time",
-    "jump_frame.csv": "mean profile in the frame of the front",
-    "jump_stream.csv": "the stream before the jump",
-    "reflected_wave.csv": "front of the reflected wave against time",
     "fields.nc": "coarse-grained density, velocity and stress",
     "profiles.csv": "`profiles.nc` as a table (`export --csv`)",
     "profiles_mean.csv": "its means over the window (`export --csv`)",
@@ -71,7 +57,7 @@ FILES = {
     "walls.pvd": "list of these files with their times",
     "picture[0-9].dat": "pictures of the thesis' program (`export --pictures`)",
 }
-"""What each file holds; a name of the program that is missing here stops the build."""
+"""What each file holds that no analysis tells of; a name of the program that is missing here stops the build."""
 
 
 def page() -> str:
@@ -81,10 +67,14 @@ def page() -> str:
 
 def _files() -> list[str]:
     lines = []
-    for title, names in (("Files of the engine", RUN_FILES), ("Files of the analyses", RESULT_FILES)):
+    of_analyses = {**{name: FILES[name] for name in RESULT_FILES}, **tables()}
+    for title, files in (
+        ("Files of the engine", {name: FILES[name] for name in RUN_FILES}),
+        ("Files of the analyses", of_analyses),
+    ):
         lines += [f"## {title}\n", "| file | content |", "|---|---|"]
-        lines += [f"| `{name}` | {FILES[name]} |" for name in names if not name.startswith("figures/")]
+        lines += [f"| `{name}` | {text} |" for name, text in files.items()]
         lines.append("")
     lines += ["## Figures\n", "PNG files; `lammps-jump figures --format` draws them as PDF or SVG.\n"]
     lines += ["| file in `figures/` | picture |", "|---|---|"]
-    return [*lines, *(f"| `{name}` | {text} |" for name, text in FIGURES.items()), ""]
+    return [*lines, *(f"| `{name}.png` | {text} |" for name, text in captions().items()), ""]

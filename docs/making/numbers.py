@@ -6,10 +6,9 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import fields, is_dataclass
-from typing import get_args, get_type_hints
+from typing import Any, get_args, get_type_hints
 
-from lammps_jump.analysis.quantities import BESIDE_FORCES, QUANTITIES
-from lammps_jump.analysis.report.definitions import DEFINITIONS
+from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.units import POWERS, numbers_of
 
 from . import NONE
@@ -30,27 +29,6 @@ u is the mean velocity by mass, c the velocity of the front, g gravity across th
 Index 1 is upstream of the jump, 2 downstream. The mass depth is N m/(ρ L): the depth of N discs of
 mass m = ρd² over a length L, packed in squares.
 """
-TITLES = {
-    "inflow": "Inflow",
-    "jump": "Hydraulic jump",
-    "grade": "Energy grade line",
-    "front": "Front of a collapse",
-    "force": "Forces",
-    "energy": "Energy",
-    "waves": "Waves at gauges",
-    "runup": "Run-up and overtopping",
-    "drum": "Drum",
-    "hopper": "Outlet",
-    "layers": "Layers",
-    "heap": "Heap",
-    "rest": "Rest",
-    "tailgate": "Tailgates",
-    "depth": "Depths of a foreign dump",
-    "state": "State at the end",
-}
-"""Of the sections; a quantity of the program that is missing here stops the build."""
-BESIDE_DEFINITIONS = {"jump": ("stations",), "front": ("water",)}
-"""Definitions that stand in a section of their own in a report."""
 ENTRY = re.compile(r"^(\S.*?) {2,}(\S.*)$")
 
 
@@ -61,23 +39,27 @@ def page() -> str:
 
 def section(key: str) -> Iterator[str]:
     """Definitions and numbers of one quantity."""
-    yield f"## {TITLES[key]}\n"
-    for name in (key, *BESIDE_DEFINITIONS.get(key, ())):
-        rows = entries(DEFINITIONS.get(name, ""))
+    quantity = QUANTITIES[key]
+    yield f"## {quantity.title}\n"
+    for text in (quantity.definitions, quantity.beside):
+        rows = entries(text)
         if not rows:  # its numbers tell all
             continue
         yield "| word | what it is |\n|---|---|"
         yield from (f"| {cell(word)} | {cell(text)} |" for word, text in rows)
         yield ""
-    path = {"force": "force.structures.<wall>", "tailgate": "tailgate.<wall>"}.get(key, key)
-    results = {path: QUANTITIES[key].result}
-    if key == "force":
-        results |= {f"force.{name}": result for name, result in BESIDE_FORCES.items()}
+    results = {f"{key}.{quantity.named.path}" if quantity.named else key: quantity.result}
+    results |= {f"{key}.{name}": one for name, kind in quantity.parts.items() for one in results_in(kind)}
     for path, result in results.items():
         for inner, kind in within(path, result):
             yield f"Numbers of `{inner}`:\n"
             yield from table(kind)
             yield ""
+
+
+def results_in(kind: Any) -> list[type]:
+    """Results with numbers that a value of this type is, or holds."""
+    return [one for one in (kind, *get_args(kind)) if isinstance(one, type) and is_dataclass(one)]
 
 
 def table(result: type) -> Iterator[str]:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from lammps_jump.analysis.quantities import QUANTITIES
+from lammps_jump.analysis.statistics import student
 from lammps_jump.sweeps.table import number_at
 from lammps_jump.units import numbers_of
 
@@ -171,9 +172,7 @@ def unmet(model: Model, posterior: Posterior) -> list[dict[str, Any]]:
 
     Within means the 95 % of Student's t or a normal number, shared among the targets (Bonferroni).
     """
-    from scipy.special import stdtrit
-
-    limit = float(stdtrit(model.freedom or 1e6, 1.0 - 0.025 / len(model.parts)))
+    limit = student(model.freedom or 1e6, 1.0 - 0.025 / len(model.parts))
     places = np.vstack([posterior.drawn(LOOKED_AT), sobol(LOOKED_AT, posterior.places.shape[1], 0)])
     distances = model.distances(places)
     of_runs = model.distances_of_points()

@@ -12,13 +12,13 @@ import numpy as np
 import yaml
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationError
 
-from lammps_jump.analysis.quantities import QUANTITIES
+from lammps_jump.analysis.quantities import QUANTITIES, result_files
 from lammps_jump.case.case import ReadCase
 from lammps_jump.case.explain import explain
 from lammps_jump.case.parts.base import Strict, Whole
 from lammps_jump.case.text import CaseSource, read_source
 from lammps_jump.errors import CaseError, FieldError
-from lammps_jump.files import RESULT_FILES, plain
+from lammps_jump.files import plain
 from lammps_jump.quoting import echoed, shortened
 from lammps_jump.runs.run import Case
 from lammps_jump.sweeps import study as sweep_study
@@ -138,7 +138,7 @@ class Calibration:
         usual = [item.path for item in sweep_study.read_study(self.case).collect]
         parts = {item.name.split(".")[0].split("_")[0] for item in self.targets if item.axis}
         asked = [f"{part}.{next(iter(numbers_of(QUANTITIES[part].result)))}" for part in sorted(parts & {*QUANTITIES})
-                 if part not in ("force", "tailgate")]  # fmt: skip
+                 if QUANTITIES[part].named is None]  # fmt: skip
         keys = [item.name for item in self.targets if not item.axis]
         collect = list(dict.fromkeys([*keys, *usual, *asked]))
         study = {"axes": {sweep_study.ZIP: columns}, "members": self.members, "starts": "own", "collect": collect}
@@ -264,8 +264,8 @@ def _asked(case: Case, targets: tuple[Target, ...]) -> Case:
         parts.add(table.split("_")[0])
         if not target.axis:
             sweep_study.collected(target.name, case, "targets")
-        elif table != PROFILES and f"{table}.csv" not in RESULT_FILES and not table.startswith("force_"):
-            known = ", ".join(name[:-4] for name in RESULT_FILES if name.endswith(".csv") and "[" not in name)
+        elif table != PROFILES and f"{table}.csv" not in result_files() and not table.startswith("force_"):
+            known = ", ".join(name[:-4] for name in result_files() if name.endswith(".csv") and "[" not in name)
             raise FieldError("targets", f"{shortened(target.name)}: no run has a table {shortened(table)}; there are "
                              f"{known}, {PROFILES}")  # fmt: skip
     analysis = case.fields.analysis

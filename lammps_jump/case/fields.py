@@ -3,14 +3,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import cos, radians, sin, sqrt
 from operator import itemgetter
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BeforeValidator, ConfigDict, Discriminator, Field, Tag
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Discriminator, Field, Tag, create_model
 from pydantic.functional_validators import field_validator, model_validator
 
 from lammps_jump import units
+from lammps_jump.analysis.quantities import LISTED, Listed
 from lammps_jump.quoting import LONGEST_NAME, one_line
 from lammps_jump.scene.walls import KINDS, Coordinate, Extent, WallName, ordered
 
@@ -266,21 +268,28 @@ def _layers(value: Any) -> str:
     return "<layers>" if isinstance(value, dict | Layers) else "<all>"
 
 
-class Analysis(Strict):
-    """Analyses of the dump."""
+class Means(Strict):
+    """Where and when means are taken."""
 
     bin_width: units.Metre | None = Field(default=None, **LENGTH)
     window: Annotated[tuple[Moment, Moment], AfterValidator(ordered)] | None = None
-    jump: bool = False
-    energy: bool = False
-    front: Literal[False, True, "water"] = Field(default=False, description="water: also against columns of water")
-    drum: bool = Field(default=False, description="angle of the surface in a drum that turns")
-    hopper: bool = Field(default=False, description="discharge of a hopper")
+
+
+def asked_for(base: type[Strict], listed: Mapping[str, Listed]) -> Any:
+    """A model with a field, true or false, for each analysis that a case may ask for."""
+    fields: dict[str, Any] = {
+        name: (bool, Field(default=False, description=one.asks)) for name, one in listed.items() if one.asks
+    }
+    return create_model("AskedFor", __base__=base, **fields)
+
+
+class Analysis(asked_for(Means, LISTED)):  # type: ignore[misc]
+    """Analyses of the dump: those of `LISTED`, and what some of them take beside true and false."""
+
+    front: Literal[False, True, "water"] = Field(default=False, description=LISTED["front"].asks)
     layers: Annotated[Annotated[bool, Tag("<all>")] | Annotated[Layers, Tag("<layers>")], Discriminator(_layers)] = (
-        Field(default=False, description="profiles over y; {x: [10, 20], height: 0.4}: where")
+        Field(default=False, description=LISTED["layers"].asks)
     )
-    heap: bool = Field(default=False, description="shape of the discs at the end, slopes, run-out of a column")
-    rest: bool = Field(default=False, description="when the discs come to rest")
     stations: tuple[units.Metre, ...] = Field(default=(), description="places between which the head lost is told")
     fields: bool = False
     animation: bool = False
@@ -289,7 +298,7 @@ class Analysis(Strict):
     @property
     def looks_at_contacts(self) -> bool:
         """Whether an analysis needs the forces of contacts."""
-        return bool(self.jump or self.energy or self.layers or self.fields)
+        return self.fields or any(one.contacts and getattr(self, name) for name, one in LISTED.items())
 
 
 MOST_THREADS = 64

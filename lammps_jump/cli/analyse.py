@@ -3,6 +3,9 @@
 
 from __future__ import annotations
 
+import inspect
+from collections.abc import Callable
+from functools import wraps
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -10,6 +13,7 @@ import typer
 
 import lammps_jump as lj
 from lammps_jump import dump, runs, studies, sweeps
+from lammps_jump.analysis.quantities import LISTED
 from lammps_jump.errors import CaseError
 
 from .options import Quiet, Sets, Verbose, diameters, open_page, place, places, plane_of, quantity, told
@@ -18,9 +22,31 @@ from .progress import print_summary
 app = typer.Typer(rich_markup_mode=None)
 
 
-def look(name: str, words: str) -> Any:
-    """The option that asks for an analysis."""
-    return typer.Option(f"--{name}", help=f"{words} (a bare dump without such an option: jump and front).")
+def looking(command: Callable[..., None]) -> Callable[..., None]:
+    """The command with an option for each analysis that a bare dump can be asked for; it gets their names."""
+    asks = {one.option or name: name for name, one in LISTED.items() if one.look}
+
+    @wraps(command)
+    def looks(**given: Any) -> None:
+        analyses = tuple(name for option, name in asks.items() if given.pop(option, False))
+        command(**given, analyses=analyses)
+
+    words = {option: LISTED[name].look for option, name in asks.items()}
+    options = {
+        option: typer.Option(f"--{option}", help=f"{said} (a bare dump without such an option: jump and front).")
+        for option, said in words.items()
+    }
+    own = inspect.signature(command, eval_str=True).parameters
+    kinds = {name: one.annotation for name, one in own.items() if name != "analyses"}
+    kinds |= {option: Annotated[bool, one] for option, one in options.items()}
+    first = {name: one.default for name, one in own.items()}
+    keyword = inspect.Parameter.KEYWORD_ONLY
+    parameters = [
+        inspect.Parameter(name, keyword, default=first.get(name, False), annotation=kind)
+        for name, kind in kinds.items()
+    ]
+    looks.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+    return looks
 
 
 FOLDER = "Run folder, or folder of a dump's results."
@@ -28,6 +54,7 @@ OR_STUDY = "Folder of a run, of a study, or of a dump's results."
 
 
 @app.command()
+@looking
 def analyze(
     targets: Annotated[
         list[Path],
@@ -71,19 +98,12 @@ def analyze(
             help="Places between which the head lost is told, m, such as 2,8.5,17.",
         ),
     ] = None,
-    jump: Annotated[bool, look("jump", "Find a hydraulic jump")] = False,
-    front: Annotated[bool, look("front", "Follow the front")] = False,
-    heap: Annotated[bool, look("heap", "Measure the heap at the end")] = False,
-    rest: Annotated[bool, look("rest", "Tell when discs rest")] = False,
-    layers: Annotated[bool, look("layers", "Profiles over the height")] = False,
-    outlet: Annotated[bool, look("outlet", "Measure a discharge")] = False,
     set_: Sets = None,
     quiet: Quiet = False,
     verbose: Verbose = False,
+    analyses: tuple[str, ...] = (),
 ) -> None:
     """Depth profiles, jump, front, forces and figures of a run folder or of any dump."""
-    asked = {"jump": jump, "front": front, "heap": heap, "rest": rest, "layers": layers, "hopper": outlet}
-    analyses = tuple(name for name, wanted in asked.items() if wanted)
     guessed = {"--diameter": diameter, "--density": density, "--time-step": time_step, "--bodies": bodies}
     guessed["--gravity"] = gravity
     of_a_dump = {"--out": out, "--case": case, **guessed}

@@ -182,7 +182,7 @@ def print_summary(summary: Mapping[str, Any], folder: Path, *, verbose: bool = F
     page = folder / "report.html"
     if sys.stdout.isatty() and not verbose:
         found = analysis.tables.rows.rows_of([summary])
-        about = [*filter(None, [analysis.tables.rows.at_gauges(summary)])]
+        about = analysis.tables.rows.lines(summary)
         about += [analysis.tables.rows.sure(summary)] if found else []
         about += filter(None, (row.reason() for row in found))
         about += [f"doubtful: {text}" for text in analysis.verdicts.doubts(summary)]

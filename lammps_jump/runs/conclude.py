@@ -24,10 +24,10 @@ from lammps_jump.engines.checkpoint import remove_checkpoint
 from lammps_jump.engines.interrupts import terminate_as_interrupt
 from lammps_jump.errors import DumpError, RunError, RunInterrupted
 from lammps_jump.files import checksum, delete, text_of, write_text
-from lammps_jump.folders import clear, publish, staging
+from lammps_jump.folders import clear, publish, read_marker, staging
 from lammps_jump.identity import analysis_key
 
-from .folder import case_text
+from .folder import case_text, own_files
 from .live_analysis import Ahead
 from .state import outputs_of
 from .summary import compose, write_summary
@@ -217,7 +217,7 @@ class Conclusion:
         """Put what stands in `stage` into its place, then write the summary with the key of its analysis."""
         folder = self.folder
         self._write(summary, None)  # ended between here and the last line: it is analysed again
-        clear(folder, ["report.html", *self.stored.get("files", ())])
+        clear(folder, {"report.html", *self.stored.get("files", ())} & set(own_files(read_marker(folder))))
         names = publish(stage, folder)
         text, path = case_text(self.case), folder / "case.yaml"
         if not path.exists() or text_of(path, "replace") != text:

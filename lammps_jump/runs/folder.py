@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from lammps_jump import folders
+from lammps_jump.analysis import quantities
 from lammps_jump.case.case import ReadCase
 from lammps_jump.case.text import read_text as read_case
 from lammps_jump.dump.find import read_dump
@@ -18,7 +19,7 @@ from lammps_jump.engines import RunResult, Setting
 from lammps_jump.engines.lammps.finish import gather_forces
 from lammps_jump.engines.lammps.log import read_log
 from lammps_jump.errors import CaseError
-from lammps_jump.files import JOB_FILE, START_FILE, write_text
+from lammps_jump.files import JOB_FILE, RUN_FILES, START_FILE, write_text
 from lammps_jump.identity import field_keys, short_hash
 from lammps_jump.scene.scene import Scene
 
@@ -66,15 +67,20 @@ def case_text(case: ReadCase) -> str:
     return f"{MADE} {' '.join(f'{field}={found}' for field, found in field_keys(text).items())}\n{text}"
 
 
+def own_files(marker: folders.Marker | None) -> list[str]:
+    """Names and patterns of a marker that runs and their analyses make; nothing else of it is deleted."""
+    known, listed = {*RUN_FILES, *quantities.result_files()}, marker.files if marker else ()
+    return [name for name in listed if name in known or folders.FORCE_TABLE.fullmatch(name)]
+
+
 def write_folder(case: ReadCase, folder: Path, marker: folders.Marker) -> None:
     """Write ``case.yaml`` and the discs of earlier runs; what a run left there is removed.
 
     The engine's inputs are `write_inputs`'.
     """
     with folders.writable(folder):
-        earlier = folders.read_marker(folder)
         # a job that runs here may be requeued: its file stays
-        folders.clear(folder, set(earlier.files if earlier else ()) - {JOB_FILE})
+        folders.clear(folder, set(own_files(folders.read_marker(folder))) - {JOB_FILE})
         folders.write_marker(folder, marker)
         for begun in case.source.begun.values():
             write_ended(folder / START_FILE.format(key=begun.state.key), begun.state)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from lammps_jump import folders
 from lammps_jump.analysis import draw as drawing
-from lammps_jump.analysis import quantities
+from lammps_jump.analysis import pipeline, quantities
 from lammps_jump.analysis.budgets import depths
 from lammps_jump.analysis.flow import Flow, from_scene
 from lammps_jump.analysis.guess import from_dump
@@ -30,7 +30,7 @@ from lammps_jump.dump.exports import export as write_exports
 from lammps_jump.dump.find import find_dump, read_dump, read_forces
 from lammps_jump.dump.read import Dump, open_dump
 from lammps_jump.errors import CaseError, DumpError
-from lammps_jump.files import FIGURES, PLAYER, RESULT_FILES, checksum, read_json, write_json, write_text, writes
+from lammps_jump.files import PLAYER, checksum, read_json, write_json, write_text, writes
 from lammps_jump.provenance import versions
 from lammps_jump.quoting import visible
 from lammps_jump.scene.schedule import MOST_BINS
@@ -163,7 +163,7 @@ def _wanted(case: ReadCase) -> list[str]:
 
 def collect(case: ReadCase, flow: Flow, folder: Path, dump: Dump, *watch: Watcher) -> Gathered:
     """What one pass over the dump of a run folder gives to the analyses that its case asks for."""
-    return quantities.collect(flow, dump, [folder], _wanted(case), watch)
+    return pipeline.collect(flow, dump, [folder], _wanted(case), watch)
 
 
 def analyse(
@@ -182,12 +182,12 @@ def analyse(
     """
     asked = case.fields.analysis
     figures = asked.figures if has_page(case) else "none"
-    return quantities.analyse(
+    return pipeline.analyse(
         flow,
         find_dump(folder),
         out,
         _wanted(case),
-        pictures=quantities.Pictures(figures, asked.animation, quiet=not log.isEnabledFor(logging.INFO)),
+        pictures=pipeline.Pictures(figures, asked.animation, quiet=not log.isEnabledFor(logging.INFO)),
         watch=watch,
         gathered=gathered,
         told=told,
@@ -196,7 +196,7 @@ def analyse(
 
 def analyse_in_memory(case: ReadCase, folder: Path) -> ResultsInMemory:
     """Every analysis of a run folder, whether the case asks for it or not; nothing is written."""
-    gathered = quantities.collect(flow_of(case, folder), read_dump(folder), [folder], quantities.QUANTITIES)
+    gathered = pipeline.collect(flow_of(case, folder), read_dump(folder), [folder], quantities.QUANTITIES)
     results = {name: quantity.analyse(gathered) for name, quantity in quantities.QUANTITIES.items()}
     known = {name: result for name, result in results.items() if result is not None}
     return ResultsInMemory(gathered, known, tuple(dict.fromkeys(gathered.warnings)))
@@ -233,21 +233,21 @@ def analyse_dump(
     folder = out or path.parent / f"{stem or 'dump'}_analysis"
     summary: dict[str, Any] = {"name": visible(path.name), "given": given.known, "versions": versions()}
     summary |= {"case_yaml": case.to_yaml()} if case else {}
-    marker = folders.Marker("analysis", RESULT_FILES, {"dump": str(path.absolute())})
+    marker = folders.Marker("analysis", quantities.result_files(), {"dump": str(path.absolute())})
     with folders.results_folder(folder, marker, "dump") as stage:
         if (folder / "forces.csv").is_file():
             (stage / "forces.csv").symlink_to((folder / "forces.csv").absolute())
         packer = FramePacker(flow)
         places = (stage, path.parent)
-        gathered = quantities.collect(flow, open_dump(path), places, given.wanted, [IdCheck(path), packer])
+        gathered = pipeline.collect(flow, open_dump(path), places, given.wanted, [IdCheck(path), packer])
         if note := depths.require_agreement(gathered):
             gathered = replace(gathered, warnings=(*gathered.warnings, note))
-        summary |= quantities.analyse(flow, path, stage, given.wanted, gathered=gathered)
+        summary |= pipeline.analyse(flow, path, stage, given.wanted, gathered=gathered)
         report.write_report(stage, summary, case.to_yaml() if case else "", player=make_player(packer, stage))
         files = {str(one.relative_to(stage)): one for one in stage.rglob("*") if one.is_file() and not one.is_symlink()}
         analysed = {"key": "", "files": {name: checksum(one) for name, one in files.items()}}
         write_summary(stage, {**summary, "analysed": analysed})
-        folders.clear(folder, RESULT_FILES)
+        folders.clear(folder, quantities.result_files())
         folders.publish(stage, folder)
     return summary, folder
 
@@ -308,7 +308,7 @@ def draw_dump(folder: Path, ending: str = "png") -> list[Path]:
     with folders.locked(folder):
         names = Given.of(summary_of_dump(folder)).wanted
         wanted = {name: one for name, one in quantities.QUANTITIES.items() if name in names}
-        gathered = quantities.collect(flow_of_dump(folder), read_dump(folder), [folder], names)
+        gathered = pipeline.collect(flow_of_dump(folder), read_dump(folder), [folder], names)
         results = {name: result for name, one in wanted.items() if (result := one.analyse(gathered)) is not None}
         return draw_all(ResultsInMemory(gathered, results, ()), folder, ending)
 
@@ -359,24 +359,23 @@ def draw(found: ResultsInMemory, folder: Path, name: str) -> Figure:
     DumpError
         A name that is not known, or a figure for which the run has no data.
     """
-    shown = quantities.drawings(found.gathered, found.results)
-    known = [file.removesuffix(".png") for file in FIGURES]
-    if name not in known:
+    shown = pipeline.drawings(found.gathered, found.results)
+    if name not in (known := quantities.captions()):
         raise DumpError(f"figure '{name}' is not known; allowed is one of {', '.join(known)}")
-    there = [*shown, quantities.DISCS]
+    there = [*shown, pipeline.DISCS]
     if name not in there:
         raise DumpError(f"figure '{name}': the run in {folder} holds no data for it; use another of {', '.join(there)}")
-    return quantities.figure(name, shown, find_dump(folder), found.gathered.flow)
+    return pipeline.figure(name, shown, find_dump(folder), found.gathered.flow)
 
 
 def draw_all(found: ResultsInMemory, folder: Path, ending: str = "png") -> list[Path]:
     """Draw every figure of a run folder into its ``figures``, in a format of `files.PICTURES`; the paths."""
-    shown = quantities.drawings(found.gathered, found.results)
-    names = [*shown, quantities.DISCS]
+    shown = pipeline.drawings(found.gathered, found.results)
+    names = [*shown, pipeline.DISCS]
     for name in names:
         folders.require_replaceable(folder, f"figures/{name}.{ending}")
     with folders.staging(folder) as stage:
-        quantities.draw_figures(names, shown, stage / "figures", find_dump(folder), found.gathered.flow, ending)
+        pipeline.draw_figures(names, shown, stage / "figures", find_dump(folder), found.gathered.flow, ending)
         folders.publish(stage, folder)
     return [folder / "figures" / f"{name}.{ending}" for name in names]
 

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack, cast
 
 from lammps_jump import runs
 from lammps_jump.analysis import notebook
+from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.case.case import ReadCase
 from lammps_jump.dump import Frame, read_dump
 from lammps_jump.engines import NATIVE_KERNELS, ProgressCallback, RunResult, Setting
@@ -211,6 +212,19 @@ class Run:
         return results_in(self.folder, self._stored).dataset()
 
     @property
+    def results(self) -> Mapping[str, Any]:
+        """What each analysis found, by its key in ``summary.json``; each is an attribute too, such as ``run.heap``."""
+        return MappingProxyType(dict(self._found.results))
+
+    def __getattr__(self, name: str) -> Any:
+        if name in QUANTITIES:
+            return self._found.results.get(name)
+        raise AttributeError(f"a run has no '{name}'")
+
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__(), *QUANTITIES})
+
+    @property
     def jump(self) -> Jump:
         """The hydraulic jump; `verdict` and `reason` say whether there is one."""
         return cast("Jump", self._found.results["jump"])
@@ -336,7 +350,7 @@ class Run:
         asked = self.case.fields.analysis
         if asked.jump:
             lead.append(f"<p>{html.escape(self.jump.verdict)}: {html.escape(self.jump.reason)}</p>")
-        parts = [getattr(self, name) for name in ("jump", "front", "energy") if getattr(asked, name)]
+        parts = [self.results[name] for name in QUANTITIES if getattr(asked, name, False) and name in self.results]
         return "\n".join([*lead, number_table(parts), _picture(self.figure())])
 
 

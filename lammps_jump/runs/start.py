@@ -12,10 +12,11 @@ from functools import partial
 from pathlib import Path
 
 from lammps_jump import engines, runs
+from lammps_jump.analysis import quantities
 from lammps_jump.case.case import ReadCase
 from lammps_jump.engines import Checkpoint, Job, ProgressCallback, RunResult, Setting
 from lammps_jump.errors import CaseError, RunError, SetupError
-from lammps_jump.files import RANKS_FILE, RESULT_FILES
+from lammps_jump.files import RANKS_FILE
 from lammps_jump.folders import MARKER_FILE, clear, locked, read_marker, require_unlocked
 from lammps_jump.script.job import Site, write_job
 
@@ -106,7 +107,7 @@ def _run(
     with _files_at_risk(folder), Ahead(case, folder, setting, whole=checkpoint is None) as ahead:
         result, steady = _run_engine(case, folder, setting, checkpoint, watch)
         if checkpoint is not None:
-            clear(folder, [name for name in RESULT_FILES if name != SUMMARY_FILE])  # those of the part before
+            clear(folder, set(quantities.result_files()) - {SUMMARY_FILE})  # those of the part before
         Conclusion(case, folder, setting, result, steady, before, notes, watch[0], ahead).conclude()
 
 

@@ -7,11 +7,12 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, Literal
 
+from lammps_jump.analysis import quantities
 from lammps_jump.case.case import ReadCase
 from lammps_jump.engines.checkpoint import ANEW, Checkpoint, has_checkpoint, read_checkpoint
 from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import DumpError, ResumeError, SetupError
-from lammps_jump.files import CONTACTS_FILE, DUMP_NAMES, OWN_FILES, checksum
+from lammps_jump.files import CONTACTS_FILE, DUMP_NAMES, RUN_FILES, checksum
 from lammps_jump.folders import Marker, force_tables, read_marker, require_ours, standing
 from lammps_jump.identity import analysis_key, run_key, scene_key
 
@@ -31,7 +32,9 @@ def marker_of(case: ReadCase, setting: Setting) -> Marker:
     probes = case.structures
     program = program_of(setting)
     about = {"key": run_key(case.core, program), "case": case.core, "program": program}
-    return Marker("run", (*OWN_FILES, *force_tables(f"force_{name}.csv" for name in probes)), about)
+    return Marker(
+        "run", (*RUN_FILES, *quantities.result_files(), *force_tables(f"force_{name}.csv" for name in probes)), about
+    )
 
 
 def left_to_do(case: ReadCase, folder: Path, setting: Setting, *, force: bool = False, resume: bool = False) -> ToDo:

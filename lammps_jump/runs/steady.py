@@ -23,13 +23,13 @@ from math import inf, sqrt
 from pathlib import Path
 
 import numpy as np
-from scipy.special import stdtrit
 
 from lammps_jump.analysis.beds.images import moving
 from lammps_jump.analysis.flow import Flow, from_scene
 from lammps_jump.analysis.grains.rest import RestDetector, begin_of, state_of
 from lammps_jump.analysis.jump.result import STILL
 from lammps_jump.analysis.jump.track import LEAST_RATIO, LEAST_SHARE, fit_ramp
+from lammps_jump.analysis.statistics import student
 from lammps_jump.dump import DumpTail, Frame
 from lammps_jump.files import DUMP_NAMES
 from lammps_jump.scene.scene import Scene
@@ -94,7 +94,7 @@ def drift_of(values: np.ndarray, confidence: float = CONFIDENCE, batches: int = 
     correlation = min(max(correlation, 0.0), 0.9)
     error = sqrt(total / (batches - 2) / spread * (1 + correlation) / (1 - correlation))
     whole = len(values) / (batches * size)  # the batches leave out the few samples that do not fill one
-    return SeriesDrift(float(means.mean()), whole * slope, whole * float(stdtrit(batches - 2, confidence)) * error)
+    return SeriesDrift(float(means.mean()), whole * slope, whole * student(batches - 2, confidence) * error)
 
 
 class SteadyDetector:

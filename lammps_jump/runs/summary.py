@@ -25,11 +25,12 @@ from pydantic import (
     create_model,
 )  # fmt: skip
 
-from lammps_jump import analysis, dump
+from lammps_jump import dump
+from lammps_jump.analysis.quantities import QUANTITIES, result_files
 from lammps_jump.case.case import ReadCase
 from lammps_jump.engines import RunResult, Setting
 from lammps_jump.errors import DumpError
-from lammps_jump.files import MOST_TEXT, RESULT_FILES, plain, read_file, read_json, write_json
+from lammps_jump.files import MOST_TEXT, plain, read_file, read_json, write_json
 from lammps_jump.folders import read_marker, standing
 from lammps_jump.identity import run_key, shown_key
 from lammps_jump.provenance import versions
@@ -46,16 +47,6 @@ SUMMARY_FILE = "summary.json"
 NO_SUMMARY = (
     "the file is no summary of a run: delete it, and `lammps-jump analyze` makes it again from what the run wrote"
 )
-
-
-ANALYSED = (
-    "inflow", "jump", "front", "energy", "force", "waves", "runup", "drum", "hopper", "layers", "heap", "rest",
-    "tailgate", "state",
-)  # fmt: skip
-"""What the analyses have found, each checked as it is described there."""
-
-BY_NAME = ("force", "tailgate")
-"""Those that stand by the names of their walls."""
 
 
 class _Discs(BaseModel, strict=True, extra="forbid"):
@@ -137,29 +128,27 @@ def _stored(kind: Any) -> Any:
     if kind is np.ndarray or get_origin(kind) is tuple:
         item: Any = _stored((*get_args(kind), float)[0])
         return list[item] | None
+    if get_origin(kind) is dict:
+        key, item = get_args(kind)
+        return dict[key, _stored(item)] | None  # type: ignore[misc,valid-type]
     return FiniteFloat | None if kind is float else kind | None
 
 
 @cache
-def _stored_kinds() -> dict[str, TypeAdapter[Any]]:
-    """What may stand at a quantity, or at a part of the forces; 'force' is one structure, 'tailgate' one gate."""
-    number: Any = FiniteFloat | None
-    found = analysis.quantities
-    wave, identity = map(stored_model, (found.BESIDE_FORCES[key] for key in ("reflected_wave", "identity")))
-    kinds: dict[str, Any] = {name: stored_model(quantity.result) for name, quantity in found.QUANTITIES.items()}
-    kinds |= {"force.settled": dict[str, dict[str, number]], "force.reflected_wave": wave}
-    kinds |= {"force.identity": dict[str, identity], "force.low_pass": number, "force.notes": list[str]}  # type: ignore[valid-type]
-    return {name: TypeAdapter(kind) for name, kind in kinds.items()}
+def _adapter(kind: Any) -> TypeAdapter[Any]:
+    """What checks a stored value whose field in Python is of this type."""
+    return TypeAdapter(_stored(kind))
 
 
 def _stored_parts(summary: Mapping[str, Any]) -> Iterator[tuple[str, TypeAdapter[Any], object]]:
     """The results that a summary holds: place, what is allowed there, and what stands there."""
-    for name, found in ((name, summary[name]) for name in ANALYSED if summary.get(name) is not None):
-        kinds = _stored_kinds()
-        if name in BY_NAME and isinstance(found, Mapping):
-            yield from ((f"{name}: {key}", kinds.get(f"{name}.{key}", kinds[name]), found[key]) for key in found)
+    for name, found in ((name, summary[name]) for name in QUANTITIES if summary.get(name) is not None):
+        quantity = QUANTITIES[name]
+        if quantity.named and isinstance(found, Mapping):
+            kinds = ((key, quantity.parts.get(key, quantity.result)) for key in found)
+            yield from ((f"{name}: {key}", _adapter(kind), found[key]) for key, kind in kinds)
         else:
-            yield name, kinds[name], found
+            yield name, _adapter(quantity.result), found
 
 
 def compose(
@@ -250,7 +239,7 @@ class Results:
     def tables(self) -> list[str]:
         """Names of the tables, without their ending."""
         names = self.sums or [
-            name for pattern in (*RESULT_FILES, "force_*.csv") for name in standing(self.folder, pattern)
+            name for pattern in (*result_files(), "force_*.csv") for name in standing(self.folder, pattern)
         ]
         own = {name for name in names if name.endswith(".csv") and "/" not in name} - {"forces.csv"}
         return sorted(name.removesuffix(".csv") for name in own)

@@ -16,7 +16,7 @@ from lammps_jump.files import read_file, write_text, writes
 from lammps_jump.scene.motion import MovingWall
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.walls import Interval
-from lammps_jump.units import numbers_of, shown
+from lammps_jump.units import numbers_of, shown, sure_of
 
 from .folder import default_folder
 
@@ -40,7 +40,7 @@ def case_html(name: str, scene: Scene) -> str:
 def number_table(results: Sequence[object]) -> str:
     """The labelled numbers of some results, at most five, each with its standard error."""
     rows = [
-        (number.meaning, shown(value, number.unit, getattr(result, f"{number.key}_error", None)))
+        (number.meaning, shown(value, number.unit, sure_of(vars(result), number.key).value))
         for result in results
         for number in numbers_of(result).values()
         if number.label != number.meaning and (value := getattr(result, number.key)) == value

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lammps_jump.analysis.draw.style import drawing, save
+from lammps_jump.analysis.statistics import student
 from lammps_jump.calibration.measured import FEWEST, curve_of, measured_of, parse_columns
 from lammps_jump.errors import CaseError
 from lammps_jump.files import COMPARED_FILES, write_json, write_text
@@ -93,8 +94,6 @@ def distance(curves: Curves, at: np.ndarray, measured: np.ndarray) -> dict[str, 
     CaseError
         Fewer than `FEWEST` points in common.
     """
-    from scipy.special import stdtrit
-
     low, high = max(x[0] for x, _ in curves), min(x[-1] for x, _ in curves)
     inside = (at >= low) & (at <= high)
     if inside.sum() < FEWEST:
@@ -110,7 +109,7 @@ def distance(curves: Curves, at: np.ndarray, measured: np.ndarray) -> dict[str, 
         "points_measured": len(at),
         "starts": n,
         "mean": float(means.mean()),
-        "mean_interval": float(stdtrit(n - 1, 0.975) * means.std(ddof=1) / np.sqrt(n)) if n > 1 else nan,
+        "mean_interval": float(student(n - 1, 0.975) * means.std(ddof=1) / np.sqrt(n)) if n > 1 else nan,
         "rms": rms,
         "rms_over_range": rms / extent if extent > 0 else nan,
     }

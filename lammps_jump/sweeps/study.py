@@ -294,18 +294,10 @@ def _usual(case: Case) -> Iterator[str]:
             yield from (f"{parent}.{key}" for parent in parents for key in keys)
 
 
-PARTS = {
-    "force": ("probe", "name the wall in probes.forces of the case"),
-    "tailgate": ("tailgate", "give a wall of the case the motion hold"),
-}
-"""Quantities whose results stand by the names of walls: what such a wall is, and how a case gets one."""
-
-
 def _parts(name: str, case: Case) -> tuple[str, ...] | None:
     """Walls whose results a quantity holds by name; None of one that holds its own numbers."""
-    if name not in PARTS:
-        return None
-    return case.structures if name == "force" else case.tailgates
+    named = QUANTITIES[name].named
+    return None if named is None else getattr(case, named.walls)
 
 
 def collected(path: str, case: Case, field: str = "collect") -> Collected:
@@ -322,9 +314,10 @@ def collected(path: str, case: Case, field: str = "collect") -> Collected:
     if name not in QUANTITIES:
         hint = nearest(name, [*QUANTITIES, *OTHERS])
         raise FieldError(field, f"{shortened(path)}: there is no '{shortened(name)}' in summary.json; {hint}")
-    if (parts := _parts(name, case)) is not None:
+    if named := QUANTITIES[name].named:
+        parts: tuple[str, ...] = getattr(case, named.walls)
         part, _, key = key.partition(".")
-        what, remedy = PARTS[name]
+        what, remedy = named.what, named.remedy
         if part not in parts:
             known = ", ".join(parts) or f"none: {remedy}"
             raise FieldError(

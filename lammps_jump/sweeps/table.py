@@ -11,7 +11,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from lammps_jump.analysis.report.headline import belongs
+from lammps_jump.analysis.quantities import QUANTITIES
+from lammps_jump.analysis.statistics import student
 
 from .study import Study
 
@@ -31,7 +32,9 @@ def number_at(summary: Mapping[str, Any], path: str) -> float:
     found: Any = summary
     for part in path.split("."):
         parent, found = found, found.get(part) if isinstance(found, Mapping) else None
-    meant = not isinstance(parent, Mapping) or "verdict" not in parent or belongs(path.rpartition(".")[2], parent)
+    quantity, key = QUANTITIES.get(path.partition(".")[0]), path.rpartition(".")[2]
+    judged = isinstance(parent, Mapping) and "verdict" in parent
+    meant = quantity is None or not judged or quantity.belongs(key, parent)
     return float(found) if isinstance(found, int | float) and meant else nan
 
 
@@ -52,14 +55,12 @@ def statistics(values: ArrayLike, errors: ArrayLike, confidence: float) -> dict[
     The interval is that of Student's t with n - 1 degrees of freedom. For right errors of single runs with k degrees
     of freedom chi2 is k/(k - 2).
     """
-    from scipy.special import stdtrit  # 0.1 s; scipy.stats, with the same quantile, 0.4 s
-
     known = np.isfinite(np.asarray(values, float))
     x, own = np.asarray(values, float)[known], np.asarray(errors, float)[known]
     n, mean = len(x), x.mean() if len(x) else nan
     sd = x.std(ddof=1) if n > 1 else nan
     se = sd / np.sqrt(n) if n > 1 else nan
-    half = float(stdtrit(n - 1, 0.5 * (1 + confidence))) * se if n > 1 else nan
+    half = student(n - 1, 0.5 * (1 + confidence)) * se if n > 1 else nan
     stated = own[np.isfinite(own) & (own > 0)]
     chi2 = nan
     if n > 1 and len(stated) == n:

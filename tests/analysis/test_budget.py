@@ -10,22 +10,23 @@ import xarray as xr
 from made_up import INPUTS, disc_frame, flow_context, numbers
 
 from lammps_jump.analysis.budgets import stations
-from lammps_jump.analysis.flow import from_scene
-from lammps_jump.analysis.jump.frame import Moving
-from lammps_jump.analysis.jump.head import (
+from lammps_jump.analysis.budgets.head import (
     EnergyFluxes,
     budget_between,
     energy_budget,
     no_budget,
 )
-from lammps_jump.analysis.jump.result import JumpResult, analyse_jump
+from lammps_jump.analysis.flow import from_scene
+from lammps_jump.analysis.jump.found import Jump
+from lammps_jump.analysis.jump.frame import Moving
+from lammps_jump.analysis.jump.result import analyse_jump
 from lammps_jump.analysis.jump.section import section
 from lammps_jump.analysis.jump.summary import summarise_jump
 from lammps_jump.analysis.jump.track import FrontMotion
 from lammps_jump.analysis.passes import feed
 from lammps_jump.analysis.profiles import compute_profiles
-from lammps_jump.analysis.quantities import main_numbers
 from lammps_jump.analysis.report.page import Beside
+from lammps_jump.analysis.tables.rows import main_numbers
 from lammps_jump.case import load_case
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.engines.native.engine import take_frame
@@ -104,13 +105,15 @@ def test_the_budget_of_a_jump_closes_within_its_error(jump):
     assert found.lost == pytest.approx(found.carried + found.contacts - found.storage, rel=1e-9)
     assert found.contacts < 0 < found.carried  # the deep side pushes back
     assert (found.start, found.stop) == pytest.approx(
-        [np.mean(state.zone) - result.toe for state in (result.upstream, result.downstream)]
+        [np.mean(state.zone) - result.mass_toe for state in (result.upstream, result.downstream)]
     )
 
 
 def test_the_loss_belongs_to_its_stations(jump):
     fields, result = jump
-    near, far = (budget_between(fields, result, (result.toe - a, result.toe + b)) for a, b in ((1, 3), (3, 6)))
+    near, far = (
+        budget_between(fields, result, (result.mass_toe - a, result.mass_toe + b)) for a, b in ((1, 3), (3, 6))
+    )
     assert near.dashpots < 0.9 * far.dashpots
 
 
@@ -122,15 +125,15 @@ def test_frames_have_a_budget_between_the_stations_of_the_case(jump):
     at = front.start + front.speed * times[0]
 
     def asked(speed):
-        stations = Stations((at + result.toe - 2, at + result.toe + 4), speed, first, last)
+        stations = Stations((at + result.mass_toe - 2, at + result.mass_toe + 4), speed, first, last)
         return energy_budget(
             fields, replace(result, flow=replace(result.flow, scene=replace(scene, stations=stations)))
         )
 
     alike, still = asked(front.speed), asked(0.0)
-    expected = budget_between(fields, result, (result.toe - 2, result.toe + 4))
+    expected = budget_between(fields, result, (result.mass_toe - 2, result.mass_toe + 4))
     assert (alike.start, alike.stop, alike.lost) == pytest.approx((-2.0, 4.0, expected.lost), rel=0.01)
-    assert alike.x == pytest.approx((at + result.toe - 2, at + result.toe + 4), abs=1e-6)
+    assert alike.x == pytest.approx((at + result.mass_toe - 2, at + result.mass_toe + 4), abs=1e-6)
     assert still.speed == 0.0 and still.discharge == pytest.approx(expected.discharge, rel=0.1)
     moved = front.speed * (times[-1] - times[0])
     assert still.start == pytest.approx(-2.0 - 0.5 * moved, abs=0.01)  # the toe moves between them
@@ -171,7 +174,7 @@ def test_gravity_along_the_bed_is_no_loss():
         fluxes.add(disc_frame(x, 0 * x + D / 2 - rest, speed, box=[[-20, 90], [-1, 9]], time=time), time)
     inside = np.ones(len(times), bool)
     motion = FrontMotion(c, 0.0, start, len(times))
-    result = JumpResult("jump", "", flow, 1, (0.0, 2.0), inside, motion=motion, toe=0.0)
+    result = Jump("jump", "", window=(0.0, 2.0), flow=flow, in_window=inside, motion=motion, mass_toe=0.0)
     found = budget_between(fluxes.result(), result, (-10.0, 10.0), (start, c), inside)
     assert abs(found.carried) > 0.5
     assert abs(found.lost) < 0.02

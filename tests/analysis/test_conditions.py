@@ -12,7 +12,8 @@ from math import copysign
 import numpy as np
 import pytest
 
-from lammps_jump.analysis import quantities
+from lammps_jump.analysis import pipeline, quantities
+from lammps_jump.analysis.tables import rows
 from lammps_jump.analysis.verdicts import headline, verdict
 from lammps_jump.case import parse_case
 from lammps_jump.dump.frame import make_frame
@@ -62,9 +63,9 @@ def found(tmp_path_factory):
             with DumpWriter(folder / "dump.lammpstrj", ("id", "x", "y", "vx", "vy")) as out:
                 for frame in frames(case.scene(), discs):
                     out.write_frame(frame)
-            summaries[bed, discs] = quantities.analyse(
+            summaries[bed, discs] = pipeline.analyse(
                 results.flow_of(case, folder), folder / "dump.lammpstrj", folder, WANTED,
-                pictures=quantities.Pictures("none"),
+                pictures=pipeline.Pictures("none"),
             )  # fmt: skip
     return summaries
 
@@ -86,7 +87,7 @@ def all_numbers(value, key=""):
 @pytest.mark.parametrize("bed, discs", CASES)
 def test_no_text_and_no_number_is_empty_of_meaning(found, bed, discs):
     parts = found[bed, discs]
-    texts = [headline(parts), verdict(parts), *quantities.main_numbers(parts)]
+    texts = [headline(parts), verdict(parts), *rows.main_numbers(parts)]
     for section in (quantities.QUANTITIES[name].section(parts[name]) for name in WANTED if name in parts):
         texts += [str(block) for block in section.blocks] if section else []
     for text in texts:

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from made_up import call, columns_of_discs
 
-from lammps_jump.analysis import quantities
+from lammps_jump.analysis import pipeline
 from lammps_jump.analysis.draw import film
 from lammps_jump.analysis.guess import from_dump
 from lammps_jump.analysis.passes import gather
+from lammps_jump.analysis.pipeline import Pictures, analyse
 from lammps_jump.analysis.profiles import compute_profiles
-from lammps_jump.analysis.quantities import Pictures, analyse
 from lammps_jump.analysis.verdicts import headline, verdict
 from lammps_jump.dump.exports import read_netcdf
 from lammps_jump.dump.frame import make_frame
@@ -263,7 +263,7 @@ def test_results_of_a_dump_open_in_the_other_commands(tmp_path, monkeypatch, cap
         for name in names:
             (folder / f"{name}.{ending}").write_text(f"{flow.bin_width} {len(open_dump(dump))}")
 
-    monkeypatch.setattr(quantities, "draw_figures", draw_figures)
+    monkeypatch.setattr(pipeline, "draw_figures", draw_figures)
     monkeypatch.setattr(film, "animate", lambda dump, flow, path, **_: path.write_text(f"{flow.bin_width} {len(dump)}"))
     monkeypatch.setattr(film, "has_ffmpeg", lambda: True)
     monkeypatch.chdir(tmp_path)
@@ -358,7 +358,7 @@ def test_a_dump_of_grains_is_asked_for_a_heap(tmp_path, monkeypatch, capsys):
     found = json.loads((folder / "summary.json").read_text())
     assert found["heap"]["height"] == pytest.approx(8 * GRAIN, rel=0.01) and found["rest"]["time"] == 0.0
     assert found["layers"]["packing"] == pytest.approx(np.pi / 4, rel=0.02)
-    assert "jump" not in found and found["given"] == {"analyses": ["heap", "rest", "layers"]}
-    assert "lammps-jump analyze pour.dump --heap --rest --layers" in (folder / "report.html").read_text()
+    assert "jump" not in found and found["given"] == {"analyses": ["layers", "heap", "rest"]}
+    assert "lammps-jump analyze pour.dump --layers --heap --rest" in (folder / "report.html").read_text()
     status, said, message = call(monkeypatch, capsys, "figures", folder)
     assert status == 0 and "figures/heap.png" in said and "jump_track" not in said, message

@@ -16,12 +16,12 @@ from made_up import columns_of_discs, disc_frame, examples, flow_context, number
 
 from lammps_jump.analysis.beds.slope import AlongBed, sloping_stretch
 from lammps_jump.analysis.jump.certainty import LOCAL_BOUNDS, LOWER_BOUNDS, MADE_OF, UNTOLD, inherited
+from lammps_jump.analysis.jump.found import Budget, Jump, Local
 from lammps_jump.analysis.jump.frame import Moving, Roller, growth_rate
-from lammps_jump.analysis.jump.head import Budget
 from lammps_jump.analysis.jump.result import analyse_jump, level_reach, without_baffles
 from lammps_jump.analysis.jump.section import analyse, certainty, section
 from lammps_jump.analysis.jump.stream import compression_front, measure_stream, running_median
-from lammps_jump.analysis.jump.summary import Jump, Local, summarise_jump
+from lammps_jump.analysis.jump.summary import summarise_jump
 from lammps_jump.analysis.jump.track import JumpTrack, equivalent_position, fit_ramp, straight_motion
 from lammps_jump.analysis.jump.verdict import belongs_to, notes, untimed, worded
 from lammps_jump.analysis.passes import Gathered, feed
@@ -100,9 +100,9 @@ def test_step_states_and_balance(step_result):
         assert state.beta == pytest.approx(1.0, rel=1e-9)
     assert one.froude_relative == pytest.approx(FROUDE, rel=1e-9)
     assert step_result.mass.closure == pytest.approx(0.0, abs=1e-9)
-    assert step_result.balance.classical == pytest.approx(0.0, abs=1e-7)
+    assert step_result.momentum_terms.classical == pytest.approx(0.0, abs=1e-7)
     # nothing is stored between stations that move with the step, but the shifted profile is linear between bins
-    assert abs(step_result.balance.unsteady) < 0.02
+    assert abs(step_result.momentum_terms.unsteady) < 0.02
 
 
 def test_step_summary(step_result):
@@ -419,7 +419,7 @@ def test_each_printed_number_has_its_error():
     for key in ("h2", "froude", "sequent_ratio", "belanger_ratio", "density_ratio", "head_upstream", "energy_loss"):
         assert 0 < found["local"][f"{key}_error"] < 2 * abs(found["local"][key]) + 1, key
     # what is computed of the same pieces: the ratio's error is not that of independent depths
-    pieces = jump.measured.pieces
+    pieces = jump.pieces
     ratios = [piece.downstream.mass_depth / piece.upstream.mass_depth for piece in pieces]
     assert found["local"]["sequent_ratio_error"] == pytest.approx(piece_error(np.array(ratios)), rel=1e-9)
     speeds = [piece.motion.speed for piece in pieces]

@@ -15,14 +15,16 @@ from made_up import columns_of_discs, flow_context
 
 from lammps_jump.analysis.guess import from_dump
 from lammps_jump.analysis.passes import with_velocities
-from lammps_jump.analysis.quantities import Pictures, analyse, main_numbers
+from lammps_jump.analysis.pipeline import Pictures, analyse
+from lammps_jump.analysis.quantities import result_files
+from lammps_jump.analysis.tables.rows import main_numbers
 from lammps_jump.cli.analyse import analyze
 from lammps_jump.dump.exports import export, read_netcdf
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.dump.read import open_dump
 from lammps_jump.dump.write import DumpWriter
 from lammps_jump.errors import DumpError
-from lammps_jump.files import RESULT_FILES, plain
+from lammps_jump.files import plain
 from lammps_jump.scene.walls import Plane
 
 D = 0.2
@@ -37,7 +39,7 @@ context = partial(
 
 def assert_ours(names):
     """The next run in the folder clears what this one wrote."""
-    unknown = [name for name in names if not any(fnmatch(name, pattern) for pattern in RESULT_FILES)]
+    unknown = [name for name in names if not any(fnmatch(name, pattern) for pattern in result_files())]
     assert all(name.startswith("force_") for name in unknown), unknown
 
 
@@ -279,7 +281,7 @@ def test_plain():
 
 def test_the_command_says_once_what_it_guessed_of_a_bare_dump(tmp_path, capsys, blank_pictures_here):
     dump_of(tmp_path / "dump.flow", [bore(20.0)] * 2)
-    analyze([tmp_path], density=1000.0)
+    analyze(targets=[tmp_path], density=1000.0)
     said = capsys.readouterr().out.splitlines()
     notes = [text for text in said if text.startswith("note: ")]
     parts = json.loads((tmp_path / "dump_analysis" / "summary.json").read_text())

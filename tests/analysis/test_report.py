@@ -15,9 +15,8 @@ import pytest
 from made_up import numbers
 from number_text import numbers_in
 
-from lammps_jump.analysis.jump.summary import Jump
+from lammps_jump.analysis.jump.found import Jump
 from lammps_jump.analysis.quantities import QUANTITIES
-from lammps_jump.analysis.report.definitions import DEFINITIONS
 from lammps_jump.analysis.report.page import SCRIPTS, Curve, Player, Section, Table, Text, render, text
 from lammps_jump.analysis.report.run import LARGEST, write_report
 from lammps_jump.analysis.statistics import Mean
@@ -168,8 +167,11 @@ def test_verdict_in_a_sentence(summary, said):
     assert said in verdict(summary)
 
 
-def test_every_quantity_has_its_definitions():
-    assert set(DEFINITIONS) == {*QUANTITIES, "stations", "water"}
+def test_every_quantity_tells_all_of_itself():
+    for name, quantity in QUANTITIES.items():
+        assert quantity.name == name and quantity.title and quantity.definitions.strip()
+        assert all(quantity.meaning(wanted)[0] for wanted in quantity.headline)
+    assert len({name for quantity in QUANTITIES.values() for name in quantity.captions}) > 15
 
 
 def test_text_is_made_safe(tmp_path):

@@ -8,9 +8,9 @@ from dataclasses import fields
 
 import pytest
 
-from lammps_jump.analysis.quantities import QUANTITIES, main_numbers
-from lammps_jump.analysis.tables.rows import at_gauges
-from lammps_jump.analysis.verdicts import VERDICTS, doubts, headline, is_shown, verdict
+from lammps_jump.analysis.quantities import QUANTITIES
+from lammps_jump.analysis.tables.rows import lines, main_numbers
+from lammps_jump.analysis.verdicts import VERDICTS, doubts, headline, verdict
 
 GATE = {"height": 1.79, "height_interval": 0.03, "settled_at": 30.0}
 STATE = {"discs": 300, "first_discs": 300, "speed": 0.02, "speed_over_root_gd": 0.05, "along": 0.0, "mean_speed": 0.1,
@@ -68,7 +68,7 @@ def test_a_title_belongs_to_what_is_there(summary, said):
 def test_no_jump_is_spoken_of_where_none_can_be(summary):
     assert "jump" not in verdict(summary).lower() + headline(summary).lower() and "at rest" in verdict(summary)
     asked = "jump" in summary and "given" not in summary
-    assert is_shown("jump", summary) or not asked
+    assert QUANTITIES["jump"].shown(summary) or not asked
     # what a case asks for and cannot have is told with its reason
     assert any("hydraulic jump" in text for text in doubts(summary)) is asked
     assert not any("jump" in line for line in main_numbers(summary) if not asked)
@@ -77,17 +77,17 @@ def test_no_jump_is_spoken_of_where_none_can_be(summary):
 def test_a_jump_that_was_asked_for_is_spoken_of():
     assert verdict({"jump": NO_JUMP, "inflow": {}, "state": STATE}) == "No hydraulic jump."
     found = {**DUMP, "jump": JUMP}
-    assert verdict(found).startswith("A hydraulic jump.") and is_shown("jump", found)
+    assert verdict(found).startswith("A hydraulic jump.") and QUANTITIES["jump"].shown(found)
     asked = {**DUMP, "given": {"analyses": ["jump"]}, "jump": NO_JUMP}
-    assert is_shown("jump", asked) and not is_shown("jump", {**DUMP, "jump": NO_JUMP})
+    assert QUANTITIES["jump"].shown(asked) and not QUANTITIES["jump"].shown({**DUMP, "jump": NO_JUMP})
 
 
 def test_a_front_of_a_dump_is_shown_where_discs_run_as_a_stream():
     still = {**FRONT, "speed": None, "column_base": None}
     poured = {**DUMP, "front": still}
-    assert not is_shown("front", poured) and verdict(poured).startswith("A dump of 300 discs")
+    assert not QUANTITIES["front"].shown(poured) and verdict(poured).startswith("A dump of 300 discs")
     stream = {**poured, "state": {**STATE, "along": 0.09}}
-    assert is_shown("front", stream) and verdict(stream).startswith("The front of the discs is at 9.2 m")
+    assert QUANTITIES["front"].shown(stream) and verdict(stream).startswith("The front of the discs is at 9.2 m")
 
 
 def test_a_front_that_met_an_obstacle_is_not_where_it_ran_to():
@@ -174,10 +174,10 @@ def test_numbers_of_verdicts_are_those_of_the_program():
 
 def test_the_gauges_stand_on_the_first_screen():
     waves = {"gauges": [4.0, 8.0], "means": [0.93, -0.001], "largest": [1.26, 0.0]}
-    assert at_gauges({"waves": waves}) == (
+    assert lines({"waves": waves}) == [
         "depth at gauges, mean of the window (largest), m: x = 4 m 0.93 (1.26), x = 8 m 0.00 (0.00)"
-    )
-    assert at_gauges({}) == ""
+    ]
+    assert lines({}) == []
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import pytest
 from made_up import INPUTS, call
 
 import lammps_jump as lj
-from lammps_jump.analysis import quantities
+from lammps_jump.analysis import pipeline
 from lammps_jump.runs import start
 
 SHORT = {"run.duration": 0.3, "run.output_interval": 0.05, "engine.name": "native"}
@@ -71,7 +71,7 @@ def test_every_figure_is_drawn_when_asked(folders, opened, monkeypatch, capsys):
 
 
 def test_figures_are_drawn_as_vectors_when_asked(folders, opened, monkeypatch, capsys):
-    monkeypatch.setattr(quantities, "drawings", lambda gathered, results: {})  # the ten pictures alone
+    monkeypatch.setattr(pipeline, "drawings", lambda gathered, results: {})  # the ten pictures alone
     status, out, _ = call(monkeypatch, capsys, "figures", folders[0], "--format", "pdf")
     assert (status, out) == (0, f"{folders[0]}/figures/snapshots.pdf\n")
     assert (folders[0] / "figures/snapshots.pdf").read_bytes()[:5] == b"%PDF-"

@@ -14,7 +14,7 @@ sys.path.insert(0, str(DOCS))
 
 from making import fields, folder, pages  # noqa: E402
 
-from lammps_jump.analysis.quantities import QUANTITIES  # noqa: E402
+from lammps_jump.analysis.quantities import QUANTITIES, result_files  # noqa: E402
 from lammps_jump.case.fields import CaseFields  # noqa: E402
 from lammps_jump.files import RESULT_FILES, RUN_FILES  # noqa: E402
 from lammps_jump.units import numbers_of  # noqa: E402
@@ -39,7 +39,14 @@ SUMMARY = {
 """Of the Python object that pages call ``run``."""
 OF_SUMMARY = {f"{key}.{name}" for key, quantity in QUANTITIES.items() for name in numbers_of(quantity.result)}
 """Keys of ``summary.json``."""
-OF_FOLDERS = {*RUN_FILES, *RESULT_FILES, "contact.py", "contact.derive", "discs.fixed", "probes.groups.structures"} | {
+OF_FOLDERS = {
+    *RUN_FILES,
+    *result_files(),
+    "contact.py",
+    "contact.derive",
+    "discs.fixed",
+    "probes.groups.structures",
+} | {
     "walls.py",
     "walls.bed",
 }
@@ -145,7 +152,7 @@ def test_a_house_word_that_is_not_explained_is_found():
 
 
 def test_every_file_of_a_run_folder_is_explained():
-    assert set(folder.FILES) == {name for name in (*RUN_FILES, *RESULT_FILES) if not name.startswith("figures/")}
+    assert set(folder.FILES) == {*RUN_FILES, *RESULT_FILES}
 
 
 @pytest.mark.parametrize("name", pages.REFERENCE)

@@ -14,14 +14,14 @@ from fault_table import many
 from made_up import INPUTS, columns_of_discs, disc_frame
 
 import lammps_jump as lj
-from lammps_jump.analysis import quantities
+from lammps_jump.analysis import pipeline
 from lammps_jump.dump.write import DumpWriter
 from lammps_jump.errors import DumpError
 from lammps_jump.runs import results
 
 pytestmark = pytest.mark.fault("mutants of dumps")
 
-ANALYSE = quantities.analyse
+ANALYSE = pipeline.analyse
 MUTANTS = many(30, 500)
 
 
@@ -45,7 +45,7 @@ def outcome(data: bytes, folder, *, figures: str = "none", **given) -> str:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RuntimeWarning)
             with pytest.MonkeyPatch.context() as patch:
-                patch.setattr(quantities, "analyse", partial(ANALYSE, pictures=quantities.Pictures(figures)))
+                patch.setattr(pipeline, "analyse", partial(ANALYSE, pictures=pipeline.Pictures(figures)))
                 results.analyse_dump(path, None, results.Given(**given), folder / "out")
     except DumpError as error:
         assert "\n" not in str(error) and len(str(error)) < 600

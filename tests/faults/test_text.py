@@ -22,7 +22,7 @@ from made_up import disc_frame, flow_context, without_analysis
 
 import lammps_jump as lj
 from lammps_jump import quoting
-from lammps_jump.analysis import quantities
+from lammps_jump.analysis import pipeline
 from lammps_jump.analysis.draw.style import drawing
 from lammps_jump.analysis.report.run import write_report
 from lammps_jump.cli.streams import PatientStream
@@ -247,7 +247,7 @@ def test_an_attack_in_a_description_makes_no_file(tmp_path, monkeypatch):
 
 
 def test_an_attack_in_a_file_name_makes_no_file(tmp_path, monkeypatch):
-    monkeypatch.setattr(quantities, "analyse", partial(quantities.analyse, pictures=quantities.Pictures("none")))
+    monkeypatch.setattr(pipeline, "analyse", partial(pipeline.analyse, pictures=pipeline.Pictures("none")))
     for number, attack in enumerate(attack.replace("/", "_") for attack in ATTACKS if attack != "\ud800"):
         folder = tmp_path / str(number)
         folder.mkdir()

@@ -34,6 +34,6 @@ def test_it_is_quick(run):
 
 def test_it_starts_full_without_a_crystal(run):
     """The front is there at once and moves as it does later; discs in the tail water have no lattice's packing."""
-    track = run.jump.measured.track
+    track = run.jump.track
     assert track.found.all()
     assert 0.80 < run.jump.local.packing_2 < 0.86  # hexagonal 0.907

@@ -254,8 +254,8 @@ def test_an_analysis_that_fails_changes_nothing_and_is_made_again(case, folder, 
         raise lj.DumpError("the disk is full")
 
     with monkeypatch.context() as patch:
-        patch.setattr("lammps_jump.analysis.quantities.write_fields", fail)
-        patch.setattr("lammps_jump.analysis.quantities.draw_figures", fail)
+        patch.setattr("lammps_jump.analysis.pipeline.write_fields", fail)
+        patch.setattr("lammps_jump.analysis.pipeline.draw_figures", fail)
         with pytest.raises(lj.DumpError, match="the disk is full"):
             start.reanalyse(folder)
         assert files(folder) == before

@@ -114,7 +114,7 @@ def test_run_whose_analysis_was_ended(monkeypatch, capsys, folder):
 
     (folder / "summary.json").unlink()
     with monkeypatch.context() as patch:
-        patch.setattr("lammps_jump.analysis.quantities.analyse", ended)
+        patch.setattr("lammps_jump.analysis.pipeline.analyse", ended)
         with pytest.raises(RunInterrupted, match=r"analysis was stopped.*lammps-jump analyze"):
             start.reanalyse(folder)
     other = shutil.copytree(folder, folder.parent / "other")

@@ -7,7 +7,7 @@ import pytest
 from made_up import INPUTS
 
 import lammps_jump as lj
-from lammps_jump.analysis import contacts, quantities
+from lammps_jump.analysis import contacts, pipeline
 
 SHORT = {"run.duration": 0.3, "run.output_interval": 0.02, "engine.name": "native", "analysis.figures": "none"}
 
@@ -22,10 +22,10 @@ KINDS = [
 @pytest.fixture
 def passes(monkeypatch):
     """Kinds of the dumps that were read; there is always a core to read on."""
-    read, collect = [], quantities.collect
+    read, collect = [], pipeline.collect
     monkeypatch.setattr(os, "sched_getaffinity", lambda process: {0, 1}, raising=False)
     monkeypatch.setattr(
-        quantities, "collect", lambda flow, dump, *more: read.append(type(dump).__name__) or collect(flow, dump, *more)
+        pipeline, "collect", lambda flow, dump, *more: read.append(type(dump).__name__) or collect(flow, dump, *more)
     )
     return read
 

@@ -10,7 +10,7 @@ import yaml
 from scipy import stats
 
 import lammps_jump as lj
-from lammps_jump.analysis.jump.summary import Jump
+from lammps_jump.analysis.jump.found import Jump
 from lammps_jump.case import load_case
 from lammps_jump.errors import RunError, SetupError
 from lammps_jump.studies.cross_validation import statistics as cv_statistics

@@ -15,7 +15,6 @@ from lammps_jump.analysis.report import run as report
 from lammps_jump.analysis.report.page import Boxes, Curve, NumberBox, Player, PlayerChoice, Slider, Text
 from lammps_jump.analysis.report.player import make_player
 from lammps_jump.errors import DumpError
-from lammps_jump.files import FIGURES
 from lammps_jump.runs.results import flow_of, packed
 from lammps_jump.runs.run import Run
 from lammps_jump.sweeps.study_folder import StudyResults
@@ -119,4 +118,4 @@ def _curves(folder: Path) -> list[Curve]:
         found = report.curves(folder)
     except DumpError:
         return []
-    return [found[name] for name in FIGURES if name in found][:1]
+    return list(found.values())[:1]

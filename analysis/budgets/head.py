@@ -8,23 +8,20 @@ the dashpots take (docs/theory.md).
 from __future__ import annotations
 
 from ctypes import POINTER
-from dataclasses import dataclass, replace
-from math import nan
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
 
 from lammps_jump.analysis.contacts import touching
 from lammps_jump.analysis.flow import Flow
+from lammps_jump.analysis.jump.found import Budget, Jump
+from lammps_jump.analysis.jump.frame import along_stream, growth_rate, move_along
 from lammps_jump.analysis.profiles import bin_edges
 from lammps_jump.analysis.statistics import Mean, as_fields, mean_of
 from lammps_jump.core.law import jump_law
 from lammps_jump.core.library import INTEGER, INTEGERS, REAL, REALS, function
 from lammps_jump.dump.frame import Frame
-from lammps_jump.units import Estimates, estimate, number
-
-from .frame import along_stream, growth_rate, move_along
-from .result import JumpResult
 
 ROUNDS = 4
 """Rounds in which the velocity of the half step is rebuilt: dashpots then equal the engine's ledger within 1e-4."""
@@ -94,37 +91,14 @@ class EnergyFluxes:
         return xr.Dataset(data, {"time": self._times, "x": middles})
 
 
-@dataclass(frozen=True)
-class Budget(Estimates):
-    """Energy between two stations that move with the front, as heads: powers over ρ g and the discharge through it.
-
-    `x` are the places of the two at the begin of `window` (m, s), the smaller one first.
-    """
-
-    start: float = number("m", "station upstream, from the toe", default=nan)
-    stop: float = number("m", "station downstream, from the toe", default=nan)
-    x: tuple[float, float] = (nan, nan)
-    speed: float = number("m/s", "velocity of the stations", default=nan)
-    window: tuple[float, float] = (nan, nan)
-    discharge: float = number("m^2/s", "discharge through the station upstream, front's frame", default=nan)
-    carried: float = number("m", "head that discs carry in, less out", default=nan)
-    contacts: float = number("m", "head that contacts hand on, in less out", default=nan)
-    inflow: float = estimate("m", "both: in less out")
-    storage: float = number("m", "head stored between the stations", default=nan)
-    dashpots: float = estimate("m", "head that dashpots take")
-    lost: float = number("m", "head lost between the stations: in less out, less stored", default=nan)
-    residual: float = estimate("m", "that less what dashpots take")
-    frames: int = 0
-
-
-def energy_budget(fields: object, result: JumpResult) -> Budget | None:
+def energy_budget(fields: object, result: Jump) -> Budget | None:
     """Budget between the stations that the case names, else the middles of the stretches of the states of a jump.
 
     Parameters
     ----------
     fields : xarray.Dataset or None
         Of `EnergyFluxes`; None where they are not known.
-    result : JumpResult
+    result : Jump
     """
     if not isinstance(fields, xr.Dataset) or result.upstream is None or result.downstream is None:
         return None
@@ -143,7 +117,7 @@ def energy_budget(fields: object, result: JumpResult) -> Budget | None:
 
 def budget_between(
     fields: xr.Dataset,
-    result: JumpResult,
+    result: Jump,
     stations: tuple[float, float],
     line: tuple[float, float] | None = None,
     used: np.ndarray | None = None,
@@ -182,8 +156,8 @@ def budget_between(
     if not np.isfinite([net.value, taken.value]).all():
         return None
     return Budget(
-        start=stations[0] - result.toe,
-        stop=stations[1] - result.toe,
+        start=stations[0] - result.mass_toe,
+        stop=stations[1] - result.mass_toe,
         x=tuple(sorted(sign * float(fronts[0] + station) for station in stations)),
         speed=sign * c,
         window=(float(time[0]), float(time[-1])),

@@ -1,0 +1,294 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""How a dump becomes numbers, tables and figures: one pass, then each analysis that is asked for."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Collection, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import replace
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from lammps_jump.dump.exports import write_netcdf, write_table
+from lammps_jump.dump.find import read_forces
+from lammps_jump.dump.read import Dump, open_dump
+from lammps_jump.dump.side_files.contacts import ContactFile
+from lammps_jump.errors import DumpError, SetupError
+from lammps_jump.files import CONTACTS_FILE, CURVES, plain, write_json
+
+from . import draw
+from .beds.slope import AlongBed, sloping_stretch
+from .contacts import ContactCollector
+from .draw.chart import Bars, Chart, Drawings, Map
+from .draw.depths import depth_profile, xt_map
+from .draw.second_core import aside
+from .fields import write_fields
+from .flow import Flow
+from .passes import Gathered, Watcher, gather
+from .profiles import bin_edges, window_of
+from .quantities import LISTED, QUANTITIES
+from .quantity import Marks
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+DISCS = "snapshots"
+"""Name of the figure of ten pictures."""
+MAIN = ("depth_profile",)
+"""Figures that are drawn beside `DISCS` where no others are asked for; the page draws the curves of all itself."""
+
+
+class Pictures(NamedTuple):
+    """What is drawn.
+
+    Attributes
+    ----------
+    figures : {'none', 'default', 'all'}
+        As ``figures/*.png``; default: `MAIN` and `DISCS`.
+    film : bool
+        Write ``animation.mp4``, or ``animation.gif`` without ffmpeg.
+    quiet : bool
+        Print nothing while the film is made.
+    """
+
+    figures: str = "default"
+    film: bool = False
+    quiet: bool = False
+
+
+DEFAULT_PICTURES = Pictures()
+
+
+def analyse(
+    flow: Flow,
+    dump: Path,
+    out: Path,
+    wanted: Collection[str],
+    *,
+    pictures: Pictures = DEFAULT_PICTURES,
+    watch: Sequence[Watcher] = (),
+    gathered: Gathered | None = None,
+    told: Callable[[str], None] | None = None,
+) -> dict[str, object]:
+    """Analyse a dump file.
+
+    Parameters
+    ----------
+    flow : Flow
+        Of `flow.from_scene` or `guess.from_dump`.
+    dump : Path
+    out : Path
+        Folder that gets ``profiles.nc``, ``*.csv``, ``curves.json``, ``figures/*.png`` and the film. ``forces.csv`` is
+        looked for here and beside the dump.
+    wanted : collection of str
+        Of `QUANTITIES`, and 'fields' for mean fields on a grid. Profiles are always made, and what a flow has anyway.
+    pictures : Pictures
+    watch : sequence of Watcher
+        Are also shown every frame.
+    gathered : Gathered, optional
+        Of `collect` for the same quantities, where the frames were read before.
+    told : callable(str), optional
+        Called with what is done next: results, tables, figures.
+
+    Returns
+    -------
+    dict
+        ``profiles`` (what is in profiles.nc), the quantities, ``files`` (names written) and ``warnings`` (sentences).
+        Plain numbers, text and None; never NaN.
+
+    Raises
+    ------
+    DumpError
+        A quantity that is not known, no frame, a malformed dump, a place that cannot be written.
+    """
+    if unknown := sorted(set(wanted) - {*QUANTITIES, "fields"}):
+        known = ", ".join(name for name, one in QUANTITIES.items() if one.always is None or name == "force")
+        raise DumpError(f"quantity '{unknown[0]}' is not known: use {known} or fields.")
+    gathered = gathered or collect(flow, open_dump(dump), (out, dump.parent), wanted, watch)
+    told, warnings = told or (lambda phase: None), list(gathered.warnings)
+    out.mkdir(parents=True, exist_ok=True)  # only now: a dump that cannot be read leaves nothing behind
+    with ExitStack() as busy:
+        if pictures.figures != "none":
+            busy.enter_context(aside(draw_figures, [DISCS], {}, out / "figures", dump, flow))
+        told("results")
+        names = [name for name, quantity in QUANTITIES.items() if name in wanted or quantity.always is not None]
+        asked = {name: QUANTITIES[name].analyse(gathered) for name in names}
+        results = {name: result for name, result in asked.items() if result is not None}
+        warnings += [note for name, result in results.items() for note in QUANTITIES[name].notes(result)]
+        parts: dict[str, object] = {name: QUANTITIES[name].summary(result) for name, result in results.items()}
+        shown = drawings(gathered, results) if pictures.figures != "none" else {}
+        drawn = {"none": (), "default": MAIN, "all": tuple(shown)}[pictures.figures]
+        if drawn:
+            busy.enter_context(aside(draw_figures, drawn, shown, out / "figures", dump, flow))
+        told("tables")
+        files = _write(gathered, results, shown if drawn else {}, out)
+        if "fields" in wanted:
+            parts["fields"], maps = write_fields(gathered.flow, gathered.profiles, open_dump(dump), out)
+            files.append("fields.nc")
+            if drawn:
+                draw_figures(list(maps), _titled(maps, flow), out / "figures", dump, flow)
+                files += [f"figures/{name}.png" for name in maps]
+        told("figures")
+    files += [f"figures/{name}.png" for name in ((*drawn, DISCS) if drawn else ())]
+    if pictures.film:
+        files += _film(gathered, dump, out, warnings, pictures.quiet)
+    parts |= {"profiles": _about_profiles(gathered), "files": files, "warnings": list(dict.fromkeys(warnings))}
+    return plain(parts)
+
+
+def _write(
+    gathered: Gathered, results: Mapping[str, object], shown: Mapping[str, Chart | Bars | Map], out: Path
+) -> list[str]:
+    """Write profiles, tables and what the page draws; the names of the files."""
+    files = [write_netcdf(gathered.profiles, out / "profiles.nc").name]
+    clock = {} if gathered.flow.timed else {"time": "step"}
+    tables = {file: columns for name in results for file, columns in QUANTITIES[name].tables(results[name]).items()}
+    for file, columns in tables.items():
+        files.append(write_table({clock.get(name, name): column for name, column in columns.items()}, out / file).name)
+    if shown:
+        charts = {name: what.plain for name, what in shown.items() if not isinstance(what, Map)}
+        files.append(write_json(out / CURVES, charts, None).name)
+    return files
+
+
+def without_friction(flow: Flow, places: Sequence[Path], wanted: Collection[str]) -> list[str]:
+    """A note where forces of contacts lack the friction of springs with memory, because the engine wrote none."""
+    asked = {"fields", *(name for name, one in LISTED.items() if one.contacts)} & set(wanted)
+    if flow.scene.springs is None or not asked or any((place / CONTACTS_FILE).is_file() for place in places):
+        return []
+    return [
+        f"Contact forces lack the tangential springs, which no frame tells: {CONTACTS_FILE} is not there. Run with "
+        "engine.kernel: compiled or engine.name: native, which write it."
+    ]
+
+
+def without_core(flow: Flow) -> list[str]:
+    """A warning where the analysis leaves out what the core alone computes."""
+    if flow.knows_contacts or not isfinite(flow.scene.coefficients.stiffness):
+        return []
+    return [f"Elastic energy, contact forces and pressure are left out: {flow.no_contacts}."]
+
+
+def collect(
+    flow: Flow, dump: Dump, places: Sequence[Path], wanted: Collection[str], watch: Sequence[Watcher] = ()
+) -> Gathered:
+    """One pass over a dump with the collectors of the wanted quantities.
+
+    ``forces.csv`` and the contacts that the engine wrote are looked for in `places`.
+    """
+    if flow.scene.contact_output:
+        found = [place / CONTACTS_FILE for place in places]
+        there = next((file for file in found if file.is_file()), found[-1])
+        flow = replace(flow, written=ContactFile(there, flow.scene))
+    warnings = [*flow.notes, *without_friction(flow, places, wanted), *without_core(flow)]
+    edges = bin_edges(flow.x_range, flow.bin_width) if "jump" in wanted else None
+    contacts = ContactCollector(flow, edges) if flow.knows_contacts and {"jump", "energy"} & set(wanted) else None
+    forces_asked = bool(flow.scene.probes) or ("force" in wanted and _forces_file(places) is not None)
+    made = {name for name, one in QUANTITIES.items() if (one.always(flow) if one.always else name in wanted)}
+    made |= {"force"} if forces_asked else set()
+    collectors = {
+        name: quantity.collector(flow, contacts)
+        for name, quantity in QUANTITIES.items()
+        if quantity.collector and name in made
+    }
+    # contacts first: the energy takes each frame's elastic energy from them
+    stretch = sloping_stretch(flow) if "jump" in wanted and flow.velocities else None
+    along = [AlongBed(flow, stretch)] if stretch else []
+    fed = [*watch, *([contacts] if contacts else []), *collectors.values(), *along]
+    profiles = gather(dump, flow, fed, warnings)
+    histories = {name: collector.result() for name, collector in collectors.items()}
+    forces = {}
+    if forces_asked and (table := _forces_file(places)):  # of a run that goes on it is whole only now
+        try:
+            forces = read_forces(table)
+        except DumpError as error:
+            warnings.append(str(error))
+    sums, sloping = contacts.result() if contacts else None, along[0].result() if along else None
+    return Gathered(flow, profiles, sums, histories, forces, tuple(warnings), sloping)
+
+
+def _forces_file(places: Sequence[Path]) -> Path | None:
+    return next((place / "forces.csv" for place in places if (place / "forces.csv").is_file()), None)
+
+
+def drawings(gathered: Gathered, results: Mapping[str, object]) -> dict[str, Chart | Bars | Map]:
+    """What the results have to show, by the name of the figure."""
+    flow, looks = gathered.flow, _marks(results)
+    shown: Drawings = {
+        "depth_profile": depth_profile(gathered.profiles, flow, lines=looks.lines, marks=looks.places),
+        "depth_map": xt_map(gathered.thinned, toe=looks.track),
+    }
+    for name, result in results.items():
+        shown |= QUANTITIES[name].figures(result, gathered)
+    if isinstance(heads := shown.get("energy_head"), Chart):
+        first, *others = heads.panels
+        shown["energy_head"] = replace(heads, panels=(replace(first, marks={**first.marks, **looks.places}), *others))
+    return _titled(shown, flow)
+
+
+def _marks(results: Mapping[str, object]) -> Marks:
+    """What figures of the profiles show of all results."""
+    found = Marks()
+    for lines, places, track in (QUANTITIES[name].marks(result) for name, result in results.items()):
+        found = Marks({**found.lines, **lines}, {**found.places, **places}, track or found.track)
+    return found
+
+
+def _titled(shown: Drawings, flow: Flow) -> dict[str, Chart | Bars | Map]:
+    return {name: replace(what, name=flow.title) for name, what in shown.items() if what is not None}
+
+
+def figure(name: str, shown: Mapping[str, Chart | Bars | Map], dump: Path, flow: Flow) -> Figure:
+    """The matplotlib figure of this name, of `drawings` or the discs themselves."""
+    return draw.snapshots.snapshots(open_dump(dump), flow) if name == DISCS else draw.style.drawn(shown[name])
+
+
+def draw_figures(
+    names: Sequence[str],
+    shown: Mapping[str, Chart | Bars | Map],
+    folder: Path,
+    dump: Path,
+    flow: Flow,
+    ending: str = "png",
+) -> None:
+    """Draw figures into a folder, as files with this ending."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise DumpError(f"{folder}: cannot be made ({error.strerror}); name another folder.") from error
+    for name in names:
+        draw.style.save(figure(name, shown, dump, flow), folder / f"{name}.{ending}")
+
+
+def _film(gathered: Gathered, dump: Path, out: Path, warnings: list[str], quiet: bool) -> list[str]:
+    """The film; without ffmpeg a GIF and a note, and no failure where that cannot be made either."""
+
+    def told(done: int, total: int) -> None:
+        print(f"\ranimation: {done} of {total} frames", end="\n" if done == total else "", flush=True)
+
+    progress = None if quiet or not sys.stdout.isatty() else told
+    try:
+        path = out / "animation.mp4"
+        made = draw.film.animate(open_dump(dump), gathered.flow, path, forces=gathered.forces, progress=progress)
+    except SetupError as error:
+        warnings.append(f"no animation: {error}")
+        return []
+    warnings += [draw.film.NO_FFMPEG] if made != path else []
+    return [made.name]
+
+
+def _about_profiles(gathered: Gathered) -> dict[str, object]:
+    profiles = gathered.profiles
+    return {
+        "file": "profiles.nc",
+        "frames": profiles.sizes["time"],
+        "axis": "time" if gathered.flow.timed else "step",
+        "bins": profiles.sizes["x"],
+        "bin_width": profiles.attrs["bin_width"],
+        "first_time": float(profiles["time"][0]),
+        "last_time": float(profiles["time"][-1]),
+        "window": list(window_of(profiles)),
+        "window_frames": profiles.attrs["window_frames"],
+    }

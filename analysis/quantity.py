@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What a quantity is: one analysis of a run, and all that the program says of it.
+
+The file of each analysis ends with its `QUANTITY`; `quantities.py` lists these files. Summary, report, screen, tables
+of a study, Python and the pages of the site ask it for what they show.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from lammps_jump.units import as_summary, numbers_of
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from .contacts import ContactCollector
+    from .draw.chart import Drawings
+    from .flow import Flow
+    from .passes import Collector, Gathered, Tables
+    from .report.page import Section
+
+NONE: Mapping[str, Any] = MappingProxyType({})
+
+
+class Wanted(NamedTuple):
+    """A number for the top of page and screen, and that of theory which it is held against.
+
+    Attributes
+    ----------
+    key : str
+        Of the number, a path within the quantity; ``*`` stands for the names of structures.
+    words, other : str
+        What theory is, and the path of its number within the quantity. Without a path the words stand alone.
+    label : str
+        In place of the meaning of the number.
+    scale, unit : float, str or None
+        In place of those of the description.
+    plain : bool
+        The difference has the unit of both; else it is a share of theory.
+    holds : str
+        What theory is of, for flows to which it does not apply. Lengths have none: discs make a short jump, and the
+        page says so beside them.
+    rank : int or None
+        In place of the rank of the quantity.
+    result : type or None
+        What describes the number, where that is not the result of the quantity.
+    """
+
+    key: str
+    words: str = ""
+    other: str = ""
+    label: str = ""
+    scale: float = 1.0
+    unit: str | None = None
+    plain: bool = False
+    holds: str = ""
+    rank: int | None = None
+    result: type | None = None
+
+
+class Marks(NamedTuple):
+    """What the figures of the profiles show of a result.
+
+    Attributes
+    ----------
+    lines : dict of label to depth, m
+    places : dict of label to x, m
+    track : (ndarray, ndarray) or None
+        Places (m) and times (s) of the toe of a jump.
+    """
+
+    lines: Mapping[str, float] = NONE
+    places: Mapping[str, float] = NONE
+    track: tuple[np.ndarray, np.ndarray] | None = None
+
+
+class Named(NamedTuple):
+    """Says that a quantity has a result for each of several walls, by their names.
+
+    Attributes
+    ----------
+    what, remedy : str
+        What such a wall is, and how a case gets one.
+    walls : str
+        Attribute of a case that holds their names.
+    path : str
+        Where a result stands, on the page of all numbers.
+    """
+
+    what: str
+    remedy: str
+    walls: str
+    path: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Quantity:
+    """One analysis of a run.
+
+    Attributes
+    ----------
+    name : str
+        Its key in ``summary.json``, and its field of ``analysis`` in a case that may ask for it.
+    title : str
+        Of its section on the page of all numbers.
+    result : type
+        Its numbers, described; labelled ones are shown on the screen.
+    definitions : str
+        What its numbers mean: a word, two spaces or more, a text; for the report and the page of all numbers.
+    beside : str
+        Definitions that the page of all numbers has too.
+    analyse : callable(Gathered) -> result, or None where there is nothing to be said
+    collector : callable(flow, contacts) -> Collector, or None
+        Takes in the frames; None where profiles and contacts are enough.
+    always : callable(flow) -> bool, or None
+        Whether a flow has it without being asked; None: never.
+    files, captions : mapping of str to str
+        What each CSV table holds, and the caption of each figure, by their names; in the order of the report.
+    tables, figures, section : callable
+        CSV tables of the result, what figures show of result and `Gathered`, section from ``summary.json``.
+    marks, notes, summary : callable(result)
+        What figures of the profiles show of it; sentences for the warnings; as it stands in ``summary.json``.
+    headline : tuple of Wanted
+        Numbers for the top of page and screen.
+    rank : int
+        Place of these among those of other quantities; small ones come first.
+    goes : callable(Wanted, summary) -> bool
+        Whether such a number is shown.
+    words : callable(summary) -> mapping
+        What the blanks of their labels are filled with.
+    structures : callable(key, summary) -> mapping
+        Names that stand for ``*``, with the component of the force there.
+    belongs : callable(key, its part of a summary) -> bool
+        Whether a number goes with what was found: no length of a jump where there is none.
+    shown : callable(summary) -> bool
+        Whether page and screen show the quantity.
+    defined : callable(summary) -> str
+        Definitions that the report shows behind `definitions`.
+    line : callable(summary) -> str
+        A line below the numbers at the top; empty where there is none.
+    errors : mapping of str to type
+        Results with standard errors, by their path within the quantity; ``*`` stands for the names of walls.
+    named : Named or None
+    parts : mapping of str to type
+        What stands in ``summary.json`` beside the results of the walls, by its key.
+    """
+
+    name: str
+    title: str
+    result: type
+    definitions: str
+    analyse: Callable[[Gathered], Any]
+    beside: str = ""
+    collector: Callable[[Flow, ContactCollector | None], Collector] | None = None
+    always: Callable[[Flow], bool] | None = None
+    files: Mapping[str, str] = field(default_factory=dict)
+    captions: Mapping[str, str] = field(default_factory=dict)
+    tables: Callable[[Any], Tables] = lambda _: {}
+    figures: Callable[[Any, Gathered], Drawings] = lambda *_: {}
+    section: Callable[[Mapping[str, Any]], Section | None] = lambda _: None
+    marks: Callable[[Any], Marks] = lambda _: Marks()
+    notes: Callable[[Any], Sequence[str]] = lambda _: ()
+    summary: Callable[[Any], dict[str, object]] = as_summary
+    headline: tuple[Wanted, ...] = ()
+    rank: int = 1000
+    goes: Callable[[Wanted, Mapping[str, Any]], bool] = lambda *_: True
+    words: Callable[[Mapping[str, Any]], Mapping[str, str]] = lambda _: NONE
+    structures: Callable[[str, Mapping[str, Any]], Mapping[str, str]] = lambda *_: NONE
+    belongs: Callable[[str, Mapping[str, Any]], bool] = lambda *_: True
+    shown: Callable[[Mapping[str, Any]], bool] = lambda _: True
+    defined: Callable[[Mapping[str, Any]], str] = lambda _: ""
+    line: Callable[[Mapping[str, Any]], str] = lambda _: ""
+    errors: Mapping[str, type] = field(default_factory=dict)
+    named: Named | None = None
+    parts: Mapping[str, Any] = field(default_factory=dict)
+
+    def meaning(self, wanted: Wanted) -> tuple[str, str]:
+        """Meaning and unit of a number for the top of the page."""
+        number = numbers_of(wanted.result or self.result)[wanted.key.rpartition(".")[2]]
+        return wanted.label or number.meaning, number.unit if wanted.unit is None else wanted.unit

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A quantity that the program does not have: the height over which discs are spread. It is told by this file alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import nan
+
+import numpy as np
+
+from lammps_jump.analysis.draw.chart import TIME, Chart, Panel, Trace
+from lammps_jump.analysis.quantity import Quantity, Wanted
+from lammps_jump.analysis.report.page import Section, Table, described
+from lammps_jump.analysis.statistics import Mean, as_fields, mean_of
+from lammps_jump.units import Estimates, estimate
+
+
+@dataclass(frozen=True)
+class Spread(Estimates):
+    """Height from the lowest disc to the highest."""
+
+    height: float = estimate("m", "height that the discs are spread over", label="spread")
+    tables: dict = field(default_factory=dict, metadata={"summary": False})
+
+
+class SpreadWatch:
+    """Collects the height, frame by frame."""
+
+    def __init__(self, flow, _):
+        self.flow, self.rows = flow, []
+
+    def add(self, frame, time):
+        """Take in a frame at a time, s."""
+        self.rows.append((time, float(np.ptp(frame.y)) if frame.n else nan))
+
+    def result(self):
+        """Times and heights."""
+        return np.array(self.rows).T
+
+
+def analyse(gathered):
+    """Mean of the record."""
+    time, height = gathered.histories["spread"]
+    found = mean_of(height)
+    return Spread(**as_fields(height=Mean(found.value, found.error)), tables={"time": time, "height": height})
+
+
+QUANTITY = Quantity(
+    name="spread",
+    title="Spread",
+    result=Spread,
+    definitions="spread    from the lowest disc to the highest\n",
+    collector=SpreadWatch,
+    analyse=analyse,
+    files={"spread.csv": "height of the discs against time"},
+    captions={"spread": "Height of the discs"},
+    tables=lambda spread: {"spread.csv": spread.tables},
+    figures=lambda spread, _: {"spread": Chart("spread", TIME, [Panel("m", [Trace("", *spread.tables.values())])])},
+    section=lambda spread: Section("Spread", [Table(described(Spread, spread, "height"))]),
+    headline=(Wanted("height", "asked", rank=1),),
+    errors={"": Spread},
+)
