@@ -131,9 +131,7 @@ class StandingColumn(NamedTuple):
     @property
     def back(self) -> float:
         """Where L0 is measured from, m: the wall, or the middle."""
-        if all(self.free):
-            return 0.5 * (self.left + self.right)
-        return self.left if self.free[1] else self.right
+        return 0.5 * (self.left + self.right) if all(self.free) else self.left if self.free[1] else self.right
 
     @property
     def sides(self) -> tuple[int, ...]:
@@ -285,9 +283,8 @@ def _angle(flank: Flank, side: int, flow: Flow) -> tuple[float, float]:
     """Angle of a flank to the horizontal and half of its interval, degrees; gravity may be tilted."""
     tilt = degrees(atan2(flow.scene.gravity[0], flow.gravity))
     interval = degrees(flank.interval / (1.0 + flank.fall**2))
-    if interval > MOST_INTERVAL:  # a few bins that lie on no line
-        return nan, nan
-    return degrees(atan(flank.fall)) + side * tilt, interval
+    found = degrees(atan(flank.fall)) + side * tilt, interval
+    return (nan, nan) if interval > MOST_INTERVAL else found  # a few bins that lie on no line
 
 
 def _end(frame: Frame, flow: Flow, start: float, side: int, *, bulk: bool) -> float:
