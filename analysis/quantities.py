@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from .quantity import Quantity
 
 
-class Listed(NamedTuple):
+class ListedAnalysis(NamedTuple):
     """How an analysis is found and asked for.
 
     Attributes
@@ -42,21 +42,25 @@ class Listed(NamedTuple):
 
 
 LISTED = {
-    "inflow": Listed("lammps_jump.analysis.budgets.inflow"),
-    "jump": Listed("lammps_jump.analysis.jump.section", "hydraulic jump", "Find a hydraulic jump", contacts=True),
-    "grade": Listed("lammps_jump.analysis.budgets.grade"),
-    "front": Listed(
+    "inflow": ListedAnalysis("lammps_jump.analysis.budgets.inflow"),
+    "jump": ListedAnalysis(
+        "lammps_jump.analysis.jump.section", "hydraulic jump", "Find a hydraulic jump", contacts=True
+    ),
+    "grade": ListedAnalysis("lammps_jump.analysis.budgets.grade"),
+    "front": ListedAnalysis(
         "lammps_jump.analysis.devices.front_page",
         "front of a collapsing column. `water`: also against water, Ritter and the columns of Martin & Moyce",
         "Follow the front",
     ),
-    "force": Listed("lammps_jump.analysis.forces.figures"),
-    "energy": Listed("lammps_jump.analysis.budgets.energy", "energy against time", contacts=True),
-    "waves": Listed("lammps_jump.analysis.devices.waves"),
-    "runup": Listed("lammps_jump.analysis.devices.runup"),
-    "drum": Listed("lammps_jump.analysis.devices.drum", "angle of the surface in a drum that turns"),
-    "hopper": Listed("lammps_jump.analysis.devices.hopper", "discharge of a hopper", "Measure a discharge", "outlet"),
-    "layers": Listed(
+    "force": ListedAnalysis("lammps_jump.analysis.forces.figures"),
+    "energy": ListedAnalysis("lammps_jump.analysis.budgets.energy", "energy against time", contacts=True),
+    "waves": ListedAnalysis("lammps_jump.analysis.devices.waves"),
+    "runup": ListedAnalysis("lammps_jump.analysis.devices.runup"),
+    "drum": ListedAnalysis("lammps_jump.analysis.devices.drum", "angle of the surface in a drum that turns"),
+    "hopper": ListedAnalysis(
+        "lammps_jump.analysis.devices.hopper", "discharge of a hopper", "Measure a discharge", "outlet"
+    ),
+    "layers": ListedAnalysis(
         "lammps_jump.analysis.grains.layers",
         "profiles over y: velocity, solid fraction, temperature, stress, inertial number. `true`: in the middle half "
         "of the channel, layers of two diameters. `{x: [10, 20], height: 0.4}`: in this stretch, with layers of this "
@@ -64,20 +68,20 @@ LISTED = {
         "Profiles over the height",
         contacts=True,
     ),
-    "heap": Listed(
+    "heap": ListedAnalysis(
         "lammps_jump.analysis.grains.heap",
         "shape of the discs at the end, slopes of its flanks, run-out of a column",
         "Measure the heap at the end",
     ),
-    "rest": Listed("lammps_jump.analysis.grains.rest", "when the discs come to rest", "Tell when discs rest"),
-    "tailgate": Listed("lammps_jump.analysis.devices.tailgate"),
-    "depth": Listed("lammps_jump.analysis.budgets.depths"),
-    "state": Listed("lammps_jump.analysis.grains.state"),
+    "rest": ListedAnalysis("lammps_jump.analysis.grains.rest", "when the discs come to rest", "Tell when discs rest"),
+    "tailgate": ListedAnalysis("lammps_jump.analysis.devices.tailgate"),
+    "depth": ListedAnalysis("lammps_jump.analysis.budgets.depths"),
+    "state": ListedAnalysis("lammps_jump.analysis.grains.state"),
 }
 """By the key in ``summary.json``, in the order of the report."""
 
 
-class Quantities(Mapping[str, "Quantity"]):
+class ListedQuantities(Mapping[str, "Quantity"]):
     """The analyses by their names, in the order of the report; each is loaded where it is asked for."""
 
     def __getitem__(self, name: str) -> Quantity:
@@ -94,7 +98,7 @@ class Quantities(Mapping[str, "Quantity"]):
         return len(LISTED)
 
 
-QUANTITIES = Quantities()
+QUANTITIES = ListedQuantities()
 """By the key in ``summary.json``."""
 FIRST = {
     "depth_profile": "Depth and velocity along the channel, mean of the window",

@@ -24,7 +24,7 @@ from pydantic import Field
 
 import lammps_jump.case.case as cases
 from lammps_jump.analysis.flow import from_scene
-from lammps_jump.analysis.quantities import LISTED, Listed, captions, result_files
+from lammps_jump.analysis.quantities import LISTED, ListedAnalysis, captions, result_files
 from lammps_jump.analysis.report.run import write_report
 from lammps_jump.analysis.tables.rows import main_numbers, rows_of
 from lammps_jump.case.fields import Analysis, CaseFields, Contact, asked_for
@@ -300,7 +300,7 @@ def test_a_new_motion_runs_without_another_change():
     assert "move" in plugin_walls(scene)[0]
 
 
-SPREAD = Listed("made_quantity", "height of the discs", look="Height of the discs")
+SPREAD = ListedAnalysis("made_quantity", "height of the discs", look="Height of the discs")
 """The line of a quantity in the list of them; its own file is ``made_quantity.py``."""
 FALL = {
     "discs": {"diameter": 0.2}, "contact": {"restitution": 0.4, "impact_speed": 6},
@@ -356,8 +356,8 @@ def test_a_program_with_a_new_quantity_runs(tmp_path):
             if path.name not in ("analysis", "quantities.py", "__pycache__"):
                 (folder / path.name).symlink_to(path)
     text = (ROOT / "analysis" / "quantities.py").read_text()
-    line = '    "spread": Listed("lammps_jump.analysis.spread", "height of the discs", look="Height of the discs"),\n'
-    at = text.index('    "tailgate": Listed(')
+    line = '    "spread": ListedAnalysis("lammps_jump.analysis.spread", "height of the discs", look="Height of the discs"),\n'
+    at = text.index('    "tailgate": ListedAnalysis(')
     (place / "analysis" / "quantities.py").write_text(text[:at] + line + text[at:])
     shutil.copy(ROOT / "tests" / "made_quantity.py", place / "analysis" / "spread.py")
     (tmp_path / "fall.yaml").write_text(yaml.safe_dump(FALL))

@@ -12,7 +12,7 @@ from pydantic import AfterValidator, BeforeValidator, ConfigDict, Discriminator,
 from pydantic.functional_validators import field_validator, model_validator
 
 from lammps_jump import units
-from lammps_jump.analysis.quantities import LISTED, Listed
+from lammps_jump.analysis.quantities import LISTED, ListedAnalysis
 from lammps_jump.quoting import LONGEST_NAME, one_line
 from lammps_jump.scene.walls import KINDS, Coordinate, Extent, WallName, ordered
 
@@ -275,7 +275,7 @@ class Means(Strict):
     window: Annotated[tuple[Moment, Moment], AfterValidator(ordered)] | None = None
 
 
-def asked_for(base: type[Strict], listed: Mapping[str, Listed]) -> Any:
+def asked_for(base: type[Strict], listed: Mapping[str, ListedAnalysis]) -> Any:
     """A model with a field, true or false, for each analysis that a case may ask for."""
     fields: dict[str, Any] = {
         name: (bool, Field(default=False, description=one.asks)) for name, one in listed.items() if one.asks
