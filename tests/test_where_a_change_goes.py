@@ -356,7 +356,8 @@ def test_a_program_with_a_new_quantity_runs(tmp_path):
             if path.name not in ("analysis", "quantities.py", "__pycache__"):
                 (folder / path.name).symlink_to(path)
     text = (ROOT / "analysis" / "quantities.py").read_text()
-    line = '    "spread": ListedAnalysis("lammps_jump.analysis.spread", "height of the discs", look="Height of the discs"),\n'
+    row = '"lammps_jump.analysis.spread", "height of the discs", look="Height of the discs"'
+    line = f'    "spread": ListedAnalysis({row}),\n'
     at = text.index('    "tailgate": ListedAnalysis(')
     (place / "analysis" / "quantities.py").write_text(text[:at] + line + text[at:])
     shutil.copy(ROOT / "tests" / "made_quantity.py", place / "analysis" / "spread.py")
