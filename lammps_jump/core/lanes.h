@@ -102,12 +102,23 @@ inline FourInts first_of(const FourInts &four, int mask)
 /** Four vectors of four: to[r][c] = column c [r]. */
 inline void turn(const Four &a, const Four &b, const Four &c, const Four &d, Four (&to)[4])
 {
+#if defined(__SSE2__) && !defined(__AVX__)    // by halves: the compiler takes the shuffles below apart
+  const Four *const from[] = {&a, &b, &c, &d};
+  for (int pair = 0; pair < 2; pair++)
+    for (int half = 0; half < 2; half++) {
+      const __m128d one = reinterpret_cast<const __m128d *>(from[2 * pair])[half];
+      const __m128d two = reinterpret_cast<const __m128d *>(from[2 * pair + 1])[half];
+      reinterpret_cast<__m128d *>(&to[2 * half])[pair] = _mm_unpacklo_pd(one, two);
+      reinterpret_cast<__m128d *>(&to[2 * half + 1])[pair] = _mm_unpackhi_pd(one, two);
+    }
+#else
   const Four ab0 = JUMP_PICK(a, b, 0, 4, 2, 6), ab1 = JUMP_PICK(a, b, 1, 5, 3, 7);
   const Four cd0 = JUMP_PICK(c, d, 0, 4, 2, 6), cd1 = JUMP_PICK(c, d, 1, 5, 3, 7);
   to[0] = JUMP_PICK(ab0, cd0, 0, 1, 4, 5);
   to[1] = JUMP_PICK(ab1, cd1, 0, 1, 4, 5);
   to[2] = JUMP_PICK(ab0, cd0, 2, 3, 6, 7);
   to[3] = JUMP_PICK(ab1, cd1, 2, 3, 6, 7);
+#endif
 }
 
 /** Four vectors as four rows of four numbers. */
