@@ -184,7 +184,7 @@ Crew *jump_crew(const char *threads)
 
 void jump_dismiss(Crew *crew) { delete crew; }
 
-int64_t jump_threads(const Crew *crew) { return crew->pace.threads(); }
+int64_t jump_crew_threads(const Crew *crew) { return crew->pace.threads(); }
 
 int64_t jump_advance(jump_state *state, Crew *crew, int64_t steps, int64_t owed, int64_t *old)
 {

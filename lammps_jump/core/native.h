@@ -106,7 +106,7 @@ struct jump_state {
   const jump_state *corners;      // corners as discs: the walls near them, and what they remember
   const jump::Corner *corner;
   const jump::BodyLaw *between;   // by the walls of a corner and of a face
-  double *deepest;                // largest overlap of the step, m, the walls of its corner and of its face
+  double *deepest;                // largest overlap since it was looked at, m, the walls of its corner and of its face
 };
 
 struct jump_grid {
@@ -127,7 +127,7 @@ struct jump_stations {
 /** Threads of a simulation, by the words of `Pace::read`; how many there are now. */
 JUMP_API jump::Crew *jump_crew(const char *threads);
 JUMP_API void jump_dismiss(jump::Crew *crew);
-JUMP_API int64_t jump_threads(const jump::Crew *crew);
+JUMP_API int64_t jump_crew_threads(const jump::Crew *crew);
 
 /** Step: see `advance` in native.cpp. */
 JUMP_API int64_t jump_advance(jump_state *state, jump::Crew *crew, int64_t steps, int64_t owed, int64_t *old);

@@ -10,7 +10,7 @@ from lammps_jump.scene.sizes import ID_STEP
 
 from . import stock
 from .probes import plugin_probes
-from .walls import JOIN, number, numbers, plugin_walls
+from .walls import JOIN, number, numbers, plugin_bodies, plugin_walls
 
 probes = plugin_probes
 ONE_RANK_LOOKS = 10
@@ -98,7 +98,12 @@ def motion_and_walls(scene: Scene) -> list[str]:
         f"k_wall {number(c.stiffness_wall)} gamma_wall {number(c.gamma_normal_wall)} "
         f"gammat_wall {number(c.gamma_tangential_wall)} mu_wall {number(c.friction)}"
     )
-    words += [*plugin_walls(scene), *sizes(scene), *([f"slots {scene.slots}"] if scene.slots else [])]
+    words += [
+        *plugin_walls(scene),
+        *plugin_bodies(scene),
+        *sizes(scene),
+        *([f"slots {scene.slots}"] if scene.slots else []),
+    ]
     if scene.contact_output:
         words.append(f"contacts {scene.output_steps} {CONTACTS_FILE}")
     if scene.probes:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from math import isfinite
 
-from lammps_jump.files import POSES, POSES_HEADER, forces_header
+from lammps_jump.files import BODIES, BODIES_HEADER, POSES, POSES_HEADER, forces_header
 from lammps_jump.scene import MovingWall, Scene
 
 from .numbers import number
@@ -127,14 +127,18 @@ def lids(scene: Scene, behind: int) -> list[str]:
     An empty title is an empty line, and LAMMPS prints at the start of a part too. Readers skip both.
     """
     lines = [f'print           "{POSES_HEADER}" file {POSES} screen no'] if scene.lids else []
-    for place, name in enumerate(scene.lids):
-        x, y = (f"{axis}_of_{name}" for axis in "xy")
+    bodies = [wall.name for wall, _ in scene.bodies]
+    for name in scene.lids:
+        axes = ("x", "y", "turn") if name in bodies else ("x", "y")
+        lines += [f"variable        {axis}_of_{name} equal f_motion[{behind + k}]" for k, axis in enumerate(axes, 1)]
+        behind += len(axes)
+        row = ",".join(f"${{{axis}_of_{name}}}" for axis in axes) + ",0" * (3 - len(axes))
         lines += [
-            f"variable        {x} equal f_motion[{behind + 2 * place + 1}]",
-            f"variable        {y} equal f_motion[{behind + 2 * place + 2}]",
-            f'fix             lid_{name} all print {scene.output_steps} "${{clock}},{name},${{{x}}},${{{y}}},0" &',
+            f'fix             lid_{name} all print {scene.output_steps} "${{clock}},{name},{row}" &',
             f'                append {POSES} screen no title ""',
         ]
+    if bodies:
+        lines.append(f'print           "{BODIES_HEADER}" file {BODIES} screen no')
     return lines
 
 
@@ -142,4 +146,6 @@ def going_on(scene: Scene, text: str) -> str:
     """A script whose files go on behind what the part before has written."""
     for name in scene.probes:
         text = text.replace(f" file {raw_forces(name)} ", f" append {raw_forces(name)} ")
-    return text.replace(f'print           "{POSES_HEADER}" file {POSES} screen no\n', "")
+    for header, file in ((POSES_HEADER, POSES), (BODIES_HEADER, BODIES)):
+        text = text.replace(f'print           "{header}" file {file} screen no\n', "")
+    return text

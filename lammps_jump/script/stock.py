@@ -36,8 +36,6 @@ def lacking_everywhere(scene: Scene) -> str:
 
     ``fix deposit`` has one interval and one speed for all its discs.
     """
-    if scene.bodies:
-        return "'bodies'"
     return "'inflow.table'" if scene.hydrograph else ""
 
 

@@ -159,14 +159,13 @@ def test_a_body_of_the_least_mass_is_stable_among_discs(case):
         growth(least / 4)
 
 
-def test_lammps_refuses_bodies_and_auto_takes_the_native_engine(case):
+def test_stock_lammps_refuses_bodies(case):
     with pytest.raises(CaseError, match=r"bodies: are not in stock LAMMPS.*engine.name: native"):
         case.replace(["engine.name=lammps", "engine.kernel=stock"]).scene()
     scene = case.scene()
-    assert lacking_everywhere(scene) == lacking(scene) == "'bodies'"
-    assert choose("lammps", "auto", 1, scene)[0].engine == "native"
-    with pytest.raises(SetupError, match="kernel compiled: LAMMPS has no 'bodies'"):
-        choose("lammps", "compiled", 1, scene)
+    assert lacking(scene) == "bodies (body 'caisson', field bodies)" and not lacking_everywhere(scene)
+    with pytest.raises(SetupError, match=r"stock LAMMPS has no bodies .*compiled, or engine.name to native"):
+        choose("lammps", "stock", 1, scene)
 
 
 def test_a_run_tells_where_bodies_are(case, tmp_path):

@@ -241,3 +241,75 @@ def test_a_body_that_leaves_the_domain_or_is_too_heavy_for_its_contact_ends_the_
     fast = scene_of(FLOOR, body(Block("stone", (0.0, 1.0), (0.0, 1.0)), velocity=(0.0, -60.0)))
     with pytest.raises(RunError, match=r"'stone' and 'floor' overlap by .*stiffness of its own"):
         NativeSimulation(fast).run(10_000)
+
+
+def heaped(seed: int, count: int, **law):
+    """Bodies of random shapes and places in a box above discs that lie there: a scene whose energy can only fall."""
+    rng = np.random.default_rng(seed)
+    spots = [(x, y) for y in np.arange(1.6, 9.0, 1.3) for x in np.arange(-3.2, 3.3, 1.3)]
+    chosen = rng.permutation(len(spots))[:count]
+    bodies = []
+    for number, (x, y) in enumerate(np.array(spots)[chosen] + rng.uniform(-0.05, 0.05, (count, 2))):
+        name, size = f"b{number}", rng.uniform(0.25, 0.55)
+        speed = {"velocity": tuple(rng.uniform(-2, 2, 2)), "spin": rng.uniform(-4, 4)}
+        if number % 3 == 0:
+            wall = Circle(name, (x, y), size)
+        elif number % 3 == 1:
+            wide = rng.uniform(0.5, 1.0) * size
+            wall = Block(name, (x - wide, x + wide), (y - 0.6 * size, y + 0.6 * size), angle=rng.uniform(0, 45))
+        else:
+            turns = 2 * pi * (np.arange(5) + rng.uniform(-0.3, 0.3, 5)) / 5
+            wall = Polygon(name, tuple((x + size * cos(a), y + size * sin(a)) for a in turns))
+        bodies.append(body(wall, density=rng.uniform(500.0, 3000.0), corner_radius=0.1, **speed))
+    bed = [(x, y) for y in np.arange(0.1, 0.9, 0.2) for x in np.arange(-3.9, 4.0, 0.2)]
+    places = np.array(bed) + rng.uniform(-0.005, 0.005, (len(bed), 2))
+    fields = {
+        "impact_speed": 40.0,
+        "largest_overlap": 0.1,
+        "overlap_limit": 0.15,
+        "probe_steps": 100_000,
+        "restitution": 0.4,
+    }
+    return scene_of(Box("box", (-4.0, 4.0), (0.0, 12.0)), *bodies, positions=places, **(fields | law))
+
+
+RANDOM_LAWS = (
+    {"friction": 0.4, "friction_law": "history", "rotation": True, "springs": SPRINGS},
+    {"friction": 0.3, "rotation": True},
+    {"friction": 0.0},
+    {"friction": 0.3, "friction_law": "sign", "integrator": "leapfrog_extrapolated"},
+)
+
+
+def run_heap(seed: int, steps: int, tmp_path) -> None:
+    """No body is lost, no energy gained, and a run that was stopped goes on bit for bit."""
+    scene = heaped(seed, 5 + seed % 11, **RANDOM_LAWS[seed % 4])
+    simulation = NativeSimulation(scene)
+    start = simulation.energy()
+    scale = start.total
+    lowest = start.total
+    for part in range(10):
+        simulation.run(steps // 10)
+        now = simulation.energy().total
+        assert now < lowest + 2e-3 * scale, part
+        lowest = min(lowest, now)
+        if part == 4:
+            save_state(simulation, tmp_path / "state.npz")
+    assert abs(simulation.ledger["residual"]) < 5e-3 * simulation.ledger["throughput"]
+    for wall, _ in scene.bodies:
+        x, y = simulation.walls.centre_of(simulation.walls.names.index(wall.name))
+        assert -4.0 < x < 4.0 and 0.0 < y < 12.0
+    again = load_state(scene, tmp_path / "state.npz")
+    again.run(simulation.step - again.step)
+    assert np.array_equal(simulation.walls.moves.pushed, again.walls.moves.pushed)
+    assert np.array_equal(simulation.positions, again.positions)
+
+
+def test_random_bodies_among_discs_lose_energy_alone(tmp_path):
+    run_heap(0, 3000, tmp_path)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", range(20))
+def test_twenty_random_scenes_of_bodies(seed, tmp_path):
+    run_heap(seed, 40_000, tmp_path)

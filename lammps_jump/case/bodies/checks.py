@@ -13,14 +13,13 @@ from lammps_jump.physics.contact import WallLaw, extrapolated_stable_h, lagged_s
 from lammps_jump.scene import Beginning, MovingWall, Wall
 from lammps_jump.scene.bodies.corners import round_of
 from lammps_jump.scene.bodies.free import Free
+from lammps_jump.scene.bodies.meeting import LARGEST_OVERLAP
 from lammps_jump.scene.shapes import open_ends
 
 SAMPLES = 400
 """Points of an outline that are looked at, at most, beside its corners."""
 TOUCHES = 0.05
 """Largest distance of what a body stands on, in diameters of the smallest disc."""
-LARGEST_OVERLAP = 1.5
-"""Overlap of a corner over its radius at which a run ends (`engines.native.bodies`)."""
 
 
 def check_bodies(

@@ -12,7 +12,7 @@ import numpy as np
 from lammps_jump.engines.checkpoint import CheckpointWriter
 from lammps_jump.engines.result import interruption
 from lammps_jump.engines.setting import Job
-from lammps_jump.files import BINARY_PART, CONTACTS_FILE, DUMP_NAMES, POSES, write_arrays
+from lammps_jump.files import BINARY_PART, BODIES, CONTACTS_FILE, DUMP_NAMES, POSES, write_arrays
 from lammps_jump.script.probes import raw_forces
 from lammps_jump.script.resume import STATE
 
@@ -31,7 +31,7 @@ class Saver(CheckpointWriter):
     """
 
     def __init__(self, job: Job, outcome: SteppingOutcome):
-        files = (LOG, DUMP_NAMES[job.setting.dump_format], BINARY_PART, POSES, CONTACTS_FILE)
+        files = (LOG, DUMP_NAMES[job.setting.dump_format], BINARY_PART, POSES, BODIES, CONTACTS_FILE)
         outputs = (*files, *map(raw_forces, job.scene.probes))
         super().__init__(job.scene, Path(), outputs, job.setting.checkpoint_interval)
         self.job, self.outcome = job, outcome

@@ -77,7 +77,7 @@ class jump_seen(Struct):
 STATE, GRID = POINTER(jump_state), POINTER(jump_grid)
 _crew = function("jump_crew", c_char_p, result=c_void_p)
 _dismiss = function("jump_dismiss", c_void_p)
-_threads = function("jump_threads", c_void_p, result=INTEGER)
+_threads = function("jump_crew_threads", c_void_p, result=INTEGER)
 _advance = function("jump_advance", STATE, c_void_p, INTEGER, INTEGER, POINTER(c_int64), result=INTEGER)
 _place_walls = function("jump_place_walls", STATE, INTEGER)
 _search_cells = function("jump_search_cells", STATE, result=INTEGER)

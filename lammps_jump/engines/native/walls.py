@@ -10,6 +10,7 @@ from math import inf
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lammps_jump.scene.bodies.meeting import law_at
 from lammps_jump.scene.chains import BEFORE, LENGTH, Faces, boxes, lay
 from lammps_jump.scene.faces import MOST
 from lammps_jump.scene.motion import Motion, MovingWall, Pose, at_seam
@@ -18,7 +19,6 @@ from lammps_jump.scene.scene import Scene
 
 from .arrays import BodyState, Constants, Loops, Memory, Moves, Near
 from .bodies.corners import Bodies
-from .bodies.laws import law_at
 
 FOLLOWS, LID, HELD, BODY = 1, 2, 3, 4
 """How a wall moves: along its track, pushed by the discs, at a speed that is set from time to time, or as a body

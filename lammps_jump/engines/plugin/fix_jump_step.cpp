@@ -53,6 +53,8 @@ FixJumpStep::FixJumpStep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
       a += 2;
     } else if (key == "wall") {
       a = add_wall(a + 1, narg, arg);
+    } else if (key == "bodies") {
+      a = add_corners(a + 1, narg, arg);
     } else if (key == "sizes") {
       a = add_pieces(a + 1, narg, arg);
     } else if (key == "known" && a + 1 < narg) {
@@ -84,10 +86,11 @@ FixJumpStep::FixJumpStep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
   if (gamma < 0.0 || gamma_t < 0.0 || mu < 0.0)
     error->all(FLERR, "fix jump/step: gamma_wall, gammat_wall and mu_wall must not be negative");
 
-  int lids = 0;
+  int lids = 0, places = 0;
   for (const auto &wall : walls) {
     any_moves |= wall.motion.moves;
     lids += wall.motion.is_lid;
+    places += wall.motion.is_body ? 3 : wall.motion.is_lid ? 2 : 0;
   }
   columns = any_moves ? 4 : 3;
   time_integrate = 1;
@@ -95,7 +98,7 @@ FixJumpStep::FixJumpStep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
   restart_global = lids > 0;
   window.assign(columns * probed.size(), 0.0);
   mean.assign(columns * probed.size(), 0.0);
-  size_vector = (int) window.size() + 2 * lids;
+  size_vector = (int) window.size() + places;
   vector_flag = size_vector > 0;
   extscalar = extvector = 0;
 }
@@ -139,6 +142,7 @@ void FixJumpStep::init()
     wall.law = {told, pair->mass, pair->sizes ? 0.5 * pair->diameter : 1.0, pair->sign, pair->springs};
   }
   if (pair->springs && !array_atom) error->all(FLERR, "fix jump/step needs slots for the law history");
+  prepare_bodies();
   watch_others();
   pair->slots.rows = &array_atom;
   pair->slots.number = array_atom ? size_peratom_cols / SLOT : 0;
@@ -391,7 +395,8 @@ double FixJumpStep::compute_vector(int n)
   if (n >= (int) mean.size()) {    // places of lids, which all ranks have
     int left = n - (int) mean.size();
     for (const auto &wall : walls)
-      if (wall.motion.is_lid && (left -= 2) < 0) return wall.motion.pushed.place[left + 2];
+      if (const int own = wall.motion.is_body ? 3 : wall.motion.is_lid ? 2 : 0; own > 0 && (left -= own) < 0)
+        return wall.motion.pushed.place[left + own];
   }
   double sum;
   MPI_Allreduce(&mean[n], &sum, 1, MPI_DOUBLE, MPI_SUM, world);
@@ -409,6 +414,7 @@ void FixJumpStep::write_restart(FILE *fp)
       state.insert(state.end(), {lid.place[0], lid.place[1], lid.speed[0], lid.speed[1], lid.force[0], lid.force[1],
                                  wall.hold.area});
     }
+  pack_bodies(state);
   const int size = (int) (state.size() * sizeof(double));
   fwrite(&size, sizeof(int), 1, fp);
   fwrite(state.data(), sizeof(double), state.size(), fp);
@@ -424,4 +430,5 @@ void FixJumpStep::restart(char *buf)
         for (int axis = 0; axis < 2; axis++) to[axis] = *state++;
       wall.hold.area = *state++;
     }
+  unpack_bodies(state);
 }

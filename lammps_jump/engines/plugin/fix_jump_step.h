@@ -2,7 +2,9 @@
 /* fix ID all jump/step [gravity GX GY] [k_wall K gamma_wall GN gammat_wall GT mu_wall MU]
                         [wall NAME X0 Y0 DEEP N FACE... [law K GN GT MU] [roll MUR] [seam] [until STEP]
                               [move CX CY START N ROW...] [lid CX CY START MASS FX FY X Y BEGIN]
-                              [hold CX CY START FIRST EVERY LOW HIGH BINS TARGET LEVEL P I SPEED LOWEST HIGHEST]]...
+                              [hold CX CY START FIRST EVERY LOW HIGH BINS TARGET LEVEL P I SPEED LOWEST HIGHEST]
+                              [body CX CY START MASS INERTIA FX FY AX AY X Y TURN BEGIN VX VY SPIN BULK]]...
+                        [bodies EVERY FILE LIMIT DAMPING N [X Y R TX0 TY0 TX1 TY1 WALL]... M [V W K C CT LAG MU]...]
                         [sizes EVERY DENSITY SHIFT TURN N [BEGIN END LOW SLOPE]...] [known ID]
                         [slots S] [contacts EVERY FILE]
                         [probe EVERY NAME...]                                   (probe comes last)
@@ -22,6 +24,10 @@
      `lid` is pushed by the discs and by a force, and free along x and y (1) or not (0). t = 0 is at the step START.
      One with `hold` is a tailgate (core/hold.h): from the step FIRST on it looks every EVERY steps at the discs between
      LOW and HIGH, and goes along y at a speed up to SPEED, within its way from LOWEST to HIGHEST.
+     One with `body` is pushed by what touches it, with a weight that acts at (AX, AY) from the point (CX, CY), free along x and
+     y and to turn, released at BEGIN with these velocities; BULK is the radius of a disc of its mass.
+   - bodies: N corners of walls as discs, and M contacts of a corner of wall V with faces of W (core/bodies.h). Rows of all bodies
+     go to FILE every EVERY steps. An overlap beyond LIMIT ends the run.
    - sizes: discs are inserted with the largest diameter. At the end of a step that is a multiple of EVERY new ones get
      their own diameter d by id, and the mass DENSITY d^2: u is the fraction of (id + SHIFT) TURN, d is
      LOW + SLOPE (u - BEGIN) in the one of N pieces with BEGIN <= u < END. Discs up to ID keep the diameter they have.
@@ -32,7 +38,7 @@
 
    Global scalar: the largest overlap, m. Global vector: for each probe fx, fy (N) and moment (N m), per metre of width;
    where any wall moves, the power of the probed wall on the discs (W) behind them. Behind the probes stand the
-   displacements x and y of each lid, m. A restart begins a new window and keeps the lids. */
+   displacements x and y of each lid, m, and the turn of a body, rad. A restart begins a new window and keeps the lids. */
 
 #ifndef LMP_FIX_JUMP_STEP_H
 #define LMP_FIX_JUMP_STEP_H
@@ -42,6 +48,7 @@
 #include "hold.h"
 #include "near_faces.h"
 #include "slots.h"
+#include "step_bodies.h"
 #include "wall.h"
 
 #include <array>
@@ -82,11 +89,12 @@ class FixJumpStep : public Fix {
 
   /** How a wall moves: along the rows of a track, or pushed by the discs. */
   struct Motion {
-    bool moves = false, is_lid = false;
+    bool moves = false, is_lid = false, is_body = false;
     double cx = 0.0, cy = 0.0;    // point of turning where the case has it, m
     double start = 0.0;           // step of t = 0
     std::vector<std::array<double, jump::TRACK_WORDS>> track;
     jump::Load load{};
+    double bulk = 0.0;            // of a body: radius of a disc of its mass, m
     jump::Pushed pushed{};        // by the discs of all ranks
     jump::Placed placed{{}, 1.0, 0.0, {}, {}};
     jump::Pose listed{};
@@ -112,7 +120,7 @@ class FixJumpStep : public Fix {
 
     jump::WallInPlace in_place() const
     {
-      return {{faces.data(), deep}, motion.moves ? &motion.placed : nullptr, motion.cx, motion.cy};
+      return {{faces.data(), deep}, motion.moves ? &motion.placed : nullptr, motion.cx, motion.cy, motion.bulk};
     }
   };
   /** What disc i remembers of its contact with a face; (x, y): its place in the wall's own frame, m. */
@@ -163,6 +171,7 @@ class FixJumpStep : public Fix {
   int contacts_every = 0;                     // steps between frames of contacts; 0: none
   std::string contacts_file;
   int chains = 0;                             // of all walls
+  jump::StepBodies bodies;
 
   int add_wall(int, int, char **);
   jump::Face face_of(const Wall &, int, int, char **) const;
@@ -174,6 +183,17 @@ class FixJumpStep : public Fix {
   int add_motion(Wall &, int, int, char **) const;
   int add_lid(Wall &, int, int, char **) const;
   int add_hold(Wall &, int, int, char **) const;
+  int add_body(Wall &, int, int, char **) const;
+  int add_corners(int, int, char **);
+  double far_of(const Wall &) const;
+  void prepare_bodies();
+  void find_corners();
+  void push_bodies();
+  void require_sound_bodies();
+  void centre_of(const Wall &, double *) const;
+  void write_bodies(bool);
+  void pack_bodies(std::vector<double> &) const;
+  const double *unpack_bodies(const double *);
   void note_ends(Wall &) const;
   void move_gates();
   bool is_there(const Wall &) const;

@@ -64,6 +64,8 @@ int FixJumpStep::add_wall(int a, int narg, char **arg)
       a = add_lid(wall, a + 1, narg, arg);
     } else if (key == "hold") {
       a = add_hold(wall, a + 1, narg, arg);
+    } else if (key == "body") {
+      a = add_body(wall, a + 1, narg, arg);
     } else break;
   }
   number_chains(wall);
@@ -88,14 +90,20 @@ int FixJumpStep::add_motion(Wall &wall, int a, int narg, char **arg) const
   motion.track.resize(n);
   for (auto &row : motion.track)
     for (double &number : row) number = next();
+  wall.far = far_of(wall);
+  return a;
+}
+
+/** Largest distance of a wall's faces from its point of turning, m. */
+double FixJumpStep::far_of(const Wall &wall) const
+{
   double far = 0.0;
   for (const auto &face : wall.faces) {
     const jump::Extent box = jump::box_of(face, false);
     for (const double x : {box.xlo, box.xhi})
-      for (const double y : {box.ylo, box.yhi}) far = std::max(far, std::hypot(x - motion.cx, y - motion.cy));
+      for (const double y : {box.ylo, box.yhi}) far = std::max(far, std::hypot(x - wall.motion.cx, y - wall.motion.cy));
   }
-  wall.far = far;
-  return a;
+  return far;
 }
 
 /** Mass and force of a wall that discs push, from its words. */
@@ -192,6 +200,7 @@ void FixJumpStep::find_near()
       wall.near.list(view.faces, atom->nlocal, seen.data());
     }
   }
+  if (bodies.there) find_corners();
 }
 
 /** Force of a contact on a disc and on the wall; (x, y): the disc in the wall's own frame. */
@@ -200,10 +209,12 @@ void FixJumpStep::touch(const Wall &wall, const Law &law, int i, const jump::Fac
                         double *on_wall)
 {
   const auto &a = pair->disc[i];
-  const auto at = wall.in_place().at(where, a.x, a.y, pair->radius_of(i), a.vx, a.vy, SPIN ? pair->spins[i] : 0.0);
+  auto at = wall.in_place().at(where, a.x, a.y, pair->radius_of(i), a.vx, a.vy, SPIN ? pair->spins[i] : 0.0);
+  if (SIZES && wall.motion.bulk > 0.0)
+    at.size = jump::pair_size(pair->is_fixed(i) ? jump::HUGE_RADIUS : at.radius, wall.motion.bulk);
   const jump::WallForce<double> out = jump::wall_contact<SIZES, SPIN>(law, jump::numbers_of(wall.law.of, 0.0), at,
                                                                       WallMemory(*this, wall, i, (int) where.face, x, y));
-  const double to_x = at.gap * at.nx, to_y = at.gap * at.ny;
+  const double to = wall.in_place().arm(at.gap, at.radius), to_x = to * at.nx, to_y = to * at.ny;
   if (pair->record) {
     pair->record->push_back({(int32_t) pair->tags[i], (int32_t) (-1 - (&wall - walls.data())), (float) (a.x - to_x),
                              (float) (a.y - to_y), (float) out.fx, (float) out.fy, NAN});
@@ -219,6 +230,7 @@ void FixJumpStep::touch(const Wall &wall, const Law &law, int i, const jump::Fac
   on_wall[0] -= out.fx;
   on_wall[1] -= out.fy;
   on_wall[2] -= (a.x - to_x - x0) * out.fy - (a.y - to_y - y0) * out.fx;
+  if (motion.bulk > 0.0) on_wall[2] -= at.radius * out.resist;    // what rolls turns the body
 }
 
 /** Forces of a wall on its discs, or on those of one part (from 0), and the sums on the wall. */
@@ -234,7 +246,7 @@ void FixJumpStep::push(const Wall &wall, const Law &law, int part, double *on_wa
   for (int r = 0; r < rows; r++) {
     const int i = near.discs[r], first = near.last[r], count = near.last[r + 1] - first;
     if (part >= 0 && pair->part_of(i) != part) continue;
-    if (stays && pair->is_fixed(i)) continue;    // walls and fixed discs do not feel each other
+    if (stays && pair->is_fixed(i) && !wall.motion.is_body) continue;    // walls and fixed discs do not feel each other
     double x = disc[i].x, y = disc[i].y;
     view.see(x, y);
     const double radius = pair->radius_of(i);
@@ -271,8 +283,10 @@ template <bool SIZES, bool SPIN, class Law> void FixJumpStep::push(Wall &wall, c
   if (pair->record) return;    // the forces of this step are summed already
   wall.motion.pushed.force[0] = on_wall[0];
   wall.motion.pushed.force[1] = on_wall[1];
+  wall.motion.pushed.force[2] = on_wall[2];
   const auto &rate = wall.motion.placed.centred;
-  on_wall[3] = -(on_wall[0] * rate.x + on_wall[1] * rate.y + on_wall[2] * rate.angle);
+  // of lids and bodies it is known later (`push_lids`)
+  on_wall[3] = wall.motion.is_lid ? 0.0 : -(on_wall[0] * rate.x + on_wall[1] * rate.y + on_wall[2] * rate.angle);
   if (wall.probe >= 0)
     for (int c = 0; c < columns; c++) window[columns * wall.probe + c] += on_wall[c];
 }
@@ -317,13 +331,26 @@ void FixJumpStep::push_lids()
     auto &motion = wall.motion;
     if (!motion.is_lid) continue;
     double *const force = motion.pushed.force;
-    const double here[2] = {force[0], force[1]};
-    MPI_Allreduce(here, force, 2, MPI_DOUBLE, MPI_SUM, world);
+    const double here[3] = {force[0], force[1], force[2]};
+    MPI_Allreduce(here, force, 3, MPI_DOUBLE, MPI_SUM, world);
+    if (bodies.there) {
+      const size_t number = &wall - walls.data();
+      jump::Sum &sum = bodies.window[number];
+      sum.x += force[0];
+      sum.y += force[1];
+      sum.moment += force[2];
+      const jump::Sum &more = bodies.taken[number].all;
+      force[0] += more.x;
+      force[1] += more.y;
+      force[2] += more.moment;
+      jump::centre(motion.placed, motion.pushed, motion.load, update->dt);
+    }
     if (wall.probe < 0) continue;
     jump::Placed at = motion.placed;
     jump::centre(at, motion.pushed, motion.load, update->dt);
     window[columns * wall.probe + 3] -= here[0] * at.centred.x;
     window[columns * wall.probe + 3] -= here[1] * at.centred.y;
+    if (motion.is_body) window[columns * wall.probe + 3] -= here[2] * at.centred.angle;
   }
 }
 
@@ -338,7 +365,9 @@ void FixJumpStep::post_force(int)
   // the first forces of a run that goes on are those of a step whose contacts are in the file
   const bool again = update->setupflag && update->ntimestep > 0;
   if (contacts_every && update->ntimestep % contacts_every == 0 && !again) write_contacts();
+  if (bodies.there) push_bodies();
   push_lids();
+  if (bodies.there) write_bodies(again);
   if (!update->setupflag) move_gates();
   if (others_push || update->setupflag || update->ntimestep == update->laststep || update->ntimestep == output->next)
     pair->hand_over_forces();

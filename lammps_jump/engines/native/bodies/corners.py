@@ -10,19 +10,12 @@ import numpy as np
 from lammps_jump.core.law import LawNumbers
 from lammps_jump.engines.native.arrays import CORNER, BodyState, Constants, Loops, Memory, Near, Pairs, State
 from lammps_jump.physics.slots import Slots
-from lammps_jump.scene.bodies.corners import corners_of, round_of
+from lammps_jump.scene.bodies.meeting import LARGEST_OVERLAP, SLOTS, bulk_of, corners, laws_between, meets
 from lammps_jump.scene.chains import Faces
 from lammps_jump.scene.faces import MOST
 from lammps_jump.scene.motion import MovingWall
 from lammps_jump.scene.near import grid_of
 from lammps_jump.scene.scene import Scene
-
-from .laws import bulk_of, laws_between
-
-SLOTS = 8
-"""Contacts that a corner remembers."""
-LARGEST_OVERLAP = 1.5
-"""Overlap of a corner over its radius that ends a run: from 2 on nothing pushes it back."""
 
 
 class CornerDiscs:
@@ -79,7 +72,7 @@ class Bodies:
         self.numbers = [number for number, one in enumerate(there) if one.motion.free]
         self.corner = _corners(scene, there)
         self.discs = CornerDiscs(self.corner["radius"].copy())
-        self._meets = _meets(there, faces)
+        self._meets = meets(there)
         largest = float(self.discs.radius.max(initial=0.0))
         # a corner and a face have moved by half a skin each at most since they were listed
         self.grid = grid_of(faces, max(scene.largest, 2.0 * largest), largest + skin, self.loops.mark_cells)
@@ -146,22 +139,6 @@ class Bodies:
 
 def _corners(scene: Scene, there: list[MovingWall]) -> np.ndarray:
     """Corners of all walls of a scene, records `CORNER`; those of walls that are not there have wall -1."""
-    numbers, found = {one.wall.name: number for number, one in enumerate(there)}, []
-    for wall, motion in scene.walls:
-        radius = motion.free.corner_radius if motion.free else 0.25 * scene.smallest
-        number = numbers.get(wall.name, -1)
-        found += [(*corner, number) for corner in corners_of(wall.faces, 0, radius)]
-    return np.array(found, CORNER)
-
-
-def _meets(there: list[MovingWall], faces: Faces) -> np.ndarray:
-    """Whether corners of the first wall meet faces of the second, shape (walls, walls).
-
-    A circle is a disc that meets the faces of others: their corners do not meet it again, and of two circles one does.
-    """
-    count = len(there)
-    body = np.array([one.motion.free is not None for one in there])
-    is_round = np.array([round_of(faces, wall) is not None for wall in range(count)])
-    meets = (body[:, None] | body[None, :]) & ~np.eye(count, dtype=bool)
-    meets &= is_round[:, None] | ~is_round[None, :]
-    return meets & ~(is_round[:, None] & is_round[None, :] & np.tril(np.ones((count, count), bool)))
+    numbers = {one.wall.name: number for number, one in enumerate(there)}
+    names = [wall.name for wall, _ in scene.walls]
+    return np.array([(*corner, numbers.get(names[number], -1)) for number, corner in corners(scene)], CORNER)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Contacts between bodies, and of bodies and walls: materials of two, and numbers that the loops take."""
+"""Which corners meet which faces, and the numbers of the contact: what engines take of bodies and walls."""
 
 from __future__ import annotations
 
@@ -10,8 +10,39 @@ import numpy as np
 
 from lammps_jump.core.law import LawNumbers
 from lammps_jump.physics.contact import SMOOTH_SHARE, damping
+from lammps_jump.scene.chains import lay
 from lammps_jump.scene.motion import MovingWall
 from lammps_jump.scene.scene import Scene
+
+from .corners import Corner, corners_of, round_of
+
+SLOTS = 8
+"""Contacts that a corner remembers."""
+LARGEST_OVERLAP = 1.5
+"""Overlap of a corner over its radius that ends a run: from 2 on nothing pushes it back."""
+
+
+def corners(scene: Scene) -> list[tuple[int, Corner]]:
+    """Corners of all walls of a scene, each with the number of its wall."""
+    found: list[tuple[int, Corner]] = []
+    for number, (wall, motion) in enumerate(scene.walls):
+        radius = motion.free.corner_radius if motion.free else 0.25 * scene.smallest
+        found += [(number, corner) for corner in corners_of(wall.faces, 0, radius)]
+    return found
+
+
+def meets(there: Sequence[MovingWall]) -> np.ndarray:
+    """Whether corners of the first wall meet faces of the second, shape (walls, walls).
+
+    A circle is a disc that meets the faces of others: their corners do not meet it again, and of two circles one does.
+    """
+    count = len(there)
+    body = np.array([one.motion.free is not None for one in there])
+    faces = lay([(wall.chains(), wall.deep) for wall, _ in there])
+    is_round = np.array([round_of(faces, wall) is not None for wall in range(count)])
+    found = (body[:, None] | body[None, :]) & ~np.eye(count, dtype=bool)
+    found &= is_round[:, None] | ~is_round[None, :]
+    return found & ~(is_round[:, None] & is_round[None, :] & np.tril(np.ones((count, count), bool)))
 
 
 def share_of(scene: Scene, one: MovingWall) -> float:
@@ -26,7 +57,8 @@ def law_at(scene: Scene, one: MovingWall) -> LawNumbers:
     if one.motion.free is None or scene.sizes is not None:
         return law
     share = share_of(scene, one)
-    return law._replace(damping=share * law.damping, tangential=share * law.tangential)
+    damped = {name: share * getattr(law, name) for name in ("damping", "tangential", "rolling_damping")}
+    return law._replace(**damped)
 
 
 def bulk_of(scene: Scene, one: MovingWall) -> float:
@@ -36,9 +68,11 @@ def bulk_of(scene: Scene, one: MovingWall) -> float:
 
 
 def laws_between(scene: Scene, walls: Sequence[MovingWall]) -> np.ndarray:
-    """Numbers of contacts of each two walls, as `BodyState.between` has them.
+    """Numbers of contacts of each two walls, shape (walls, walls, 5).
 
-    Where both have a number of their own, the smaller one counts; where neither has, that of the scene.
+    Stiffness; dashpot and slope of the viscous ramp over the root of the effective mass; what the dashpot is less, as
+    it sees the half step; friction. Where both walls have a number of their own, the smaller one counts; where neither
+    has, that of the scene.
     """
     found = np.zeros((len(walls), len(walls), len(LawNumbers._fields) + 1))
     for i, one in enumerate(walls):
