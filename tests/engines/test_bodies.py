@@ -5,7 +5,7 @@ from math import cos, pi, radians, sin
 
 import numpy as np
 import pytest
-from free_bodies import body, scene_of, state_of
+from free_bodies import DENSITY, body, scene_of, state_of
 
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.engines.native.state import load_state, save_state
@@ -313,3 +313,76 @@ def test_random_bodies_among_discs_lose_energy_alone(tmp_path):
 @pytest.mark.parametrize("seed", range(20))
 def test_twenty_random_scenes_of_bodies(seed, tmp_path):
     run_heap(seed, 40_000, tmp_path)
+
+
+def test_a_moving_frame_changes_nothing():
+    """Discs and bodies without walls and weight, seen from a frame that passes at 3 m/s."""
+    boost = np.array([3.0, -1.0])
+    positions, states = [], []
+    for frame in (0.0, 1.0):
+        speed = tuple((np.array([0.0, -2.0]) + frame * boost).tolist())
+        walls = (
+            body(Block("a", (0.0, 1.0), (0.0, 0.6)), (0.0, 0.0), velocity=tuple((frame * boost).tolist()), spin=1.0),
+            body(Polygon("b", ((0.2, 0.65), (1.2, 0.7), (0.7, 1.4))), (0.0, 0.0), velocity=speed),
+        )
+        places = [(0.1, 0.75), (1.3, 0.8), (-0.15, 0.3)]
+        velocities = np.array([(0.0, -4.0), (-3.0, -3.0), (4.0, 0.0)]) + frame * boost
+        law = {"friction": 0.4, "friction_law": "history", "rotation": True, "springs": SPRINGS, "restitution": 0.5}
+        simulation = NativeSimulation(scene_of(*walls, positions=places, velocities=velocities, **NOTHING, **law))
+        simulation.run(1000)
+        way = frame * boost * simulation.scene.time(1000)
+        positions.append(simulation.positions - way)
+        states.append(np.concatenate([state_of(simulation, name).pose - [*way, 0.0] for name in "ab"]))
+    assert np.abs(positions[0] - positions[1]).max() < 1e-10
+    assert np.abs(states[0] - states[1]).max() < 1e-10 and abs(states[0]).max() > 0.02
+
+
+@pytest.mark.parametrize(
+    ("size", "friction", "share", "found"),
+    [
+        # a sudden push; at rest it tips from 0.23 on, (b/2 - r)/(h/2): the corner rolls on its rounding r
+        ((0.5, 2.0), 0.5, 0.17, "rests"),
+        ((0.5, 2.0), 0.5, 0.25, "tips"),
+        ((2.0, 1.0), 0.3, 0.29, "rests"),
+        ((2.0, 1.0), 0.3, 0.31, "slides"),
+    ],
+)
+def test_a_block_that_is_pushed_slides_or_tips_first_where_it_should(size, friction, share, found):
+    weight = DENSITY * size[0] * size[1] * G
+    block = body(Block("block", (0.0, size[0]), (0.0, size[1])), corner_radius=0.02, weight=(share * weight, -weight))
+    law = {"friction": friction, "friction_law": "history", "springs": SPRINGS, **FAST}
+    simulation = NativeSimulation(scene_of(FLOOR, block, **NOTHING, **law))
+    simulation.run(round(1.0 / simulation.scene.time_step))
+    x, _, angle = state_of(simulation, "block").pose
+    assert {
+        "rests": abs(x) < 0.01 and abs(angle) < 0.005,
+        "tips": angle < -0.01,
+        "slides": x > 0.01 and abs(angle) < 0.005,
+    }[found], (x, angle)
+
+
+def tower(seconds: float):
+    """Three blocks on each other, after some seconds."""
+    blocks = [body(Block(f"b{k}", (0.0, 1.0), (0.8 * k, 0.8 * k + 0.8))) for k in range(3)]
+    law = {
+        "friction": 0.5,
+        "friction_law": "history",
+        "springs": SPRINGS,
+        "time_step_fraction": 0.1,
+        "probe_steps": 100_000,
+    }
+    simulation = NativeSimulation(scene_of(FLOOR, *blocks, **NOTHING, **law))
+    settled = round(0.5 / simulation.scene.time_step)
+    simulation.run(settled)
+    before = [state_of(simulation, f"b{k}").pose for k in range(3)]
+    simulation.run(round(seconds / simulation.scene.time_step) - settled)
+    return np.abs(np.array(before) - [state_of(simulation, f"b{k}").pose for k in range(3)])
+
+
+def test_a_tower_rests():
+    assert tower(1.0).max() < 1e-6
+
+
+@pytest.mark.long
+def test_a_tower_rests_for_twenty_seconds():
+    assert tower(20.0).max() < 1e-6
