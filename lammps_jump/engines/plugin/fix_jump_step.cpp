@@ -42,6 +42,9 @@ FixJumpStep::FixJumpStep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
   };
   const std::map<std::string, double *> numbers = {
       {"k_wall", &k}, {"gamma_wall", &gamma}, {"gammat_wall", &gamma_t}, {"mu_wall", &mu}};
+  const std::map<std::string, int (FixJumpStep::*)(int, int, char **)> parts = {
+      {"wall", &FixJumpStep::add_wall}, {"sizes", &FixJumpStep::add_pieces}, {"slots", &FixJumpStep::add_slots},
+      {"bodies", &FixJumpStep::add_corners}};
   while (a < narg) {
     const std::string key = arg[a];
     if (key == "gravity") {
@@ -51,17 +54,11 @@ FixJumpStep::FixJumpStep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
     } else if (auto number = numbers.find(key); number != numbers.end()) {
       *number->second = value(a + 1);
       a += 2;
-    } else if (key == "wall") {
-      a = add_wall(a + 1, narg, arg);
-    } else if (key == "bodies") {
-      a = add_corners(a + 1, narg, arg);
-    } else if (key == "sizes") {
-      a = add_pieces(a + 1, narg, arg);
+    } else if (auto part = parts.find(key); part != parts.end()) {
+      a = (this->*part->second)(a + 1, narg, arg);
     } else if (key == "known" && a + 1 < narg) {
       known = utils::tnumeric(FLERR, arg[a + 1], false, lmp);
       a += 2;
-    } else if (key == "slots") {
-      a = add_slots(a + 1, narg, arg);
     } else if (key == "contacts") {
       if (a + 2 >= narg) error->all(FLERR, "fix jump/step: contacts needs EVERY and FILE");
       contacts_every = utils::inumeric(FLERR, arg[a + 1], false, lmp);

@@ -14,7 +14,7 @@ from lammps_jump.scene.chains import lay
 from lammps_jump.scene.motion import MovingWall
 from lammps_jump.scene.scene import Scene
 
-from .corners import Corner, corners_of, round_of
+from .corners import BodyCorner, corners_of, round_of
 
 SLOTS = 8
 """Contacts that a corner remembers."""
@@ -22,9 +22,9 @@ LARGEST_OVERLAP = 1.5
 """Overlap of a corner over its radius that ends a run: from 2 on nothing pushes it back."""
 
 
-def corners(scene: Scene) -> list[tuple[int, Corner]]:
+def corners(scene: Scene) -> list[tuple[int, BodyCorner]]:
     """Corners of all walls of a scene, each with the number of its wall."""
-    found: list[tuple[int, Corner]] = []
+    found: list[tuple[int, BodyCorner]] = []
     for number, (wall, motion) in enumerate(scene.walls):
         radius = motion.free.corner_radius if motion.free else 0.25 * scene.smallest
         found += [(number, corner) for corner in corners_of(wall.faces, 0, radius)]
