@@ -60,8 +60,9 @@ MOTION, TRACKS = "lammps_jump/scene/motion.py", "lammps_jump/scene/tracks.py"
 HYDROGRAPH, DEVICES = "lammps_jump/physics/hydrograph.py", "lammps_jump/physics/devices.py"
 MOVING_TESTS = "contacts/test_moving_forms.py engines/test_moving_walls.py"
 CHAINS, FACES, NEAR, SHAPES = (f"lammps_jump/scene/{name}.py" for name in ("chains", "faces", "near", "shapes"))
-SLOTS, TWIN_LISTS = "lammps_jump/physics/slots.py", "lammps_jump/engines/twin/lists.py"
+SLOTS = "lammps_jump/physics/slots.py"
 SHEAR, SLOSH = (f"lammps_jump/studies/fluid/{name}.py" for name in ("shear", "slosh"))
+LIST_TESTS = f"{TWIN_TESTS} engines/test_native_contacts.py engines/test_native_sizes.py"
 RULE_TESTS = f"scene/test_faces.py {TWIN_TESTS}"
 MOVING_PLUGIN_TESTS = "contacts/test_moving_forms.py integration/test_compiled_moving_walls.py integration/test_lids.py"
 
@@ -192,26 +193,24 @@ DEFECTS = [
     Defect("factor", DEVICES, "(slot - BEVERLOO_K * diameter) ** 1.5", "(slot - BEVERLOO_K * diameter) ** 0.5",
            "analysis/test_devices.py"),
     Defect("pieces", CHAINS, "ceil(abs(sweep) / (0.5 * pi) - 1e-9)", "ceil(abs(sweep) / pi - 1e-9)",
-           "scene/test_faces.py"),
-    Defect("pose", CHAINS, "oy + py + s * dx + c * dy", "oy + py - s * dx + c * dy", "engines/test_moving_walls.py"),
-    Defect("unwrapped", CHAINS, "            phi += turns[i]\n", "", "scene/test_faces.py engines/test_twin.py"),
+           "scene/test_chains.py"),
+    Defect("pose", CHAINS, "oy + py + s * dx + c * dy", "oy + py - s * dx + c * dy", "scene/test_chains.py"),
+    Defect("unwrapped", CHAINS, "            phi += turns[i]\n", "", "scene/test_chains.py"),
     Defect("sign", FACES, "return INSIDE, rho - r, -dx", "return INSIDE, r - rho, -dx", RULE_TESTS),
     Defect("corner", FACES, "(joint == CORNER and front and not shared)", "False", RULE_TESTS),
     Defect("depth", FACES, "if gap >= 0.0 and gap < radius:", "if gap > 0.0 and gap < 0.5 * radius:", RULE_TESTS),
     Defect("ends", NEAR, "(py - shape[f, Y1]) < -margin", "(py - shape[f, Y1]) < margin", RULE_TESTS),
     Defect("reach", NEAR, "far = reach + sqrt(0.5) / inverse", "far = 0.5 * reach", RULE_TESTS),
     Defect("behind", NEAR, "faces.deep[wall] == 1 or gap > -reach", "gap > -reach", RULE_TESTS),
-    Defect("factor", SHAPES, "0.5 * bend * bend * (sweep", "bend * bend * (sweep", "scene/test_shapes.py"),
+    Defect("factor", SHAPES, "0.5 * bend * bend * (sweep", "bend * bend * (sweep", "scene/test_chains.py"),
     Defect("sign", SHAPES, "(apart * apart + p * p - q * q)", "(apart * apart - p * p + q * q)",
-           "scene/test_shapes.py"),
-    Defect("springs left", SLOTS, "        slots.spring[i, best] = slots.roll[i, best] = 0.0\n    slots.sigma",
-           "    slots.sigma",
-           "physics/test_slots.py"),
+           "scene/test_chains.py"),
+    Defect("foot", SLOTS, "    slots.sigma[i, best] = foot\n", "", "physics/test_slots.py"),
     Defect("taken twice", SLOTS, "if held != partner or slots.used[i, s] == 1:", "if held != partner:",
            "physics/test_slots.py"),
-    Defect("candidates", TWIN_LISTS, "start[c + height + 2])])", "start[c + height + 1])])", TWIN_TESTS),
-    Defect("seam", TWIN_LISTS, "owner[rows], shift[rows] = i, period", "owner[rows], shift[rows] = i, -period",
-           TWIN_TESTS),
+    Defect("sizes", CORE_LISTS, "apart = radius ? far + radius[j] : far;", "apart = far;", LIST_TESTS),
+    Defect("cells", CORE_LISTS, "last(least((int64_t) (place + reach), end))", "last(least((int64_t) place, end))",
+           LIST_TESTS),
     Defect("sign", SHEAR, "-float(means[loops.SXY]) / pressure", "float(means[loops.SXY]) / pressure",
            "studies/test_fluid.py"),
     Defect("factor", SLOSH, "* pi / (8.0 * depth)", "* pi / (4.0 * depth)", "studies/test_fluid.py"),
