@@ -52,6 +52,7 @@ def main() -> None:
             page.run("editor.back()")
             page.run(UNTIL.format(what="!byId('error').textContent && file.saved === editor.text"))
             page.run("byId('go').click()")
+            page.run(UNTIL.format(what="document.querySelector('#run')"))
             run = Page(browser, Address(server.address + "run/0/"), width=1280, height=1000)
             run.run(UNTIL.format(what="byId('state').textContent.includes('complete')"))
             run.run("tell('seek', 0.7 * players[0].end)")

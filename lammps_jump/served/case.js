@@ -4,7 +4,7 @@
 const SAVE_AFTER = 500;
 const LOOK_AGAIN = 1000;
 // Pixels of a drawing at least; a narrower screen moves over it.
-const LEAST = 600;
+const LEAST = 480;
 
 const editor = new Editor(), places = new Places(editor);
 const file = { key: null, name: "", saved: null, busy: false, timer: null, conflict: null };
