@@ -179,7 +179,7 @@ DEFECTS = [
     Defect("off by one", MOTION, "if step >= self.gone:", "if step > self.gone:", f"scene {MOVING_TESTS} golden"),
     Defect("derivative", CORE_MOTION, "rate = {(wall.now.x - before.x) / dt,", "rate = {(behind.x - before.x) / dt,",
            MOVING_PLUGIN_TESTS),
-    Defect("factor", CORE_MOTION, ": clock.dt) * force / lid.mass;", ": clock.dt) * force / (2.0 * lid.mass);",
+    Defect("factor", CORE_MOTION, ": clock.dt) * force / load.res", ": clock.dt) * 0.5 * force / load.res",
            MOVING_PLUGIN_TESTS),
     Defect("factor", HYDROGRAPH, "+ h0 * u1 + h1 * u0 +", "+ 2 * h0 * u1 + h1 * u0 +",
            "physics/test_inlet.py case/test_inflow_table.py"),
