@@ -13,8 +13,10 @@ import numpy as np
 from lammps_jump.analysis.draw.scope import disc_speeds, seen, top_of
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.profiles import bin_edges
+from lammps_jump.dump.side_files.bodies import BodyHistory, read_bodies
 from lammps_jump.dump.tables import read_table
 from lammps_jump.errors import DumpError
+from lammps_jump.files import BODIES
 from lammps_jump.physics.jump import sequent_depth
 from lammps_jump.scene.motion import MovingWall, Pose
 from lammps_jump.scene.walls import Interval, Wall, parts_of
@@ -62,14 +64,14 @@ def about_run(packer: FramePacker, folder: Path) -> dict[str, object]:
     """What a player has to know of a run besides its frames, see `make_player`; some frames hold discs."""
     flow, sample = packer.flow, packer.sample()
     x, y = seen(sample, flow)
-    scene, edges = flow.scene, bin_edges(flow.x_range, flow.bin_width)
+    scene, edges, bodies = flow.scene, bin_edges(flow.x_range, flow.bin_width), _bodies(packer)
     return {
         "name": scene.name,
         "unit": "s" if flow.timed else "steps",
         "gravity": scene.gravity,
         "seen": (x, y),
         "fastest": top_of([disc_speeds(frame) for frame in sample], 0.1),
-        "walls": [_shape(one, packer, (x, y)) for one in scene.standing],
+        "walls": [_shape(one, packer, (x, y)) | bodies.get(one.wall.name, {}) for one in scene.standing],
         "gates": [{**_shape(one, packer, (x, y)), "until": scene.time(one.motion.gone)} for one in scene.gates],
         "inlets": sorted({(row.x, np.sign(row.vx)) for row in scene.inlets}),
         "outlets": [(outlet.axis, outlet.at, outlet.side) for outlet in scene.outlets],
@@ -101,6 +103,33 @@ def _shape(one: MovingWall, packer: FramePacker, shown: tuple[Interval, Interval
     fine = int(3 - np.floor(np.log10(packer.q)))  # thousandths of a quantum of the discs
     ways = (np.round(way, places) for way, places in zip(np.array(poses).T, (fine, fine, 6), strict=True))
     return {**shape, "about": motion.about, **dict(zip(("x", "y", "angle"), ways, strict=True))}
+
+
+def _bodies(packer: FramePacker) -> dict[str, dict[str, Any]]:
+    """Of each body the mass, kg/m, and centre where the case has it, m; velocity and force, where they are known."""
+    flow = packer.flow
+    try:
+        histories = read_bodies(flow.poses.path.with_name(BODIES)) if flow.scene.bodies and flow.poses else {}
+    except DumpError:  # not there, or damaged: the page is whole without
+        histories = {}
+    found = {}
+    for wall, motion in flow.scene.bodies:
+        if motion.free:
+            known = _ways_of(histories[wall.name], packer.times) if wall.name in histories else {}
+            found[wall.name] = {"body": {"mass": motion.free.mass, "centre": motion.free.centre, **known}}
+    return found
+
+
+def _ways_of(history: BodyHistory, times: Sequence[float]) -> dict[str, list[float | None]]:
+    """Velocity, m/s, and force of the discs, N/m, of a body at each time; None outside the rows that tell them."""
+    rows = history.time
+    near = 1e-9 * float(np.abs(rows).max())  # the file has ten digits of a time
+    inside = [rows[0] - near <= time <= rows[-1] + near for time in times]
+    ways = {name: np.interp(times, rows, getattr(history, name)).tolist() for name in ("vx", "vy", "fx", "fy")}
+    return {
+        name: [float(f"{value:z.6g}") if known else None for value, known in zip(way, inside, strict=True)]
+        for name, way in ways.items()
+    }
 
 
 def _faces(wall: Wall, outlines: list[np.ndarray]) -> list[np.ndarray]:

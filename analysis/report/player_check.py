@@ -56,6 +56,23 @@ _Points = Annotated[list[tuple[Number, Number]], Field(min_length=1, max_length=
 _Way = Annotated[list[Number], Field(max_length=MOST_FRAMES)] | None
 
 
+_Known = Annotated[list[Number | None], Field(max_length=MOST_FRAMES)] | None
+
+
+class _Body(_Part):
+    mass: Above
+    centre: tuple[Number, Number]
+    vx: _Known = None
+    vy: _Known = None
+    fx: _Known = None
+    fy: _Known = None
+
+    def ways_fit(self, frames: int) -> bool:
+        """Whether it has velocity and force for each frame, or neither."""
+        ways = [self.vx, self.vy, self.fx, self.fy]
+        return ways == [None] * 4 or all(way is not None and len(way) == frames for way in ways)
+
+
 class _Shape(_Part):
     name: Name
     hollow: bool
@@ -65,12 +82,15 @@ class _Shape(_Part):
     x: _Way = None
     y: _Way = None
     angle: _Way = None
+    body: _Body | None = None
 
     def ways_fit(self, frames: int) -> bool:
-        """Whether it stands, or has a pose for each frame."""
+        """Whether it stands, or has a pose for each frame; a body always has."""
         ways = [self.x, self.y, self.angle]
         if self.about is None:
-            return ways == [None] * 3
+            return ways == [None] * 3 and self.body is None
+        if self.body is not None and not self.body.ways_fit(frames):
+            return False
         return all(way is not None and len(way) == frames for way in ways)
 
 

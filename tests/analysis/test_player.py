@@ -3,6 +3,7 @@
 
 import numpy as np
 import pytest
+from free_bodies import body
 from made_up import disc_frame, flow_context
 
 from lammps_jump.analysis.report import player
@@ -10,6 +11,7 @@ from lammps_jump.analysis.report.frames import FramePacker
 from lammps_jump.analysis.report.player import make_player
 from lammps_jump.dump.exports import write_table
 from lammps_jump.dump.side_files.poses import PoseFile
+from lammps_jump.files import BODIES_HEADER
 from lammps_jump.physics.jump import sequent_depth
 from lammps_jump.scene.chains import Chain
 from lammps_jump.scene.motion import Motion, MovingWall, gate
@@ -119,6 +121,32 @@ def test_a_wall_that_moves_has_a_pose_for_each_frame(tmp_path):
     assert shapes["lid"]["angle"] == pytest.approx([0, 0.01, 0.02, 0.03, 0.04])
     assert shapes["gate"]["y"] == pytest.approx([0, 1, 2, 3, 0])  # gone at the last frame
     assert shapes["gate"]["until"] == pytest.approx(1.6)
+
+
+def floated(tmp_path, rows):
+    """The shape of a block that is a body, 5 m along x and 1 m high, of a run with these rows in ``bodies.csv``."""
+    (tmp_path / "walls.csv").write_text("time,wall,x,y,angle\n0,block,0,0,0\n2,block,1,0,0.5\n")
+    if rows is not None:
+        (tmp_path / "bodies.csv").write_text("\n".join([BODIES_HEADER, *rows, ""]))
+    poses = PoseFile(tmp_path / "walls.csv", ["block"])
+    block = body(Block("block", (5, 10), (1, 2)))
+    return next(one for one in header(tmp_path, walls=(*WALLS, block), poses=poses)["walls"] if one["name"] == "block")
+
+
+def test_a_body_has_mass_velocity_and_force_of_each_frame(tmp_path):
+    """Rows at other times than the frames; the last frame, at 2 s, is behind them."""
+    rows = [f"{t:g},block,{7.5 + t:g},1.5,0,{2 * t:g},{-t:g},0,{100 * t:g},50,7" for t in (0.0, 0.3, 0.9, 1.5)]
+    shape = floated(tmp_path, rows)
+    found = shape["body"]
+    assert found["mass"] == 5000.0 and found["centre"] == (7.5, 1.5) == shape["about"]
+    assert found["vx"] == pytest.approx([0, 1, 2, 3, None]) and found["vy"] == pytest.approx([0, -0.5, -1, -1.5, None])
+    assert found["fx"] == pytest.approx([0, 50, 100, 150, None]) and found["fy"] == pytest.approx([50] * 4 + [None])
+    assert shape["x"] == pytest.approx([0, 0.25, 0.5, 0.75, 1])
+
+
+@pytest.mark.parametrize("rows", [None, ["0,block,7.5"], ["0,other,7.5,1.5,0,0,0,0,0,0,0"]])
+def test_a_body_without_its_rows_has_its_mass_alone(tmp_path, rows):
+    assert floated(tmp_path, rows)["body"] == {"mass": 5000.0, "centre": (7.5, 1.5)}
 
 
 def test_what_is_shown_reaches_over_discs_and_blocks(tmp_path):

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from chromium import PROGRAM, Page, chromium
+from free_bodies import body
 from made_up import SCENES, flow_context
 from PIL import Image
 
@@ -24,6 +25,8 @@ from lammps_jump.analysis.report.run import write_report
 from lammps_jump.dump.exports import read_netcdf
 from lammps_jump.dump.find import read_dump
 from lammps_jump.dump.frame import make_frame
+from lammps_jump.dump.side_files.poses import PoseFile
+from lammps_jump.files import BODIES_HEADER
 from lammps_jump.scene.motion import Motion, MovingWall
 from lammps_jump.scene.scene import InletRow, Outlet
 from lammps_jump.scene.tracks import Rotate
@@ -422,6 +425,30 @@ def test_walls_of_any_shape_move_with_the_time(browser, tmp_path):
     assert colours(1.25, (4.834, 3.247)) == [solid]  # between two frames, at 56 degrees
     below, above = colours(2.0, (8.95, -0.56), (8.95, -0.4))
     assert below == solid and above == paper
+    assert page.troubles() == []
+
+
+def test_a_body_that_is_pointed_at_tells_its_mass_speed_and_force(browser, tmp_path):
+    (tmp_path / "walls.csv").write_text("time,wall,x,y,angle\n0,raft,0,0,0\n2.5,raft,2.5,0,0\n")
+    rows = [f"{t:g},raft,{2.5 + t:g},3.5,0,{t:g},0,0,{300 * t:g},{-400 * t:g},0" for t in (0.0, 1.0, 2.0)]
+    (tmp_path / "bodies.csv").write_text("\n".join([BODIES_HEADER, *rows, ""]))
+    walls = *FLOOR, body(Block("raft", (2, 3), (3, 4)))
+    page = Page(browser, made_report(tmp_path, walls=walls, poses=PoseFile(tmp_path / "walls.csv", ["raft"])))
+
+    def tip(time, x, y):
+        page.run(f"tell('play', {{on: false}}); tell('seek', {time})")
+        left, top = page.run(
+            "(() => { const p = players[0], b = p.canvas.getBoundingClientRect();"
+            f" return [b.x + MARGIN.left + column(p, {x}), b.y + MARGIN.legend + row(p, {y})] }})()"
+        )
+        mouse(page, "mouseMoved", left, top)
+        return page.run("(({hidden, innerText}) => hidden ? null : innerText)(document.querySelector('.tip'))")
+
+    told = "raft\nmass 1000 kg/m\n{} m/s ({}, 0.00)\nforce of the discs {} N/m ({}, \u2212{})"
+    assert tip(1.0, 3.4, 3.6) == told.format("1.00", "1.00", 500, 300, 400)
+    assert tip(1.25, 3.7, 3.2) == told.format("1.25", "1.25", 625, 375, 500)  # between two frames
+    assert tip(1.25, 2.1, 3.2) is None
+    assert tip(2.5, 4.7, 3.2) == "raft\nmass 1000 kg/m"  # no row tells of this time
     assert page.troubles() == []
 
 

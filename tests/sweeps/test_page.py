@@ -109,12 +109,16 @@ def test_a_player_that_was_handed_on_is_checked(done, tmp_path, tried):
     }  # fmt: skip
     still, way = {"name": "a", "hollow": False, "outlines": [[[0, 0], [1, 0], [1, 1]]], "lines": []}, [0.0] * 10**4
     moving = {**still, "about": [0, 0], **dict.fromkeys(("x", "y", "angle"), way[: len(header["times"])])}
-    path.write_text(json.dumps({**whole, "header": {**header, "seam": [0, 1e6], "walls": [still, moving]}}))
-    assert json.loads(json.dumps(read_player(path).header["walls"])) == [still, moving]
+    known = {name: [None, *moving["x"][1:]] for name in ("vx", "vy", "fx", "fy")}
+    body = {**moving, "body": {"mass": 2.0, "centre": [0, 0], **known}}
+    path.write_text(json.dumps({**whole, "header": {**header, "seam": [0, 1e6], "walls": [still, moving, body]}}))
+    assert json.loads(json.dumps(read_player(path).header["walls"])) == [still, moving, body]
     bad_walls = [
         refresh, [{}], [{**moving, "x": way}], [{**moving, "angle": None}], [{**moving, "angle": [refresh]}],
         [{**still, "x": moving["x"]}], [{**still, "outlines": [[]]}], [{**still, "lines": [way]}],
         [{**still, "lines": [[[0, 0]] * 60_000] * 2}], [{**moving, "about": [0, 1e300]}],
+        [{**still, "body": body["body"]}], [{**body, "body": {**body["body"], "vx": way}}],
+        [{**body, "body": {**body["body"], "fy": None}}], [{**body, "body": {**body["body"], "mass": refresh}}],
     ]  # fmt: skip
     wrong += [{"header": {**header, "walls": walls}} for walls in bad_walls]
     wrong += [{"header": {**header, name: value}} for name, values in changes.items() for value in values]
