@@ -124,7 +124,7 @@ class _Painter:
         self.view, self.picture = _surroundings(*seen(sample, flow), width, self.top_speed, flow.title)
         self.inside = slice(ABOVE, ABOVE + self.view.height), slice(LEFT, LEFT + self.view.width)
         self.font = ImageFont.truetype(findfont("DejaVu Sans"), 16)
-        walls = {wall.name for wall in flow.scene.permanent}
+        walls = {wall.name for wall, _ in flow.scene.standing}
         # a force may act on something that is no wall
         self.forces = {name: history for name, history in forces.items() if name in walls and len(history.time)}
         biggest = max((float(np.quantile(np.hypot(h.fx, h.fy), 0.995)) for h in self.forces.values()), default=0.0)

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from free_bodies import body
 from made_up import flow_context
 
 from lammps_jump.analysis.draw import film, painter
@@ -15,6 +16,7 @@ from lammps_jump.analysis.draw.painter import View, blank, coloured, paint_arrow
 from lammps_jump.dump.find import ForceHistory
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.dump.read import open_dump
+from lammps_jump.dump.side_files.poses import PoseFile
 from lammps_jump.dump.write import DumpWriter
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.walls import Block, Box, Plane
@@ -126,6 +128,22 @@ def test_mp4_decodes_to_the_frames_of_the_dump(dump, tmp_path):
     # the first frame's discs rest (dark blue), the last one's move (yellow); the arrow grows red on the sill
     reddish = [((f[..., 0] > 150) & (f[..., 1] < 90) & (f[..., 2] < 110)).sum() for f in (frames[0], frames[-1])]
     assert reddish[0] == 0 and reddish[1] > 200
+
+
+def test_a_body_is_filmed_where_it_is_with_the_arrow_of_its_force(dump, tmp_path):
+    """A block of 1 m moves by 4 m above the discs; a force upwards stands on its middle."""
+    (tmp_path / "walls.csv").write_text("time,wall,x,y,angle\n0,box,0,0,0\n1.1,box,4,0,0\n")
+    scene = replace(CONTEXT.scene, walls=(*CONTEXT.scene.walls, body(Block("box", (0.5, 1.5), (2.2, 2.8)))))
+    flow = replace(CONTEXT, scene=scene, poses=PoseFile(tmp_path / "walls.csv", scene.lids))
+    forces = {"box": ForceHistory(np.array([0.0, 1.1]), np.zeros(2), np.full(2, 1e4), np.zeros(2))}
+    _, frames = decoded(animate(dump, flow, tmp_path / "a.mp4", forces=forces))
+    first, last = frames[0].astype(int), frames[-1].astype(int)
+    red = [np.flatnonzero(((f[..., 0] > 150) & (f[..., 1:] < 110).all(axis=2)).any(axis=0)) for f in (first, last)]
+    solid = [(np.abs(f - painter.SOLID) < 6).all(axis=2) for f in (first, last)]
+    came = np.flatnonzero((solid[1] & ~solid[0]).sum(axis=0) > 20)
+    width = np.ptp(came)
+    assert width > 50 and red[1].mean() == pytest.approx(came.mean(), abs=3)  # pixels; colours are those of 2 by 2
+    assert 4 * width <= red[1].mean() - red[0].mean() <= 4 * (width + 4)  # its edges are drawn 2 pixels wide
 
 
 def test_gif_has_its_frames(dump, tmp_path):

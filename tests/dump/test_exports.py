@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from children import run_child
+from free_bodies import body
 from made_up import flow_context
 
 from lammps_jump.analysis.fields import compute_fields
@@ -29,6 +30,7 @@ from lammps_jump.dump.exports import (
 from lammps_jump.dump.find import find_dump, read_dump, read_forces
 from lammps_jump.dump.frame import make_frame, ten_indices
 from lammps_jump.dump.read import open_dump
+from lammps_jump.dump.side_files.poses import PoseFile
 from lammps_jump.dump.write import DumpWriter
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.motion import Motion, MovingWall, gate
@@ -156,6 +158,21 @@ def test_walls_that_move_have_a_file_a_frame_and_those_that_stand_one(tmp_path):
     assert tops == [[1.0], [pytest.approx(1.2)]]
     numbers = ET.parse(tmp_path / "out3" / "walls1.vtp").getroot()[0][0].find("CellData")[0]
     assert vtk_array(numbers).ravel().tolist() == [1, 2]  # the gate, 0, is gone
+
+
+def test_bodies_for_paraview_stand_at_their_poses(tmp_path):
+    """A block that has moved by (2, 1) m and turned by a right angle about its centre of mass."""
+    dump(tmp_path, 2)
+    write_netcdf(compute_profiles([frame(0), frame(1)], CONTEXT), tmp_path / "profiles.nc")
+    time = frame(1).time
+    (tmp_path / "walls.csv").write_text(f"time,wall,x,y,angle\n0,box,0,0,0\n{time},box,2,1,{np.pi / 2:.17g}\n")
+    scene = replace(CONTEXT.scene, walls=(body(Block("box", (0, 2), (0, 1))),))
+    flow = replace(CONTEXT, scene=scene, poses=PoseFile(tmp_path / "walls.csv", scene.lids))
+    export(tmp_path, ("vtk",), tmp_path / "out", walls_at=flow.walls_at, room=scene.domain)
+    (first,), (last,) = (cells(tmp_path / "out" / f"walls{k}.vtp", "Polys") for k in (0, 1))
+    assert sorted(map(tuple, first)) == [(0, 0), (0, 1), (2, 0), (2, 1)]
+    corners = [(2.5, 0.5), (2.5, 2.5), (3.5, 0.5), (3.5, 2.5)]
+    np.testing.assert_allclose(sorted(map(tuple, np.round(last, 9))), corners)
 
 
 def dump(tmp_path, frames):
