@@ -41,6 +41,10 @@ class FieldError(CaseError):
         return type(self), (self.path, self.text)
 
 
+class ScaleError(CaseError):
+    """The unit of a drawing is not known, or the scale that was given is none (exit status 2)."""
+
+
 class DumpError(JumpError, ValueError):
     """A dump file, or a folder that should hold one, cannot be read (exit status 2)."""
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from lammps_jump.errors import CaseError, SetupError
+from lammps_jump.errors import CaseError, ScaleError, SetupError
 from lammps_jump.files import read_file
 from lammps_jump.units import to_si
 
@@ -56,7 +56,9 @@ def read_drawing(
     Raises
     ------
     CaseError
-        A file that cannot be read, another kind, nothing in it, no unit (both readings are named), a wrong scale.
+        A file that cannot be read, another kind, nothing in it.
+    ScaleError
+        No unit (both readings are named), a wrong scale.
     SetupError
         The package that reads this kind is not installed.
     """
@@ -78,7 +80,7 @@ def read_drawing(
         raise CaseError(f"{path}: holds no line, arc or circle" + (f" ({left})" if left else ""))
     factor = measure.per_unit(drawing.unit)
     if factor is None:
-        raise CaseError(_two_readings(drawing))
+        raise ScaleError(_two_readings(drawing))
     notes = list(drawing.notes)
     if measure.metres is not None and drawing.unit is not None and abs(factor / drawing.unit - 1) > 1e-9:
         notes.append(f"{drawing.unit_told}; --scale {scale} is taken instead")
@@ -118,7 +120,7 @@ def _measure(scale: str | None, tolerance: float) -> Measure:
             return Measure(metres, tolerance=tolerance)
         problem = ValueError(f"{scale} is out of range; allowed is > 0")
         break
-    raise CaseError(f"--scale {scale}: {problem}; write a unit such as mm, metres of one unit such as 0.01, or 1:100")
+    raise ScaleError(f"--scale {scale}: {problem}; write a unit such as mm, metres of one unit such as 0.01, or 1:100")
 
 
 def _two_readings(drawing: LayeredDrawing) -> str:

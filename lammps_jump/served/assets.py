@@ -21,7 +21,18 @@ HERE, REPORT = Path(__file__).parent, Path(page.__file__).parent
 ASSETS = {
     **{
         name: HERE / name
-        for name in ("open.css", "ask.js", "case.js", "text.js", "places.js", "live.js", "run.js", "study.js")
+        for name in (
+            "open.css",
+            "ask.js",
+            "case.js",
+            "text.js",
+            "places.js",
+            "drop.js",
+            "live.js",
+            "run.js",
+            "study.js",
+            "axes.js",
+        )
     },
     **{name: REPORT / name for name in ("page.css", *page.SCRIPTS)},
 }

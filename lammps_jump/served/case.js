@@ -114,6 +114,7 @@ async function watch() {
   if (!ok) return say(data.refused.startsWith("the program") ?
     "The program that serves this page has ended. What is not saved stays here as long as the page is open." : data.refused);
   offerRun(data.run);
+  file.largest = data.largest;
   if (data.text === null || file.busy || file.conflict || data.key === file.key) return undefined;
   const first = file.saved === null;
   if (!first && editor.text !== file.saved) return differs(data);
@@ -128,7 +129,8 @@ async function watch() {
 
 function offerRun(run) {
   file.run = run;
-  byId("go").disabled = !run;
+  byId("go").disabled = !run || Boolean(run.why);
+  byId("run-why").textContent = (run && run.why) || "";
   byId("go").textContent = run && run.number !== null ? "Show the run" : "Run";
   byId("run-act").querySelector("code").textContent = run ? run.command : "";
 }

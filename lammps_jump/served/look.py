@@ -1,17 +1,20 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What the page of a case shows of a text: errors at their lines, the drawing with its places, derived numbers."""
+"""What the page of a case shows of a text: errors at their lines, the drawing with its places, derived numbers.
+
+Also the text with the walls of a drawing that is dropped on the page.
+"""
 
 from __future__ import annotations
 
 import re
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
-from lammps_jump import engines, runs
+from lammps_jump import drawings, engines, runs
 from lammps_jump.analysis.draw.sketch import svg
 from lammps_jump.case.case import ReadCase
-from lammps_jump.errors import JumpError
+from lammps_jump.errors import CaseError, JumpError
 from lammps_jump.files import plain
 from lammps_jump.units import shown
 
@@ -19,6 +22,16 @@ from .places import Places
 
 NARROWEST, WIDEST = 240, 2000
 """Pixels of a drawing."""
+MOST_DRAWN = 12_000_000
+"""Bytes of a drawing that a page sends: with a text of a case beside it, it fits into a request."""
+
+
+class DroppedFile(NamedTuple):
+    """A drawing that a page sends: the name of its file, its bytes, and its unit or scale where one is given."""
+
+    name: str
+    data: bytes
+    scale: str | None
 
 
 def look(text: str, file: Path, wide: int) -> dict[str, Any]:
@@ -49,6 +62,35 @@ def look(text: str, file: Path, wide: int) -> dict[str, Any]:
             "notes": [*found.begins, *found.skipped],
         }
     )
+
+
+def with_drawing(text: str, file: Path, dropped: DroppedFile) -> dict[str, Any]:
+    """The text of a case with the walls of a drawing, as ``import --into`` adds them; the file is not touched.
+
+    Returns
+    -------
+    dict
+        ``text``; ``added``: what each wall is; ``notes``: what is left out of the drawing or doubtful in it.
+
+    Raises
+    ------
+    CaseError
+        A text that is no case, a drawing that is too large, and as `read_drawing`, `entries` and `with_walls`.
+    """
+    name, data, scale = dropped
+    if len(data) > MOST_DRAWN:
+        raise CaseError(
+            f"{name}: has {len(data) / 1e6:.1f} MB; the page takes up to {MOST_DRAWN / 1e6:g} MB, and "
+            f"`lammps-jump import {name} --into {file.name}` more"
+        )
+    ReadCase.parse(text, file.name, folder=file.parent)
+    drawing = drawings.read_drawing(name, scale=scale, data=data)
+    found = drawings.entries(drawing)
+    return {
+        "text": drawings.with_walls(text, found, file.name),
+        "added": [f"{one.wall['name']}: {', '.join(one.facts)}" for one in found],
+        "notes": [*drawing.notes, *drawings.doubts(found, max(drawing.extent()))],
+    }
 
 
 def located(message: str, file: str) -> dict[str, Any]:

@@ -3,26 +3,31 @@
 
 from __future__ import annotations
 
+from base64 import b64decode
 from collections.abc import Mapping
 from pathlib import Path
 from threading import Lock
 from typing import Any
 
 from lammps_jump.case.case import ReadCase
-from lammps_jump.errors import JumpError, SetupError
+from lammps_jump.errors import JumpError, ScaleError, SetupError
 from lammps_jump.folders import read_marker
 from lammps_jump.runs.folder import default_folder, require_case
 
 from .assets import HERE, asset, html
 from .case_file import CaseFile
 from .children import Children, ServedChild, as_typed
-from .look import look
+from .look import MOST_DRAWN, DroppedFile, look, with_drawing
 from .run_pages import RunPages
 from .server import Pages, Refused, Reply, answer
 from .study import StudyView
 
 MOST_RUNS = 1000
 """Folders of runs of one case that are looked at for one that is free."""
+SEVERAL = (
+    "run.members: this page runs one start; the command runs all of them, and `lammps-jump open` shows their folder"
+)
+"""Why a case of several starts has no button."""
 
 
 def pages_of(path: Path) -> Opened:
@@ -109,14 +114,16 @@ class CasePages(Opened):
             found = self.file.read()
             same = found.key == query.get("key")
             told = {"name": str(self.file.shown), "key": found.key, "text": None if same else found.text}
-            return answer({**told, "run": self._plan(found.text)})
+            return answer({**told, "run": self._plan(found.text), "largest": MOST_DRAWN})
         return super().get(path, query)
 
     def post(self, path: str, asked: Mapping[str, Any]) -> Reply | None:
-        """Look at a text, save it, or run what is saved."""
+        """Look at a text, add the walls of a drawing to it, save it, or run what is saved."""
         if path == "look":
             with self._looking:
                 return answer(look(text_of(asked, "text"), self.file.path, number_of(asked, "wide")))
+        if path == "drawing":
+            return self._drawing(asked)
         if path == "save":
             saved = self.file.save(text_of(asked, "text"), text_of(asked, "key"))
             if saved is None:
@@ -126,12 +133,28 @@ class CasePages(Opened):
             return self._run(text_of(asked, "key"))
         return super().post(path, asked)
 
+    def _drawing(self, asked: Mapping[str, Any]) -> Reply:
+        """The text of a page with the walls of a drawing, and the command that does the same; nothing is written."""
+        text, name, scale = (text_of(asked, part) for part in ("text", "name", "scale"))
+        try:
+            data = b64decode(text_of(asked, "data"), validate=True)
+        except ValueError:
+            raise Refused(400, "data is not in base64") from None
+        try:
+            found = with_drawing(text, self.file.path, DroppedFile(Path(name).name, data, scale.strip() or None))
+        except ScaleError as error:
+            return answer({"refused": str(error), "scale": True}, 422)
+        given = ["--scale", scale.strip()] if scale.strip() else []
+        return answer({**found, "command": as_typed("import", name, *given, "--into", self.file.shown)})
+
     def _plan(self, text: str) -> dict[str, Any] | None:
         """What the button does: the command, and the number of a run of this case that is there already."""
         try:
             case, folder, there = self._folder(text)
         except JumpError:
             return None  # the page shows what is wrong
+        if case.fields.run.members:
+            return {"number": None, "command": as_typed("build-and-run", self.file.shown), "why": SEVERAL}
         words = ["open", folder] if there else self._words(case, folder)
         return {"number": self.runs.number(folder) if there else None, "command": as_typed(*words)}
 
@@ -141,6 +164,8 @@ class CasePages(Opened):
         if found.key != key:
             raise SetupError(f"{self.file.shown}: was changed meanwhile; look at it, and run it then")
         case, folder, there = self._folder(found.text)
+        if case.fields.run.members:
+            raise SetupError(SEVERAL)
         if not there:
             self._started[folder] = case.core
             self.children.start(folder, *self._words(case, folder))
@@ -157,13 +182,11 @@ class CasePages(Opened):
         Raises
         ------
         JumpError
-            The case cannot be used, or asks for several members.
+            The case cannot be used.
         """
         if self._read[0] != text:
             self._read = text, ReadCase.parse(text, str(self.file.shown), folder=self.file.path.parent)
         case = self._read[1]
-        if case.fields.run.members:
-            raise SetupError("run.members: a study of several starts is run by `lammps-jump build-and-run`")
         first = default_folder(case)
         for number in range(1, MOST_RUNS):
             folder = first if number == 1 else first.with_name(f"{first.name}-{number}")

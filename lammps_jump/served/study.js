@@ -45,6 +45,7 @@ function choose(number) {
   chosen = number;
   for (const one of document.querySelectorAll("#runs button")) one.setAttribute("aria-pressed", String(Number(one.dataset.number) === number));
   showRun(number);
+  tellAll("chosen", number);
 }
 
 again(ASK_AGAIN, refresh);

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from threading import Lock
 from typing import Any
@@ -10,7 +11,8 @@ from typing import Any
 from lammps_jump import sweeps
 from lammps_jump.sweeps.members import Member, MemberState, state_of, told
 from lammps_jump.sweeps.study_folder import StudyResults
-from lammps_jump.sweeps.words import heading
+from lammps_jump.sweeps.words import heading, unit, words
+from lammps_jump.units import shown
 
 from .children import as_typed
 from .run_pages import RunPages
@@ -49,7 +51,7 @@ class StudyView:
                 "status": self._held.status(),
                 "command": as_typed("sweep", self.folder),
                 "going": any(state.stage == "running" for state in states),
-                "axes": [{"name": heading(axis.name), "values": list(axis.values)} for axis in study.axes],
+                "axes": [_axis(axis.name, axis.values) for axis in study.axes],
                 "runs": [self._run(member, state) for member, state in zip(self._held.members, states, strict=True)],
                 **self._table,
             }
@@ -71,6 +73,12 @@ class StudyView:
             "stage": state.stage,
             "message": told(state),
         }
+
+
+def _axis(name: str, values: Sequence[Any]) -> dict[str, Any]:
+    """An axis with its values, and as the slider of a static page shows them."""
+    told = [shown(value, unit(name)) for value in values]
+    return {"name": heading(name), "values": list(values), "label": words(name), "shown": told}
 
 
 def _over(states: list[MemberState]) -> list[str]:

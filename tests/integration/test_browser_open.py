@@ -8,8 +8,10 @@ import time
 import pytest
 from children import HOOK
 from chromium import PROGRAM, Address, Page, chromium
-from made_up import INPUTS
+from made_up import INPUTS, STUDY
 from serving import serving
+
+from lammps_jump.sweeps import Sweep, held_study, prepare, read_study
 
 pytestmark = [pytest.mark.browser, pytest.mark.skipif(not PROGRAM, reason="Chromium is not installed")]
 
@@ -339,3 +341,58 @@ def test_a_drawing_comes_soon_after_a_key(browser, case, record_property):
             times.append(time.perf_counter() - begun)
         record_property("median", sorted(times)[4])
         print(f"from a key to the drawing: median {1000 * sorted(times)[4]:.0f} ms")
+
+
+def finished_study(folder):
+    """A study of two axes of two values, whose last point has no run."""
+    study = {**STUDY, "axes": {"contact.restitution": [0.5, 0.8], "contact.impact_speed": [4, 5]}, "members": 1}
+    found = Sweep(read_study({**study, "set": {"run.duration": 0.2}, "collect": ["energy.final"]}), folder)
+    with held_study(folder):
+        prepare(found)
+    for member in found.members[:3]:
+        member.case.run(member.folder(folder))
+
+
+def test_sliders_of_a_study_switch_between_its_runs(browser, tmp_path):
+    finished_study(tmp_path / "out")
+    with serving(tmp_path / "out") as server:
+        page = opened(browser, server)
+        until(page, "document.querySelector('#run').contentDocument.querySelector('.clock').textContent")
+        assert page.run("sliders().map((one) => one.getAttribute('aria-valuetext'))") == ["0.5", "5 m/s"]
+        pressed = "[...document.querySelectorAll('#runs button')].findIndex((one) => one.ariaPressed === 'true')"
+        assert page.run(pressed) == 1
+        page.run("sliders()[1].focus()")
+        key(page, "ArrowLeft")
+        assert until(page, f"{pressed} === 0 && byId('run').src").endswith("run/0/")
+        key(page, "ArrowRight")
+        until(page, f"{pressed} === 1")
+        page.run("sliders()[0].focus()")
+        key(page, "ArrowRight")  # nothing has run there: the run before stays
+        assert until(page, "document.querySelector('.gone').innerText") == "No finished run at 0.8, 5 m/s."
+        assert page.run(pressed) == 1
+        page.run("document.querySelectorAll('#runs button')[2].click()")
+        until(page, f"{pressed} === 2 && document.querySelector('.gone').hidden")
+        assert page.run("sliders().map((one) => Number(one.value))") == [1, 0]
+        assert page.run(TOO_WIDE) == [] and page.run(CONTRAST) == [] and troubles(page, server) == []
+
+
+def test_a_drawing_that_is_dropped_is_one_change(browser, case):
+    drawn_file = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 200 100"><path id="roof" d="M0 0 L200 0"/></svg>'
+    with serving(case) as server:
+        page = opened(browser, server)
+        drawn(page)
+        page.run(
+            "(() => { const dataTransfer = new DataTransfer(), given = {dataTransfer, bubbles: true, cancelable: true};"
+            f" dataTransfer.items.add(new File([{drawn_file!r}], 'roof.svg'));"
+            " document.body.dispatchEvent(new DragEvent('drop', given)); })()"
+        )
+        assert "its unit is not known" in until(page, "!byId('scale-act').hidden && byId('imported').innerText")
+        assert page.run("document.activeElement.id") == "scale" and page.run("editor.text") == CASE
+        assert page.run(TOO_WIDE) == [] and page.run(CONTRAST) == []
+        page.run("byId('scale').value = 'cm', byId('scale-go').click()")
+        told = until(page, "editor.text.includes('name: roof') && byId('imported').innerText")
+        assert f"lammps-jump import roof.svg --scale cm --into {case}" in told
+        saved(page, case, "name: roof")
+        page.run("byId('undo').click()")  # one step
+        until(page, f"editor.text === {CASE!r} && file.saved === editor.text")
+        assert [one for one in troubles(page, server) if "422" not in one] == []

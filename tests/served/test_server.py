@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The server of `open`: what it refuses, and that nothing but the case file that was opened is ever written."""
 
+import base64
 import json
 import socket
 
@@ -9,6 +10,7 @@ from serving import asked, send, serving
 
 import lammps_jump.served as served
 from lammps_jump.errors import CaseError
+from lammps_jump.served import look
 
 CASE = """\
 # A column before it falls.
@@ -68,6 +70,13 @@ ATTACKS = {
     "no JSON": ("POST", "/{token}/look", b"{", {}, 400),
     "brackets without end": ("POST", "/{token}/look", 100_000 * b"[", {}, 400),
     "a list": ("POST", "/{token}/look", b"[]", {}, 400),
+    "a drawing that is not coded": (
+        "POST",
+        "/{token}/drawing",
+        {"text": "", "name": "a", "scale": "", "data": "?"},
+        {},
+        400,
+    ),
     "a number for a text": ("POST", "/{token}/look", {"text": 1, "wide": 700}, {}, 400),
     "half of a letter": ("POST", "/{token}/look", {"text": "\ud800", "wide": 700}, {}, 400),
     "too much": ("POST", "/{token}/look", b"{}", {"Content_Length": "99999999999"}, 413),
@@ -159,6 +168,68 @@ def test_saving_takes_the_place_of_the_text_that_was_shown_alone(server, case):
     again = asked(server, "save", {"text": CASE + "# two\n", "key": json.loads(data)["key"]})  # as one has decided
     assert case.read_text() == CASE + "# two\n" and again["key"]
     assert [one.name for one in case.parent.iterdir()] == ["case.yaml"]
+
+
+DRAWN = {
+    "bed.csv": b"chainage [m],level [m]\n2,3\n3,2.5\n5,2.4\n",
+    "pier.svg": b'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 9"><path id="pier" d="M0 0 200 100"/></svg>',
+    "photo.svg": b"\x89PNG",
+    "notes.docx": b"PK",
+}
+
+
+def drop(server, name, text=CASE, scale=""):
+    """Status and answer for a drawing that a page sends."""
+    sent = {"text": text, "name": name, "data": base64.b64encode(DRAWN[name]).decode(), "scale": scale}
+    status, _, data = send(server, "POST", f"/{server.token}/drawing", sent)
+    return status, json.loads(data)
+
+
+def test_a_drawing_becomes_walls_of_the_text(server, case):
+    status, found = drop(server, "bed.csv")
+    assert status == 200, found
+    rows = found["text"].splitlines()
+    kept = [row for row in rows if row in CASE.splitlines()]
+    assert kept == CASE.splitlines() and len(rows) > len(kept)  # comments and all
+    assert "name: bed" in found["text"] and any(one.startswith("bed: ") for one in found["added"])
+    assert found["command"] == f"lammps-jump import bed.csv --into {case}"
+    looked = asked(server, "look", {"text": found["text"], "wide": 700})
+    assert looked.get("name") == "small", looked
+    assert case.read_text() == CASE and [one.name for one in case.parent.iterdir()] == ["case.yaml"]
+
+
+def test_a_drawing_without_a_unit_is_asked_for_it(server):
+    status, found = drop(server, "pier.svg")
+    assert status == 422 and found["scale"] is True
+    assert "In metres it is 200 m wide" in found["refused"] and "in millimetres 0.2 m" in found["refused"]
+    status, found = drop(server, "pier.svg", scale="furlong parsec")
+    assert status == 422 and found["scale"] is True and "--scale furlong parsec" in found["refused"]
+    status, found = drop(server, "pier.svg", scale=" cm ")
+    assert status == 200 and "2, " in found["text"] and "--scale cm --into" in found["command"]
+
+
+def test_what_is_no_drawing_is_refused_in_a_sentence(server, monkeypatch):
+    for name, text, told in [
+        ("photo.svg", CASE, "photo.svg"),
+        ("notes.docx", CASE, "drawings that are read end in .dxf"),
+        ("bed.csv", CASE.replace("kind: block", "kind: blok"), "did you mean 'block'?"),
+        ("bed.csv", CASE.replace("floor", "bed"), "there is a wall 'bed' already"),
+    ]:
+        status, found = drop(server, name, text)
+        assert status == 422 and told in found["refused"] and "scale" not in found
+    monkeypatch.setattr(look, "MOST_DRAWN", 10)
+    status, found = drop(server, "bed.csv")
+    assert status == 422 and "the page takes up to" in found["refused"]
+
+
+def test_a_case_of_several_starts_tells_why_it_has_no_button(server, case):
+    case.write_text(CASE.replace("run: {", "run: {members: 3, "))
+    found = asked(server, "file")
+    assert found["run"]["why"].startswith("run.members") and found["run"]["command"].startswith(
+        "lammps-jump build-and-run"
+    )
+    status, _, data = send(server, "POST", f"/{server.token}/run", {"key": found["key"]})
+    assert status == 422 and "run.members" in json.loads(data)["refused"]
 
 
 def test_ends_of_lines_stay_as_they_are(tmp_path):

@@ -24,7 +24,14 @@ def test_a_study_fills(tmp_path):
         assert 'id="sliders"' in page and 'src="study.js"' in page
         state = asked(server, "state")
         assert [run["stage"] for run in state["runs"]] == ["waiting", "waiting"] and state["rows"] == []
-        assert state["axes"] == [{"name": "restitution coefficient", "values": [0.5, 0.8]}]
+        assert state["axes"] == [
+            {
+                "name": "restitution coefficient",
+                "values": [0.5, 0.8],
+                "label": "restitution coefficient",
+                "shown": ["0.5", "0.8"],
+            }
+        ]
         assert [run["place"] for run in state["runs"]] == [[0.5], [0.8]] and "2 waiting" in state["status"]
         assert asked(server, "run/0/state")["status"] == "none"
         first, _ = found.members
