@@ -75,6 +75,7 @@ LISTED = {
     ),
     "rest": ListedAnalysis("lammps_jump.analysis.grains.rest", "when the discs come to rest", "Tell when discs rest"),
     "tailgate": ListedAnalysis("lammps_jump.analysis.devices.tailgate"),
+    "bodies": ListedAnalysis("lammps_jump.analysis.devices.bodies"),
     "depth": ListedAnalysis("lammps_jump.analysis.budgets.depths"),
     "state": ListedAnalysis("lammps_jump.analysis.grains.state"),
 }

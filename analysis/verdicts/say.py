@@ -7,13 +7,28 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
+from .bodies import BODIES
 from .gates import TAILGATE
 from .grains import DRUM, HEAP, INCLINE, OUTLET
 from .jump import HYDRAULIC_JUMP
 from .plain import DISCS, ENERGY
 from .water import COLLAPSE, IMPACT, RUN_UP, WAVES
 
-VERDICTS = (OUTLET, HEAP, DRUM, INCLINE, HYDRAULIC_JUMP, TAILGATE, WAVES, COLLAPSE, RUN_UP, IMPACT, ENERGY, DISCS)
+VERDICTS = (
+    OUTLET,
+    HEAP,
+    DRUM,
+    INCLINE,
+    HYDRAULIC_JUMP,
+    TAILGATE,
+    BODIES,
+    WAVES,
+    COLLAPSE,
+    RUN_UP,
+    IMPACT,
+    ENERGY,
+    DISCS,
+)
 """In the order in which they claim the title. Pages, screens and the table of the site are made from it."""
 TOGETHER = 2
 """Answers of one title."""

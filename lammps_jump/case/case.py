@@ -121,6 +121,11 @@ class ReadCase:
         """Names of the walls that hold a depth or a front."""
         return tuple(wall.name for wall in self.fields.walls if isinstance(getattr(wall, "motion", None), Held))
 
+    @property
+    def body_names(self) -> tuple[str, ...]:
+        """Names of the bodies that move freely."""
+        return tuple(body.name for body in self.fields.bodies)
+
     @cached_property
     def hash(self) -> str:
         """Twelve hex digits, equal for cases that give the same run: name, description and analysis are left out."""

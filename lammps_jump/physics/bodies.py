@@ -9,7 +9,7 @@ The mass of a sphere is rho pi d^3/6 (kg), that of a cylinder rho pi d^2/4 and t
 
 from __future__ import annotations
 
-from math import pi, sqrt
+from math import nan, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -122,3 +122,30 @@ def pendulum_period(mass: float, inertia: float, distance: float, gravity: float
         rad; the next term of the series is 11 a^4/3072.
     """
     return 2.0 * pi * sqrt(inertia / (mass * gravity * distance)) * (1.0 + amplitude**2 / 16.0)
+
+
+def area_below(corners: np.ndarray, level: float) -> float:
+    """Area of a polygon below a height y, m^2; either way round.
+
+    Parameters
+    ----------
+    corners : ndarray, shape (n, 2), m
+    level : float, m
+    """
+    kept: list[np.ndarray] = []
+    for here, after in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        if here[1] <= level:
+            kept.append(here)
+        if (here[1] - level) * (after[1] - level) < 0:
+            kept.append(here + (level - here[1]) / (after[1] - here[1]) * (after - here))
+    return section_of_polygon(np.array(kept)).area if len(kept) > 2 and np.ptp(np.array(kept)[:, 1]) > 0 else 0.0
+
+
+def depth_of_area(corners: np.ndarray, area: float) -> float:
+    """Height over the lowest corner below which a polygon has this area, m; NaN where it has less in all."""
+    low, high = float(corners[:, 1].min()), float(corners[:, 1].max())
+    if not 0 < area <= section_of_polygon(corners).area:
+        return nan
+    from scipy.optimize import brentq  # 0.23 s
+
+    return float(brentq(lambda level: area_below(corners, level) - area, low, high)) - low

@@ -107,6 +107,30 @@ def test_water_at_rest_before_a_wall_does_not_strike_it():
     assert "push quay" in verdict({"force": climbs, "state": STATE})
 
 
+BODY = {
+    "largest_displacement": 1.4, "largest_turn": 0.2, "start_x": 17.5, "end_x": 18.9, "rest": True, "rest_since": 6.6,
+    "slides_at": 1.8, "tips_at": None, "floats": False,
+}  # fmt: skip
+FLOATS = {"floats": True, "draught": 0.5, "draught_interval": 0.02, "draught_by_weight": 0.5}
+
+
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({}, "The body box slides 1.40 m from 1.8 s on, and rests from 6.6 s."),
+        (FLOATS, "The body box floats with a draught of 0.50 ± 0.02 m."),
+        ({"tips_at": 1.5}, "The body box tips at 1.5 s, and rests from 6.6 s on."),
+        ({"slides_at": None, "largest_turn": 48.0}, "The body box comes 1.40 m far and turns by up to 48 degrees, and"),
+        ({"slides_at": None, "largest_displacement": 1e-4, "largest_turn": 0.0}, "The body box stands."),
+    ],
+)
+def test_what_a_body_did(changed, said):
+    assert verdict({"bodies": {"box": {**BODY, **changed}}}).startswith(said)
+    assert verdict({"bodies": {"box": {"reason": "no row"}}, "state": STATE}).startswith("300 discs")
+    three = verdict({"bodies": {name: BODY for name in "abc"}})
+    assert three.count("slides") == 2 and "1 further bodies" in three
+
+
 DOUBTFUL = [
     ({"hopper": {**HOPPER, "discs": 40}}, "40 discs pass while the flow is on"),
     ({"hopper": {**HOPPER, "change": -0.3}}, "the discharge changes by 30 % within"),
@@ -131,6 +155,8 @@ DOUBTFUL = [
     ({"jump": {**JUMP, "frames_in_window": 5}}, "holds 5 frames"),
     ({"jump": JUMP, "inflow": {"deviation": -0.2}}, "inflow is 20 % off"),
     ({"tailgate": {"sill": {**GATE, "height_interval": 0.3}}}, "known to ± 0.30 m only"),
+    ({"bodies": {"box": {**BODY, "rest": False}}}, "box still moves at the end"),
+    ({"bodies": {"box": {**BODY, **FLOATS, "draught": 0.3}}}, "the draught of box is 0.30 m, that by its weight 0.50 m"),
     ({"waves": {**WAVES, "periods": 2}}, "2 periods only"),
     ({"waves": {**WAVES, "height_last": 0.1}}, "lose 83 %"),
     ({"front": {**FRONT, "position_99": 20.0}}, "end at different places, 9.2 and 20 m"),
@@ -161,7 +187,7 @@ def test_every_doubt_has_its_summary_and_none_holds_without_a_cause():
     assert sum(any(doubt.found(summary) for summary, _ in DOUBTFUL) for doubt in every) == len(every) == len(DOUBTFUL)
     sound = {"hopper": HOPPER, "heap": HEAP, "drum": DRUM, "layers": LAYERS, "jump": JUMP, "waves": WAVES}
     sound |= {"front": FRONT, "runup": RUN_UP, "force": FORCE, "energy": ENERGY, "state": STATE}
-    sound |= {"tailgate": {"sill": GATE}}
+    sound |= {"tailgate": {"sill": GATE}, "bodies": {"box": BODY, "buoy": {**BODY, **FLOATS}}}
     assert not [doubt.when for doubt in every if doubt.found(sound)]
 
 

@@ -1,0 +1,283 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Bodies that move freely: how far each came, whether it rests, slides, tips or floats, and what hit it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import degrees, nan
+from typing import Any
+
+import numpy as np
+
+from lammps_jump.analysis.contacts import ContactCollector
+from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Panel, Trace
+from lammps_jump.analysis.flow import Flow
+from lammps_jump.analysis.passes import Gathered
+from lammps_jump.analysis.quantity import Named, Quantity
+from lammps_jump.analysis.report.page import Section, Table, Text, described
+from lammps_jump.analysis.statistics import STUDENT, mean_of
+from lammps_jump.dump.frame import Frame
+from lammps_jump.dump.side_files.bodies import BodyHistory, read_bodies
+from lammps_jump.errors import DumpError
+from lammps_jump.files import BODIES
+from lammps_jump.scene.bodies.free import Free
+from lammps_jump.scene.motion import MovingWall, Pose
+from lammps_jump.units import Estimates, as_summary, estimate, number
+
+from .floating import Around, around, draught_by_weight
+
+STILL = 0.01
+"""Diameters from its last pose within which a body counts as at rest there."""
+LAST = 0.1
+"""Share of the time, at the end, that a body must have been at rest."""
+MOVED = 0.01
+"""Widths of a body by which it has slid, or by which a corner has risen, where that counts."""
+LATE = 0.25
+"""Share of the time, at the end, over which draught and heel are means."""
+CARRIED = 0.1
+"""Share of its weight by which the force of the discs may differ on a body that floats."""
+LEAST = 8
+"""Frames that a mean needs."""
+
+
+@dataclass(frozen=True)
+class BodyResult(Estimates):
+    """What one body did; absent numbers were not measured, and `reason` says why it has none at all."""
+
+    mass: float = number("kg/m", "mass per metre of width", default=nan)
+    inertia: float = number("kg m", "moment of inertia about the centre of mass, per metre of width", default=nan)
+    start_x: float = number("m", "x of the centre of mass at the start", default=nan)
+    start_y: float = number("m", "y of the centre of mass at the start", default=nan)
+    start_angle: float = number("°", "turn at the start", default=nan)
+    end_x: float = number("m", "x of the centre of mass at the end", default=nan)
+    end_y: float = number("m", "y of the centre of mass at the end", default=nan)
+    end_angle: float = number("°", "turn at the end", default=nan)
+    largest_displacement: float = number("m", "largest displacement of the centre of mass", default=nan)
+    largest_turn: float = number("°", "largest turn, either way", default=nan)
+    rest: bool = False
+    rest_since: float = number("s", "at rest since", default=nan)
+    slides_at: float = number("s", "time at which it has slid by 1 % of its width", default=nan)
+    tips_at: float = number("s", "time at which a corner has risen by 1 % of its width", default=nan)
+    floats: bool = False
+    draught: float = estimate(
+        "m",
+        "draught: level of the discs beside it over its lowest point",
+        interval="± of the draught, 95 % from the swings of one run",
+    )
+    draught_by_weight: float = number("m", "draught at which it displaces its weight of discs", default=nan)
+    heel: float = number("°", "turn while it floats, mean", default=nan)
+    bulk_density: float = number("kg/m^3", "mass of the discs beside it over their area", default=nan)
+    peak_force: float = number("N/m", "largest force of the discs, mean of a row of bodies.csv", default=nan)
+    peak_at: float = number("s", "time of that force", default=nan)
+    impulse_x: float = number("N s/m", "impulse of the discs along x", default=nan)
+    impulse_y: float = number("N s/m", "impulse of the discs along y", default=nan)
+    reason: str | None = None
+    table: Mapping[str, np.ndarray] = field(default_factory=dict, metadata={"summary": False})
+
+
+class BodyWatch:
+    """Collects what lies beside each body, frame by frame."""
+
+    def __init__(self, flow: Flow, _: ContactCollector | None = None):
+        self.flow = flow
+        self._rows: dict[str, list[tuple[float, Around]]] = {name: [] for name in _bodies(flow)}
+
+    def add(self, frame: Frame, time: float) -> None:
+        """Take in a frame at a time, s."""
+        for wall in self.flow.walls_at(time):
+            if wall.name in self._rows:
+                self._rows[wall.name].append((time, around(frame, self.flow, wall)))
+
+    def result(self) -> dict[str, np.ndarray]:
+        """Time (s), bulk density (kg/m^2), level and lowest point (m) beside each body, shape (frames, 4)."""
+        return {
+            name: np.array([(time, *beside) for time, beside in rows]).reshape(-1, 4)
+            for name, rows in self._rows.items()
+        }
+
+
+def _bodies(flow: Flow) -> dict[str, MovingWall]:
+    """The bodies of a scene, by name."""
+    return {one.wall.name: one for one in flow.scene.walls if isinstance(one.motion.kind, Free)}
+
+
+def analyse(gathered: Gathered) -> dict[str, BodyResult] | None:
+    """What each body did; None where a scene has none."""
+    flow, beside = gathered.flow, gathered.histories.get("bodies", {})
+    assert isinstance(beside, dict)
+    bodies = _bodies(flow)
+    if not bodies:
+        return None
+    try:
+        histories = read_bodies(flow.poses.path.parent / BODIES) if flow.poses else {}
+        why = f"{BODIES} has no row of it"
+    except DumpError as error:
+        histories, why = {}, str(error)
+    return {
+        name: _found(flow, one, histories[name], beside.get(name, np.empty((0, 4))))
+        if name in histories else BodyResult(reason=why)
+        for name, one in bodies.items()
+    }  # fmt: skip
+
+
+def _found(flow: Flow, one: MovingWall, history: BodyHistory, beside: np.ndarray) -> BodyResult:
+    """What one body did, by its history and by the discs beside it."""
+    kind = one.motion.kind
+    assert isinstance(kind, Free)
+    d, (low, high) = flow.scene.diameter, one.wall.extent[0]
+    width, since = high - low, max(kind.begin, float(history.time[0]))
+    x, y, angle = history.x, history.y, history.angle
+    far, turned = np.hypot(x - x[0], y - y[0]), np.abs(angle - angle[0])
+    off = np.hypot(x - x[-1], y - y[-1]) + 0.5 * width * np.abs(angle - angle[-1])
+    moving = np.flatnonzero(off > STILL * d)
+    first = int(moving[-1]) + 1 if moving.size else 0
+    span = history.time[-1] - history.time[0]
+    rests = first < len(off) and history.time[-1] - history.time[first] >= LAST * span and kind.begin < history.time[-1]
+    slides, tips = _stability(one, history, width) if since < history.time[-1] else (nan, nan)
+    force = np.hypot(history.fx, history.fy)
+    top = int(np.argmax(force))
+    steps = np.diff(history.time, prepend=history.time[0])  # rows hold means over the time up to them
+    return BodyResult(
+        mass=kind.mass, inertia=kind.inertia,
+        start_x=float(x[0]), start_y=float(y[0]), start_angle=degrees(angle[0]),
+        end_x=float(x[-1]), end_y=float(y[-1]), end_angle=degrees(angle[-1]),
+        largest_displacement=float(far.max()), largest_turn=degrees(turned.max()),
+        rest=rests, rest_since=float(history.time[first]) if rests else nan,
+        slides_at=slides, tips_at=tips,
+        peak_force=float(force[top]) if force[top] else nan, peak_at=float(history.time[top]) if force[top] else nan,
+        impulse_x=float((steps * history.fx).sum()), impulse_y=float((steps * history.fy).sum()),
+        **_afloat(flow, one, history, beside),
+        table={"time": history.time, "x": x, "y": y, "angle": np.degrees(angle), "fx": history.fx, "fy": history.fy},
+    )  # fmt: skip
+
+
+def _stability(one: MovingWall, history: BodyHistory, width: float) -> tuple[float, float]:
+    """Times at which a body that stands has slid and tipped, s; NaN where it has not, or where it does not stand.
+
+    It stands where the corners of its base keep their height until one of the two happens. A fall is neither.
+    """
+    kind = one.motion.kind
+    assert isinstance(kind, Free)
+    outline = np.asarray(one.wall.outline((-np.inf, np.inf), (-np.inf, np.inf))[0])
+    base = outline[outline[:, 1] <= outline[:, 1].min() + 1e-3 * width]
+    if kind.hinge is not None or len(base) < 2 or np.ptp(base[:, 0]) < 0.2 * width:
+        return nan, nan
+    arm = base - np.array(kind.centre)
+    cos, sin = np.cos(history.angle)[:, None], np.sin(history.angle)[:, None]
+    xs = history.x[:, None] + cos * arm[:, 0] - sin * arm[:, 1]
+    ys = history.y[:, None] + sin * arm[:, 0] + cos * arm[:, 1]
+    start = int(np.searchsorted(history.time, kind.begin, side="right")) - 1
+    raised = ys - ys[max(start, 0)]
+    fallen = raised.max(axis=1) < -MOVED * width
+    slid = np.abs(xs.mean(axis=1) - xs[max(start, 0)].mean()) > MOVED * width
+    tipped = (raised.max(axis=1) > MOVED * width) & (raised.min(axis=1) < 0.5 * raised.max(axis=1))
+    pull = -kind.weight[1] / kind.mass
+    free = 2.0 * np.sqrt(2.0 * MOVED * width / pull) if pull > 0 else 0.0  # it takes half of it to fall so far
+    until = float(history.time[np.argmax(fallen)]) - free if fallen.any() else np.inf
+    times = []
+    for happened in (slid, tipped):
+        at = float(history.time[np.argmax(happened)]) if happened.any() else np.inf
+        times.append(at if np.isfinite(at) and at < until else nan)
+    return times[0], times[1]
+
+
+def _afloat(flow: Flow, one: MovingWall, history: BodyHistory, beside: np.ndarray) -> dict[str, Any]:
+    """Draught, heel and density of the discs beside a body that they carry; nothing for one that does not float."""
+    kind = one.motion.kind
+    assert isinstance(kind, Free)
+    late = history.time >= history.time[-1] - LATE * (history.time[-1] - history.time[0])
+    weight = -kind.weight[1]
+    if kind.hinge is not None or not kind.axes[1] or weight <= 0 or late.sum() < LEAST:
+        return {}
+    if abs(float(history.fy[late].mean()) - weight) > CARRIED * weight:
+        return {}
+    frames = beside[beside[:, 0] >= history.time[late][0]]
+    frames = frames[np.isfinite(frames).all(axis=1)]
+    if len(frames) < LEAST or (frames[:, 2] <= frames[:, 3]).any():
+        return {}
+    draught, density = mean_of(frames[:, 2] - frames[:, 3]), float(frames[:, 1].mean())
+    heel = float(np.degrees(history.angle[late]).mean())
+    wall = one.at(0, Pose(angle=float(np.radians(heel)))) or one.wall
+    return {
+        "floats": True, "draught": draught.value, "draught_interval": STUDENT * draught.error, "heel": heel,
+        "bulk_density": density, "draught_by_weight": draught_by_weight(wall, weight, density * flow.g),
+    }  # fmt: skip
+
+
+def summary(found: Mapping[str, BodyResult]) -> dict[str, object]:
+    """As under ``bodies`` in ``summary.json``: the bodies by name."""
+    return {name: as_summary(body) for name, body in found.items()}
+
+
+def notes(found: Mapping[str, BodyResult] | None) -> list[str]:
+    """Sentences on bodies of which nothing is known."""
+    return [
+        f"Nothing is known of the body {name}: {body.reason}." for name, body in (found or {}).items() if body.reason
+    ]
+
+
+LOOKS = ("first", "second", "third", "sum")
+"""Of the lines of the first bodies; all others are faint."""
+
+
+def figures(found: Mapping[str, BodyResult], _: Gathered) -> Drawings:
+    """Way, turn and force of the bodies against time."""
+    shown = [(name, body.table) for name, body in found.items() if len(body.table.get("time", ()))]
+    if not shown:
+        return {}
+    curves: dict[str, list[Trace]] = {"Displacement\n[m]": [], "Turn [°]": [], "Force of the\ndiscs [N/m]": []}
+    for place, (name, table) in enumerate(shown):
+        look = LOOKS[place] if place < len(LOOKS) else "faint"
+        label = name if len(shown) > 1 and place < len(LOOKS) else ""
+        far = np.hypot(table["x"] - table["x"][0], table["y"] - table["y"][0])
+        for lines, values in zip(
+            curves.values(), (far, table["angle"], np.hypot(table["fx"], table["fy"])), strict=True
+        ):
+            lines.append(Trace(label, table["time"], values, look))
+    panels = [Panel(label, lines) for label, lines in curves.items()]
+    return {"bodies": Chart("bodies", TIME, panels)}
+
+
+def section(found: Mapping[str, Mapping[str, Any]]) -> Section:
+    """The numbers of each body."""
+    blocks: list[Table | Text] = []
+    for name, body in found.items():
+        keys = [key for key in KEYS if body.get(key) is not None]
+        if body.get("reason"):
+            blocks.append(Text(f"Nothing is known of the body {name}: {body['reason']}.", "warn"))
+        else:
+            blocks.append(Table(described(BodyResult, body, *keys), (f"Body {name}", "")))
+    return Section("Bodies", blocks)
+
+
+KEYS = (
+    "mass", "inertia", "start_x", "start_y", "end_x", "end_y", "end_angle", "largest_displacement", "largest_turn",
+    "rest_since", "slides_at", "tips_at", "draught", "draught_interval", "draught_by_weight", "heel", "bulk_density",
+    "peak_force", "peak_at", "impulse_x", "impulse_y",
+)  # fmt: skip
+
+QUANTITY = Quantity(
+    name="bodies",
+    title="Bodies",
+    result=BodyResult,
+    definitions="""\
+rest          from then on the body stays within a hundredth of a diameter of its last pose, for a tenth of the time or
+              longer
+slides, tips  of a body that stands: the middle of its base has moved along x, or a corner of it has risen, by 1 % of
+              its width. A body that falls does neither
+floats        discs carry its weight within 10 % over the last quarter, where draught and heel are means
+draught       level of the mass of the discs beside the body over its lowest point; by weight: where it displaces its
+              weight at the bulk density of these discs (Archimedes)
+impulse       sum of the force of the discs over time, both ends included
+""",
+    always=lambda flow: bool(_bodies(flow)),
+    collector=BodyWatch,
+    analyse=analyse,
+    captions={"bodies": "Way, turn and force of the bodies"},
+    figures=figures,
+    section=section,
+    notes=notes,
+    summary=summary,
+    named=Named("body", "give the case bodies", "body_names", "<body>"),
+)
