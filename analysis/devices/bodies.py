@@ -103,7 +103,7 @@ def _bodies(flow: Flow) -> dict[str, MovingWall]:
 
 
 def analyse(gathered: Gathered) -> dict[str, BodyResult] | None:
-    """What each body did; None where a scene has none."""
+    """What each body did; None for a scene without bodies."""
     flow, beside = gathered.flow, gathered.histories.get("bodies", {})
     assert isinstance(beside, dict)
     bodies = _bodies(flow)

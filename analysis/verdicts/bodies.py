@@ -4,12 +4,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from math import sqrt
 from typing import Any
 
 from .kinds import Doubt, Verdict, part, shown
 
 MOST = 2
 """Bodies of which the title tells."""
+STOOD, LEVEL = 0.01, 0.1
+"""Radii of gyration and degrees below which a body has stood: it sinks so far into what carries it."""
 OFF = 0.1
 """Share by which a draught may lie off that by weight."""
 
@@ -33,7 +36,7 @@ def _one(name: str, body: Mapping[str, Any]) -> str:
         return f"The body {name} tips at {body['tips_at']:z.1f} s{since}"
     if body.get("slides_at") is not None:
         return f"The body {name} slides {way:z.2f} m from {body['slides_at']:z.1f} s on" + since.replace(" on", "")
-    if body["largest_displacement"] < 1e-3 * max(1.0, abs(body["start_x"])) and body["largest_turn"] < 0.1:
+    if body["largest_displacement"] < STOOD * sqrt(body["inertia"] / body["mass"]) and body["largest_turn"] < LEVEL:
         return f"The body {name} stands"
     turned = f" and turns by up to {body['largest_turn']:z.0f} degrees" if body["largest_turn"] >= 1 else ""
     return f"The body {name} comes {body['largest_displacement']:z.2f} m far{turned}{since}"
@@ -47,7 +50,7 @@ def _earlier(body: Mapping[str, Any], one: str, other: str) -> bool:
 def _title(summary: Mapping[str, Any]) -> str:
     told = list(_told(summary))
     said = [_one(name, body) for name, body in told[:MOST]]
-    more = f" {len(told) - MOST} further bodies stand in the report." if len(told) > MOST else ""
+    more = f" The report tells of {len(told)} bodies." if len(told) > MOST else ""
     return ". ".join(said) + "." + more if said else ""
 
 

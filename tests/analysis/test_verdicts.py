@@ -109,7 +109,7 @@ def test_water_at_rest_before_a_wall_does_not_strike_it():
 
 BODY = {
     "largest_displacement": 1.4, "largest_turn": 0.2, "start_x": 17.5, "end_x": 18.9, "rest": True, "rest_since": 6.6,
-    "slides_at": 1.8, "tips_at": None, "floats": False,
+    "slides_at": 1.8, "tips_at": None, "floats": False, "mass": 12000.0, "inertia": 15000.0,
 }  # fmt: skip
 FLOATS = {"floats": True, "draught": 0.5, "draught_interval": 0.02, "draught_by_weight": 0.5}
 
@@ -128,7 +128,13 @@ def test_what_a_body_did(changed, said):
     assert verdict({"bodies": {"box": {**BODY, **changed}}}).startswith(said)
     assert verdict({"bodies": {"box": {"reason": "no row"}}, "state": STATE}).startswith("300 discs")
     three = verdict({"bodies": {name: BODY for name in "abc"}})
-    assert three.count("slides") == 2 and "1 further bodies" in three
+    assert three.count("slides") == 2 and "tells of 3 bodies" in three
+
+
+def test_where_a_body_stands_does_not_decide_whether_it_moved():
+    moved = {**BODY, "slides_at": None, "largest_displacement": 0.05, "largest_turn": 0.0}  # of a radius of 1.1 m
+    for x in (1.0, 100.0):
+        assert "comes 0.05 m far" in verdict({"bodies": {"box": {**moved, "start_x": x, "end_x": x + 0.05}}})
 
 
 DOUBTFUL = [
