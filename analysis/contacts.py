@@ -314,7 +314,7 @@ def thrust_of(x: np.ndarray, contacts: Touching, fx: np.ndarray, edges: np.ndarr
 
 
 @dataclass(frozen=True)
-class PairSums:
+class ContactSums:
     """Sums over the pairs of a frame.
 
     Attributes
@@ -332,7 +332,7 @@ class PairSums:
     thrust: np.ndarray
 
 
-def pair_sums(frame: Frame, flow: Flow, edges: np.ndarray | None = None) -> PairSums:
+def pair_sums(frame: Frame, flow: Flow, edges: np.ndarray | None = None) -> ContactSums:
     """Elastic energy and thrust of the disc-disc contacts of a frame.
 
     Parameters
@@ -346,13 +346,13 @@ def pair_sums(frame: Frame, flow: Flow, edges: np.ndarray | None = None) -> Pair
 
     Returns
     -------
-    PairSums
+    ContactSums
     """
     pairs = touching_pairs(frame, flow)
     thrust = np.zeros(0)
     if edges is not None:
         thrust = thrust_of(frame.x, pairs, whole_forces(frame, flow, pairs)[0], edges)
-    return PairSums(elastic_energy(pairs, flow), len(pairs.first), thrust)
+    return ContactSums(elastic_energy(pairs, flow), len(pairs.first), thrust)
 
 
 @dataclass(frozen=True)

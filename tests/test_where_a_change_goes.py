@@ -36,7 +36,7 @@ from lammps_jump.runs.results import analyse, flow_of
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.chains import Chain
 from lammps_jump.scene.motion import Motion, MovingWall
-from lammps_jump.scene.tracks import Corner, Kind
+from lammps_jump.scene.tracks import Kind, VelocityChange
 from lammps_jump.scene.walls import KINDS, Block, Coordinate, Wall, WallName
 from lammps_jump.script.stock import lacking
 from lammps_jump.script.walls import JOIN, plugin_walls
@@ -281,7 +281,11 @@ class Hops(Kind):
 
     def corners(self, ease):
         up = (0.0, self.speed, 0.0)
-        return [Corner(0.1, up, ease), Corner(0.3, (0.0, -2 * self.speed, 0.0), ease), Corner(0.5, up, ease)]
+        return [
+            VelocityChange(0.1, up, ease),
+            VelocityChange(0.3, (0.0, -2 * self.speed, 0.0), ease),
+            VelocityChange(0.5, up, ease),
+        ]
 
 
 def test_a_new_motion_runs_without_another_change():

@@ -31,7 +31,7 @@ which its slope counts as constant."""
 LEAST_BINS = 8
 
 
-class Stretch(NamedTuple):
+class BedStretch(NamedTuple):
     """A stretch of bed with one slope: its left end on the bed (m), its length along x (m), and its angle (rad).
 
     The angle is positive where the bed rises towards larger x.
@@ -47,10 +47,10 @@ class Stretch(NamedTuple):
         return self.x + (along - self.x) * cos(self.angle)
 
 
-LEVEL_BED = Stretch(0.0, 0.0, 0.0, 0.0)
+LEVEL_BED = BedStretch(0.0, 0.0, 0.0, 0.0)
 
 
-def sloping_stretch(flow: Flow) -> Stretch | None:
+def sloping_stretch(flow: Flow) -> BedStretch | None:
     """The longest stretch of bed with one slope that is not level; None where there is none of eight bins."""
     edges = bin_edges(flow.x_range, flow.bin_width)
     bed = flow.mean_bed(edges)
@@ -70,7 +70,7 @@ def sloping_stretch(flow: Flow) -> Stretch | None:
     # the outermost bins may hold a kink: their middles lie on the slope all the same
     slope = float(rise[group].mean()) / flow.bin_width
     first, last = 0.5 * (edges[group[0]] + edges[group[0] + 1]), 0.5 * (edges[group[-1] + 1] + edges[group[-1] + 2])
-    return Stretch(float(first), float(bed[group[0]]), float(last - first), atan(slope))
+    return BedStretch(float(first), float(bed[group[0]]), float(last - first), atan(slope))
 
 
 @dataclass(frozen=True)
@@ -81,11 +81,11 @@ class TurnedFlow(Flow):
     ----------
     whole : Flow
         The flow as it is.
-    stretch : Stretch
+    stretch : BedStretch
     """
 
     whole: Flow | None = field(default=None, compare=False)
-    stretch: Stretch = LEVEL_BED
+    stretch: BedStretch = LEVEL_BED
 
     def walls_at(self, time: float) -> tuple[Wall, ...]:
         """Walls that are there at a time (s), turned."""
@@ -119,7 +119,7 @@ class _TurnedForces:
         return c * fx - s * fy, s * fx + c * fy
 
 
-def turned_flow(flow: Flow, stretch: Stretch) -> TurnedFlow:
+def turned_flow(flow: Flow, stretch: BedStretch) -> TurnedFlow:
     """The flow along a stretch of its bed."""
     (gx, gy), a = flow.scene.gravity, -stretch.angle
     gravity = cos(a) * gx - sin(a) * gy, sin(a) * gx + cos(a) * gy
@@ -131,7 +131,7 @@ def turned_flow(flow: Flow, stretch: Stretch) -> TurnedFlow:
     return TurnedFlow(scene=scene, x_range=ends, **kept, whole=flow, stretch=stretch)
 
 
-def _turned_wall(wall: Wall, stretch: Stretch) -> Placed:
+def _turned_wall(wall: Wall, stretch: BedStretch) -> Placed:
     """A wall where it is, turned with the stretch."""
     a, (x0, y0) = -stretch.angle, stretch[:2]
     c, s = cos(a), sin(a)
@@ -151,10 +151,10 @@ class AlongBed:
     ----------
     flow : Flow
         As it is; its frames are turned here, once for all.
-    stretch : Stretch
+    stretch : BedStretch
     """
 
-    def __init__(self, flow: Flow, stretch: Stretch):
+    def __init__(self, flow: Flow, stretch: BedStretch):
         self.flow = turned_flow(flow, stretch)
         edges = bin_edges(self.flow.x_range, self.flow.bin_width)
         self.contacts = ContactCollector(self.flow, edges) if flow.knows_contacts else None
@@ -180,7 +180,7 @@ class AlongBed:
 TRACKED = ("toe", "end", "position", "reach_end", "compression")
 
 
-def in_place(jump: Jump, stretch: Stretch) -> Jump:
+def in_place(jump: Jump, stretch: BedStretch) -> Jump:
     """The same jump with its places along x; lengths, depths and velocities stay those along and across the bed."""
 
     def moved(found: object, names: tuple[str, ...]) -> dict[str, Any]:

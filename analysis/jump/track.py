@@ -28,7 +28,7 @@ COARSE = 64
 """Most places tried for each end of the ramp in the first search; the second is eight times finer."""
 
 
-class Ramp(NamedTuple):
+class FrontRamp(NamedTuple):
     """Two levels with a straight ramp from `toe` to `end` between them; `share` is the variance explained."""
 
     toe: float
@@ -66,7 +66,7 @@ def _coarse(bins: int) -> _Ramps:
     return _ramps(bins, places[i], places[j])
 
 
-def _best(depth: np.ndarray, ramps: _Ramps) -> Ramp | None:
+def _best(depth: np.ndarray, ramps: _Ramps) -> FrontRamp | None:
     """The ramp that leaves the least squares, rising ones only."""
     toe, end, shapes, mean, spread = ramps
     covariance = shapes @ depth / len(depth) - mean * depth.mean()
@@ -76,10 +76,10 @@ def _best(depth: np.ndarray, ramps: _Ramps) -> Ramp | None:
     if gain[best] <= 0:
         return None
     low, share = depth.mean() - rise[best] * mean[best], gain[best] / max(depth.var(), 1e-300)
-    return Ramp(*(float(value) for value in (toe[best], end[best], low, low + rise[best], share)))
+    return FrontRamp(*(float(value) for value in (toe[best], end[best], low, low + rise[best], share)))
 
 
-def fit_ramp(edges: np.ndarray, depth: np.ndarray) -> Ramp | None:
+def fit_ramp(edges: np.ndarray, depth: np.ndarray) -> FrontRamp | None:
     """Least-squares ramp through a depth profile, ends to an eighth of a bin; None where nothing rises.
 
     Parameters

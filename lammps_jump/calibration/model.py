@@ -26,7 +26,7 @@ MOST_COMPONENTS = 4
 
 
 @dataclass(frozen=True)
-class Part:
+class TargetPart:
     """A target as numbers that the emulators hold: one of a number, components of a curve.
 
     Attributes
@@ -70,7 +70,7 @@ class Model:
 
     Attributes
     ----------
-    parts : tuple of Part
+    parts : tuple of TargetPart
     emulators : tuple of Emulator
         Of all numbers of all parts, in their order.
     measured : ndarray, shape (numbers,)
@@ -86,7 +86,7 @@ class Model:
         Of the runs, NaN where one has none.
     """
 
-    parts: tuple[Part, ...]
+    parts: tuple[TargetPart, ...]
     emulators: tuple[Emulator, ...]
     measured: np.ndarray
     error: np.ndarray
@@ -219,7 +219,7 @@ def _reached(target: Target, values: np.ndarray) -> tuple[Target, np.ndarray]:
     return Target(target.name, target.measured[reached], target.error[reached], target.axis, at), values[..., reached]
 
 
-def _part(target: Target, values: np.ndarray) -> Part:
+def _part(target: Target, values: np.ndarray) -> TargetPart:
     """The components of a target over the points."""
     means = np.nanmean(values, axis=1)
     starts = np.isfinite(values).all(axis=2).sum(axis=1)
@@ -228,13 +228,13 @@ def _part(target: Target, values: np.ndarray) -> Part:
     scatter = np.sqrt(squares / freedom) if freedom else np.full(len(target.measured), nan)
     centre = means.mean(axis=0)
     if not target.axis:
-        return Part(target, centre, np.ones(1), np.ones((1, 1)), scatter)
+        return TargetPart(target, centre, np.ones(1), np.ones((1, 1)), scatter)
     spread = np.sqrt(target.error**2 + np.nan_to_num(scatter) ** 2)
     scale = np.maximum(spread, 1e-3 * means.std(axis=0).max() + 1e-300)
     _, sizes, directions = np.linalg.svd((means - centre) / scale, full_matrices=False)
     share = np.cumsum(sizes**2) / max(np.sum(sizes**2), 1e-300)
     count = min(int(np.searchsorted(share, EXPLAINED)) + 1, MOST_COMPONENTS, len(directions))
-    return Part(target, centre, scale, directions[:count], scatter)
+    return TargetPart(target, centre, scale, directions[:count], scatter)
 
 
 def _pooled(off: np.ndarray, freedom: float) -> np.ndarray:

@@ -84,7 +84,7 @@ inline void add_to_wall(const jump_state &s, int64_t wall, const BodyContact &co
   const double *const arm = contact.arm[sense < 0.0];
   const double fx = sense * out.fx, fy = sense * out.fy, dashpot = sense * out.dashpot, rub = sense * out.rub;
   if (s.moving && s.moving[wall] > 0) {
-    Taken &taken = s.taken[wall];
+    WallTaken &taken = s.taken[wall];
     taken.all.add(fx, fy, arm[0], arm[1]);
     // the ledger has these as they act on discs
     taken.lost.add(-dashpot * contact.at.nx, -dashpot * contact.at.ny, arm[0], arm[1]);

@@ -12,13 +12,13 @@
 namespace jump {
 
 // Cell = column * rows + row; cell c holds order[start[c]] to order[start[c + 1] - 1], in their own order.
-struct Cells {
+struct PointCells {
   int64_t columns = 0, rows = 0;
   std::vector<int64_t> home, start, order;
 
   // Points closer than `side` are in the same or in adjacent cells, which are coarser where strays would make too
   // many: sparse spray over a large box must not cost memory, so there are at most about 8 cells a point. n > 0.
-  Cells(int64_t n, const double *x, const double *y, double side) : home(n), order(n)
+  PointCells(int64_t n, const double *x, const double *y, double side) : home(n), order(n)
   {
     const double x0 = *std::min_element(x, x + n), y0 = *std::min_element(y, y + n);
     const double wide = *std::max_element(x, x + n) - x0, high = *std::max_element(y, y + n) - y0;

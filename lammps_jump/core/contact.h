@@ -22,7 +22,7 @@ template <class Number> inline Number way_to_middle(const Number &radius, const 
 /** Root of the effective mass of two discs over that of a radius of 1 m (m). */
 template <class Number> inline Number pair_size(const Number &a, const Number &b) { return a * b / root(a * a + b * b); }
 
-template <class Number> struct Force {
+template <class Number> struct ContactForce {
   Number fx, fy;     // on the disc, N per m of width
   Number rub;        // its tangential part, along (-ny, nx)
   Number dashpot;    // its lost part along the normal
@@ -52,7 +52,7 @@ inline Number stored_energy(const Law &law, const LawNumbers &of, const Number &
 /** What dashpot and friction take while the centre of the disc moves at (vx, vy) against its partner, W per m of width; the
     work of torques is left out. */
 template <class Number>
-inline Number taken(const Force<Number> &of, const Number &nx, const Number &ny, const Number &vx, const Number &vy)
+inline Number taken(const ContactForce<Number> &of, const Number &nx, const Number &ny, const Number &vx, const Number &vy)
 {
   return -of.dashpot * (nx * vx + ny * vy) - of.rub * (nx * vy - ny * vx);
 }
@@ -62,11 +62,11 @@ inline Number taken(const Force<Number> &of, const Number &nx, const Number &ny,
     nx, ny: unit vector to the disc from what it touches; vx, vy: velocity of its centre against that of its partner;
     rim: speed of the rims, R_i omega_i + R_j omega_j; turn: speed of rolling; m/s. */
 template <class Law, class Number>
-inline Force<Number> contact_force(const Law &law, const Numbers<Number> &of, const Number &overlap, const Number &nx,
+inline ContactForce<Number> contact_force(const Law &law, const Numbers<Number> &of, const Number &overlap, const Number &nx,
                                    const Number &ny, const Number &vx, const Number &vy, const Number &rim,
                                    const Number &turn, Stretch<Number> &held)
 {
-  Force<Number> out;
+  ContactForce<Number> out;
   const Push<Number> push = normal_force(law, of, overlap, vx * nx + vy * ny);
   out.dashpot = push.dashpot;
   out.fx = push.whole * nx;
@@ -97,7 +97,7 @@ template <class Number> struct Pair {
   Number spin_a, spin_b;    // rad/s
 };
 
-template <class Number> struct PairForce : Force<Number> {
+template <class Number> struct PairForce : ContactForce<Number> {
   Number nx, ny, overlap;
   Number lever_a, lever_b;      // of friction, m
   Number on_a, on_b;            // torques, N m per m of width
@@ -130,7 +130,7 @@ inline PairForce<Number> pair_contact(const Law &law, const Numbers<Number> &of,
     arm = pair.a * pair.b / (pair.a + pair.b);
     turn = arm * (pair.spin_a - pair.spin_b);
   }
-  static_cast<Force<Number> &>(out) =
+  static_cast<ContactForce<Number> &>(out) =
       contact_force(law, own, out.overlap, out.nx, out.ny, pair.vx, pair.vy, rim, turn, held);
   if constexpr (SPIN) {
     out.lever_a = SIZES || MEMORY ? way_to_middle(pair.a, out.overlap) : pair.a;
@@ -152,7 +152,7 @@ template <class Number> struct AtWall {
   Number turns;          // spin of the wall where it rolls along, rad/s
 };
 
-template <class Number> struct WallForce : Force<Number> {
+template <class Number> struct WallForce : ContactForce<Number> {
   Number torque;    // on the disc
 };
 
@@ -173,7 +173,7 @@ inline WallForce<Number> wall_contact(const Law &law, const Numbers<Number> &of,
   const Number turn = SPIN ? at.radius * (at.spin - at.turns) : rim;
   Stretch<Number> held{};
   if constexpr (Law::Friction::REMEMBERS) held = memory.begin(at.vy * at.nx - at.vx * at.ny - rim);
-  static_cast<Force<Number> &>(out) =
+  static_cast<ContactForce<Number> &>(out) =
       contact_force(law, own, at.radius - at.gap, at.nx, at.ny, at.vx, at.vy, rim, turn, held);
   if constexpr (Law::Friction::REMEMBERS) memory.end(held);
   out.torque = at.radius * (out.resist - out.rub);

@@ -98,7 +98,7 @@ JUMP_API void jump_whole_forces(int64_t n, const LawNumbers *laws, const int64_t
       const auto at = [&](int row) { return contact[row * n + k]; };
       const Numbers<double> of{laws[which[k]], at(3), at(4)};
       Stretch<double> held{};
-      const Force<double> out = contact_force(law, of, at(2), at(0), at(1), u[j] - u[i] - at(5), v[j] - v[i] - at(6),
+      const ContactForce<double> out = contact_force(law, of, at(2), at(0), at(1), u[j] - u[i] - at(5), v[j] - v[i] - at(6),
                                               rim[i] + rim[j], 0.0, held);
       fx[k] = out.fx;
       fy[k] = out.fy;

@@ -54,7 +54,7 @@ class Crew {
   double (*rows())[4] { return reinterpret_cast<double (*)[4]>(at.data()); }
 
  private:
-  struct alignas(32) Disc {
+  struct alignas(32) DiscRow {
     double numbers[4];
   };
 
@@ -62,7 +62,7 @@ class Crew {
   int64_t listed_as = -1, sorted = -1, n = -1;    // the list that is known, and the discs that are divided
   int64_t reach = 0;             // a pair of a sorted row has its second disc at most so far behind the first
   std::vector<int32_t> first;    // first disc of each pair of sorted rows
-  std::vector<Disc, Lines<Disc>> at;
+  std::vector<DiscRow, LineAllocator<DiscRow>> at;
 
   /** Look at a list that is new. */
   void know(const jump_state &s)

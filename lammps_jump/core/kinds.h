@@ -45,11 +45,11 @@ inline bool is_fixed(const jump_state &s, int64_t i) { return s.fixed && s.fixed
 inline double bulk_of(const jump_state &s, int64_t i) { return is_fixed(s, i) ? HUGE_RADIUS : s.radius[i]; }
 
 /** Slots of one disc. */
-struct Row {
+struct StateSlots {
   const jump_state &s;
   int64_t first;
 
-  Row(const jump_state &state, int64_t disc) : s(state), first(disc * state.slots) {}
+  StateSlots(const jump_state &state, int64_t disc) : s(state), first(disc * state.slots) {}
   int count() const { return (int) s.slots; }
   int64_t partner(int at) const { return s.partner[first + at]; }
   double foot(int at) const { return s.sigma[first + at]; }
@@ -67,9 +67,9 @@ struct Row {
 };
 
 /** What a disc remembers of one contact: how it stands, and how it goes on behind a step. */
-class Memory {
+class ContactMemory {
  public:
-  Memory(const jump_state &s, int64_t disc) : row(s, disc), id(s.ids[disc]) {}
+  ContactMemory(const jump_state &s, int64_t disc) : row(s, disc), id(s.ids[disc]) {}
 
   void find(int64_t partner, double foot, double limit, double around)
   {
@@ -99,12 +99,12 @@ class Memory {
   }
 
  private:
-  Row row;
+  StateSlots row;
   int64_t id;
   int slot = FULL;
 };
 
-/** Of two discs the one with the larger id remembers; `way` is that of rolling (Memory). */
+/** Of two discs the one with the larger id remembers; `way` is that of rolling (ContactMemory). */
 struct PairMemory {
   double way;
   int64_t disc, partner;
@@ -115,17 +115,17 @@ struct PairMemory {
   }
 
   /** The springs, taken where there are none yet and springs go on. */
-  Memory take(const jump_state &s) const
+  ContactMemory take(const jump_state &s) const
   {
-    Memory of(s, disc);
+    ContactMemory of(s, disc);
     of.find(partner, 0.0, NO_END, 0.0);
     return of;
   }
 
   /** The springs as they stand. */
-  Memory look(const jump_state &s) const
+  ContactMemory look(const jump_state &s) const
   {
-    Memory of(s, disc);
+    ContactMemory of(s, disc);
     of.look(partner);
     return of;
   }
@@ -148,7 +148,7 @@ class WallMemory {
 
  private:
   const jump_state &state;
-  Memory of;
+  ContactMemory of;
   int64_t face;
   double px, py, radius;
 };

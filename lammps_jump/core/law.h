@@ -8,9 +8,9 @@
    damping     `Dashpot`: -c v_n; `SmoothDashpot`: times F / sqrt(2 k E), F the spring's force and E its energy, so that
                the restitution is that of the linear law at every speed and width (derived in docs/kernels.md)
    tangential  `NoFriction`; `Ramp`: min(mu |F_n|, c_t |v_t|) against the slip (LAMMPS gran/hooke); `Sign`:
-               mu |F_n| sat(v_t / eps) (thesis 4.18-4.21); `Slider`: spring and dashpot that slide at mu |F_n| (Cundall &
+               mu |F_n| sat(v_t / eps) (thesis 4.18-4.21); `SlidingSpring`: spring and dashpot that slide at mu |F_n| (Cundall &
                Strack 1979)
-   rolling     a `Slider` against rolling, of stiffness 0 where there is none
+   rolling     a `SlidingSpring` against rolling, of stiffness 0 where there is none
 
    A Number is a double, or a vector of them: both sides of a choice are then taken. The tensile tail of the normal force is
    kept. lammps_jump/physics/law.py states the same law and shares no line with this; tests compare the two. */
@@ -147,7 +147,7 @@ inline Number slide(Number &stretch, const Number &slip, const Number &bound, do
   return over ? held : force;
 }
 
-struct Slider {
+struct SlidingSpring {
   static constexpr bool RUBS = true, REMEMBERS = true;
   double time_step;    // s; 0: springs stay as they are
 
@@ -171,7 +171,7 @@ struct Slider {
 };
 
 /** A law: one struct of each slot. */
-template <class Normal, class Damping, class Tangential> struct Law {
+template <class Normal, class Damping, class Tangential> struct LawOfSlots {
   Normal normal;
   Damping damping;
   Tangential tangential;
@@ -189,8 +189,8 @@ struct Choice {
 /** Calls run(law) with this friction and a touch that is smooth or sharp. */
 template <class Tangential, class Run> inline void with_touch(bool smooth, const Tangential &tangential, const Run &run)
 {
-  if (smooth) run(Law<SmoothSpring, SmoothDashpot, Tangential>{{}, {}, tangential});
-  else run(Law<Spring, Dashpot, Tangential>{{}, {}, tangential});
+  if (smooth) run(LawOfSlots<SmoothSpring, SmoothDashpot, Tangential>{{}, {}, tangential});
+  else run(LawOfSlots<Spring, Dashpot, Tangential>{{}, {}, tangential});
 }
 
 /** Calls run(law) with the law of these numbers without its friction: what acts along the normal. */
@@ -206,7 +206,7 @@ template <class Run> inline void with_slots(const Choice &choice, const Run &run
     case Choice::NONE: return with_touch(choice.smooth, NoFriction{}, run);
     case Choice::RAMP: return with_touch(choice.smooth, Ramp{}, run);
     case Choice::SIGN: return with_touch(choice.smooth, Sign{choice.slope}, run);
-    case Choice::SLIDER: return with_touch(choice.smooth, Slider{choice.time_step}, run);
+    case Choice::SLIDER: return with_touch(choice.smooth, SlidingSpring{choice.time_step}, run);
   }
 }
 

@@ -53,7 +53,7 @@ struct Sum {
 
 /** What a wall that moves takes in a step, its moments about the point of turning: force of the discs, of the discs and of
     bodies, and the parts of the latter that dashpots and friction take as their own. */
-struct Taken {
+struct WallTaken {
   Sum of_discs, all, lost, slid;
 };
 

@@ -64,7 +64,7 @@ static void end_walls(const jump_state &s)
   for (int64_t wall = 0; wall < s.walls; wall++) {
     const int64_t kind = s.moving[wall];
     if (kind == 0) continue;
-    const Taken &taken = s.taken[wall];
+    const WallTaken &taken = s.taken[wall];
     Pushed &pushed = s.pushed[wall];
     pushed.force[0] = taken.all.x;
     pushed.force[1] = taken.all.y;

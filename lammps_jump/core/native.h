@@ -85,7 +85,7 @@ struct jump_state {
   const double *far;
   const jump::Load *load;
   jump::Pushed *pushed;
-  jump::Taken *taken;
+  jump::WallTaken *taken;
   const double *clock;
   // law of two discs; its friction is NaN where nothing rubs
   double diameter;

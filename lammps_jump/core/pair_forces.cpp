@@ -43,12 +43,12 @@ inline Four square_of(const Four &a, const Four &b, const Four &c, const Four &d
 inline Four square(const Four &a) { return a * a; }
 
 /** What pairs add to one disc: force and its lost part. */
-struct Given {
+struct PairGiven {
   Four given{};
 };
 
 /** With friction: its part of the force, and the torque. */
-struct Rubbed : Given {
+struct Rubbed : PairGiven {
   double slid_x = 0.0, slid_y = 0.0, torque = 0.0;
 };
 
@@ -83,7 +83,7 @@ void each_stretch(const jump_state &s, const Part &part, const Rows &rows, const
 /** Sums the forces of pairs on the discs of a part. */
 template <bool SIZES, bool SPIN, class Law> class PairSums {
   static constexpr bool RUBS = Law::Friction::RUBS, MEMORY = Law::Friction::REMEMBERS;
-  using Added = std::conditional_t<RUBS, Rubbed, Given>;
+  using Added = std::conditional_t<RUBS, Rubbed, PairGiven>;
 
  public:
   PairSums(const jump_state &s, const Law &law, const Part &part)
@@ -267,7 +267,7 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
     const PairMemory memory(s, i, j);
     Stretch<double> held;
     if (part.owns(memory.disc)) {
-      const Memory found = memory.take(s);
+      const ContactMemory found = memory.take(s);
       b.slot[c] = found.place();
       held = found.begin(memory.way);
     } else {

@@ -9,7 +9,7 @@ JUMP_API int64_t jump_close_pairs(int64_t n, const double *x, const double *y, d
                                   int32_t *second, int64_t room)
 {
   if (n < 2) return 0;
-  const jump::Cells cells(n, x, y, reach);
+  const jump::PointCells cells(n, x, y, reach);
   const double square = reach * reach;
   static const int ACROSS[] = {0, 0, 1, 1, 1}, UP[] = {0, 1, -1, 0, 1};    // itself and half of the eight around it
   int64_t count = 0;

@@ -56,7 +56,7 @@ JUMP_API void jump_connected(int64_t n, const double *x, const double *y, const 
                              double reach, double air, uint8_t *joined)
 {
   if (n == 0) return;
-  const jump::Cells cells(n, x, y, reach);
+  const jump::PointCells cells(n, x, y, reach);
   std::vector<int64_t> queue;
   queue.reserve(n);
   for (int64_t i = 0; i < n; i++) {

@@ -45,7 +45,7 @@ bool blank(uint8_t c) { return c == ' ' || c == '\t'; }
 bool digit(uint8_t c) { return c >= '0' && c <= '9'; }
 
 // A part of a text that is read from its begin on.
-struct Text {
+struct TextReader {
   const uint8_t *data;
   int64_t place, end;
 
@@ -54,7 +54,7 @@ struct Text {
 };
 
 // Reads a number that begins at the place; ROWS_DONE where it is one and ends before the text does.
-int number(Text &text, const double *high, const double *low, double &value)
+int number(TextReader &text, const double *high, const double *low, double &value)
 {
   const bool negative = text.now() == '-';
   if (negative || text.now() == '+') text.place++;
@@ -104,7 +104,7 @@ JUMP_API int64_t jump_parse_rows(const uint8_t *data, int64_t end, int64_t *at, 
                                  int64_t rows, const uint8_t *is_text, const double *high, const double *low)
 {
   for (; at[0] < rows; at[0]++) {
-    Text text{data, at[1], end};
+    TextReader text{data, at[1], end};
     for (int64_t column = 0; column < columns; column++) {
       double &value = out[column * rows + at[0]];
       while (!text.over() && blank(text.now())) text.place++;

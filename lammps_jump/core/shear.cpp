@@ -33,7 +33,7 @@ struct Swarm {
 };
 
 /** Numbers of the box, and what is imposed, in the order of Python. */
-struct Box {
+struct ShearBox {
   double lx, ly, offset, strain, pressure;
 };
 struct Control {
@@ -41,17 +41,17 @@ struct Control {
 };
 
 /** Two discs of the list, and the image of the second: boxes up, and along. */
-struct Listed {
+struct ListedPair {
   int32_t i, j, level, column;
 };
 
 /** Sums over a step, times the area: stress, and energy of the motion against the shear. */
-struct Sums {
+struct StressSums {
   double xx = 0.0, yy = 0.0, xy = 0.0;
 };
 
 /** Puts every disc into the box, with the velocity of its image there; no way since the list. */
-void wrap(const Swarm &s, Box &box, double rate)
+void wrap(const Swarm &s, ShearBox &box, double rate)
 {
   for (int64_t i = 0; i < s.n; i++) {
     const double level = std::floor(s.y[i] / box.ly);
@@ -67,7 +67,7 @@ void wrap(const Swarm &s, Box &box, double rate)
 /** Lists all pairs closer than the skin, surface to surface; their number, or -1 where there is no room.
 
     Discs are taken by their height, each with those above it, so that the box must be higher than twice the reach. */
-int64_t list(const Swarm &s, const Box &box, double skin, Listed *pairs, int64_t room)
+int64_t list(const Swarm &s, const ShearBox &box, double skin, ListedPair *pairs, int64_t room)
 {
   std::vector<int64_t> order(s.n);
   std::iota(order.begin(), order.end(), 0);
@@ -92,8 +92,8 @@ int64_t list(const Swarm &s, const Box &box, double skin, Listed *pairs, int64_t
 }
 
 /** Forces and torques of all listed pairs; adds the contacts' part of the stress. `state` holds law and memory. */
-void forces(const Swarm &s, const Box &box, const Control &c, const jump_state &state, const Listed *pairs, int64_t count,
-            Sums &sums)
+void forces(const Swarm &s, const ShearBox &box, const Control &c, const jump_state &state, const ListedPair *pairs, int64_t count,
+            StressSums &sums)
 {
   std::fill(s.fx, s.fx + s.n, 0.0);
   std::fill(s.fy, s.fy + s.n, 0.0);
@@ -104,7 +104,7 @@ void forces(const Swarm &s, const Box &box, const Control &c, const jump_state &
     using Friction = typename std::decay_t<decltype(law)>::Friction;
     constexpr bool SPIN = decltype(spin)::value;
     if constexpr (decltype(sizes)::value && SPIN == Friction::RUBS) {
-      for (const Listed *p = pairs; p < pairs + count; p++) {
+      for (const ListedPair *p = pairs; p < pairs + count; p++) {
         const int64_t i = p->i, j = p->j;
         const double dx = s.x[i] - s.x[j] - p->level * box.offset - p->column * box.lx;
         const double dy = s.y[i] - s.y[j] - p->level * box.ly, r2 = dx * dx + dy * dy, a = s.radius[i], b = s.radius[j];
@@ -115,7 +115,7 @@ void forces(const Swarm &s, const Box &box, const Control &c, const jump_state &
         PairForce<double> out;
         if constexpr (Friction::REMEMBERS) {
           const PairMemory of_pair(state, i, j);
-          const Memory memory = of_pair.take(state);
+          const ContactMemory memory = of_pair.take(state);
           held = memory.begin(of_pair.way);
           out = pair_contact<true, SPIN>(law, numbers_of(state.pair, 0.0), pair, held);
           memory.end(held, of_pair.way);
@@ -151,7 +151,7 @@ void end_step(const jump_springs &of, int64_t n)
 }
 
 /** Kick and drift of all discs; the largest way against the shear, squared, m^2. */
-double move(const Swarm &s, const Box &box, const Control &c, Sums &kinetic)
+double move(const Swarm &s, const ShearBox &box, const Control &c, StressSums &kinetic)
 {
   const double dt = c.time_step, kick = dt / c.mass, middle = 0.5 * box.ly;
   double far = 0.0;
@@ -175,7 +175,7 @@ double move(const Swarm &s, const Box &box, const Control &c, Sums &kinetic)
 }
 
 /** Twice the mean, by mass, of vx sin(2 pi x / length), m/s: the height of a standing wave. */
-double mode(const Swarm &s, const Box &box)
+double mode(const Swarm &s, const ShearBox &box)
 {
   const double wave = 2.0 * PI / box.lx;
   double total = 0.0, mass = 0.0;
@@ -224,9 +224,9 @@ JUMP_API int64_t jump_shear(int64_t n, double *const *discs, double *box_numbers
                             int64_t every)
 {
   const Swarm s{n, discs[0], discs[1], discs[2], discs[3], discs[4], discs[5], discs[6], discs[7], discs[8], discs[9]};
-  Box &box = *reinterpret_cast<Box *>(box_numbers);
+  ShearBox &box = *reinterpret_cast<ShearBox *>(box_numbers);
   const Control &c = *reinterpret_cast<const Control *>(control);
-  Listed *const pairs = reinterpret_cast<Listed *>(listed);
+  ListedPair *const pairs = reinterpret_cast<ListedPair *>(listed);
   const jump_state state = state_of(s, *law, springs);
   const double dt = c.time_step, widest = 2.0 * *std::max_element(s.radius, s.radius + n) + c.skin;
   double bent = HUGE_VAL, grown = 0.0;    // the first step lists
@@ -237,7 +237,7 @@ JUMP_API int64_t jump_shear(int64_t n, double *const *discs, double *box_numbers
       const double ly = box.ly;
       double grow = 0.0;
       if (c.gain > 0.0) grow = least(most(c.gain * (box.pressure - c.pressure) / law->stiffness, -c.cap), c.cap) * dt;
-      Sums sums;
+      StressSums sums;
       const double far = move(s, box, c, sums);
       const double kinetic = 0.5 * (sums.xx + sums.yy);
       box.strain += c.rate * dt;

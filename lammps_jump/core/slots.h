@@ -4,7 +4,7 @@
    A partner is the id of a disc, above 0, or -1 - c for chain c of the walls; 0 in an empty slot. At a chain the arc length
    of the foot tells the contacts apart, and the nearest one goes on.
 
-   A Row is the memory of one disc: `count()`, and of a slot `partner(s)`, `foot(s)`, `used(s)` (whether a contact of this
+   Slots are the memory of one disc: `count()`, and of a slot `partner(s)`, `foot(s)`, `used(s)` (whether a contact of this
    step has it), `take(s, partner)` (begins it with springs at 0) and `mark(s, foot)`. */
 
 #ifndef JUMP_CORE_SLOTS_H
@@ -29,8 +29,8 @@ inline double way_of(double foot, double before, double around)
 /** Slot in which a disc remembers a contact whose foot has gone `limit` (m) at most, or FULL; nothing is changed.
 
     With `anew`, slots that a contact of this step has are left out. */
-template <class Row, class Partner>
-inline int held(const Row &row, Partner partner, double foot, double limit, double around, bool anew = false)
+template <class Slots, class Partner>
+inline int held(const Slots &row, Partner partner, double foot, double limit, double around, bool anew = false)
 {
   int best = FULL;
   double nearest = limit;
@@ -47,8 +47,8 @@ inline int held(const Row &row, Partner partner, double foot, double limit, doub
 }
 
 /** Slot of a contact in this step: that of its partner, or an empty one with springs at 0; FULL where there is neither. */
-template <class Row, class Partner>
-inline int slot_of(Row &row, Partner partner, double foot, double limit, double around)
+template <class Slots, class Partner>
+inline int slot_of(Slots &row, Partner partner, double foot, double limit, double around)
 {
   int best = held(row, partner, foot, limit, around, true);
   for (int s = 0; best == FULL && s < row.count(); s++)

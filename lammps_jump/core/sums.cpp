@@ -64,12 +64,12 @@ static double elastic(const jump_state &s, const Law &law, int64_t begin, int64_
 }
 
 /** Rows of contacts with their forces: `who` holds two ids, or -1 - wall, `found` the point, force and power. */
-class Record {
+class ContactRows {
  public:
   int64_t count = 0;
   bool is_short = false;
 
-  Record(int64_t (*who)[2], double (*found)[5], int64_t room) : who(who), found(found), room(room) {}
+  ContactRows(int64_t (*who)[2], double (*found)[5], int64_t room) : who(who), found(found), room(room) {}
 
   void add(int64_t one, int64_t other, double x, double y, double fx, double fy, double power)
   {
@@ -103,7 +103,7 @@ static PairForce<double> contact_of(const jump_state &s, const Law &law, const S
 }
 
 template <bool SIZES, bool SPIN, class Law>
-static void list_contacts(const jump_state &s, const Law &law, const Seen &at_step, const Seen &seen, Record &record)
+static void list_contacts(const jump_state &s, const Law &law, const Seen &at_step, const Seen &seen, ContactRows &record)
 {
   each_pair(s, 0, [&](double xi, int64_t i, int64_t j, double dx, double dy, double r2, double a, double b) {
     const PairForce<double> out = contact_of<SIZES, SPIN>(s, law, seen, i, j, dx, dy, r2, a, b);
@@ -277,7 +277,7 @@ double jump_elastic(const jump_state *state, int64_t begin, int64_t known, doubl
 int64_t jump_contacts(const jump_state *state, const Seen *at_step, const Seen *seen, int64_t (*who)[2], double (*found)[5],
                       int64_t room)
 {
-  Record record(who, found, room);
+  ContactRows record(who, found, room);
   with_law(*state, slope_of(*state, *seen), [&](const auto &law, auto sizes, auto spin) {
     list_contacts<sizes.value, spin.value>(*state, law, *at_step, *seen, record);
   });

@@ -41,14 +41,14 @@ inline void pause()
 }
 
 /** An allocator whose arrays begin with a line of memory: threads then know which numbers share one. */
-template <class T> struct Lines {
+template <class T> struct LineAllocator {
   using value_type = T;
-  Lines() = default;
-  template <class Other> Lines(const Lines<Other> &) {}
+  LineAllocator() = default;
+  template <class Other> LineAllocator(const LineAllocator<Other> &) {}
   T *allocate(size_t n) { return static_cast<T *>(::operator new(n * sizeof(T), std::align_val_t(64))); }
   void deallocate(T *at, size_t) { ::operator delete(at, std::align_val_t(64)); }
-  friend bool operator==(const Lines &, const Lines &) { return true; }
-  friend bool operator!=(const Lines &, const Lines &) { return false; }
+  friend bool operator==(const LineAllocator &, const LineAllocator &) { return true; }
+  friend bool operator!=(const LineAllocator &, const LineAllocator &) { return false; }
 };
 
 class Team {
@@ -72,7 +72,7 @@ class Team {
 
  private:
   using Call = void (*)(const void *, int);
-  struct alignas(64) Mark {
+  struct alignas(64) PartTaken {
     std::atomic<bool> taken{false};
   };
 
@@ -84,7 +84,7 @@ class Team {
   int parts = 0;
   Call call = nullptr;
   const void *context = nullptr;
-  Mark marks[MOST_THREADS];
+  PartTaken marks[MOST_THREADS];
   alignas(64) std::atomic<int> inside{0};      // helpers that may touch the job
   alignas(64) std::atomic<int> wanted{1};      // threads that take part
   std::atomic<int> asleep{0};

@@ -66,7 +66,7 @@ CHUNK = 1 << 20
 
 
 @dataclass(frozen=True)
-class Sum:
+class FileSum:
     """Size of a file in bytes, and its SHA-256 up to there."""
 
     size: NonNegativeInt
@@ -83,9 +83,9 @@ class Checkpoint:
         `lammps_jump.identity.scene_key` of the scene that ran.
     step, time : int, float
         Step of the state, and its simulated time (s).
-    state : dict of Sum
+    state : dict of FileSum
         The engine's files.
-    outputs : dict of Sum
+    outputs : dict of FileSum
         Files that the next part appends to: dump, log, force record.
     removed : tuple of int
         Discs that each outlet has taken.
@@ -96,8 +96,8 @@ class Checkpoint:
     scene: str
     step: Annotated[int, Field(gt=0)]
     time: FiniteFloat
-    state: dict[str, Sum]
-    outputs: dict[str, Sum]
+    state: dict[str, FileSum]
+    outputs: dict[str, FileSum]
     removed: tuple[NonNegativeInt, ...]
     result: RunResult
 
@@ -179,14 +179,14 @@ class _GrowingFile:
         self._hash = hashlib.sha256()
         self._size = 0
 
-    def sum(self, most: int = sys.maxsize) -> Sum:
+    def sum(self, most: int = sys.maxsize) -> FileSum:
         """Size and checksum of the file, or of so many bytes from its start."""
         with open_to_read(self.path) as file:
             file.seek(self._size)
             while chunk := file.read(min(CHUNK, most - self._size)):
                 self._hash.update(chunk)
                 self._size += len(chunk)
-        return Sum(self._size, self._hash.hexdigest())
+        return FileSum(self._size, self._hash.hexdigest())
 
 
 def sum_of(content: dict[str, Any]) -> str:

@@ -41,7 +41,7 @@ BEGIN, X, Y, ANGLE, WAVE, RATE, PHASE = 0, 1, 6, 11, 16, 19, 22
 COLUMNS = 25
 
 
-class Corner(NamedTuple):
+class VelocityChange(NamedTuple):
     """A change of velocity (m/s, m/s, rad/s) at a time (s), spread over `ease` seconds."""
 
     time: float
@@ -93,7 +93,7 @@ class Kind:
         """Time from which on the wall stands again, s, apart from ease; infinite: never."""
         return inf if self.until is None else self.until
 
-    def corners(self, ease: float) -> list[Corner]:
+    def corners(self, ease: float) -> list[VelocityChange]:
         """Changes of velocity, each spread over `ease` seconds."""
         return []
 
@@ -101,11 +101,11 @@ class Kind:
         """The sine, if there is one."""
         return None
 
-    def _steady(self, velocity: tuple[float, float, float], ease: float) -> list[Corner]:
+    def _steady(self, velocity: tuple[float, float, float], ease: float) -> list[VelocityChange]:
         """One velocity from begin to end."""
         vx, vy, turn = velocity
-        found = [Corner(self.begin, velocity, ease)]
-        return found if isinf(self.end) else [*found, Corner(self.end, (-vx, -vy, -turn), ease)]
+        found = [VelocityChange(self.begin, velocity, ease)]
+        return found if isinf(self.end) else [*found, VelocityChange(self.end, (-vx, -vy, -turn), ease)]
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ class Translate(Kind):
     kind: Literal["translate"] = field(default="translate", kw_only=True, repr=False)
     velocity: tuple[Speed, Speed]
 
-    def corners(self, ease: float) -> list[Corner]:
+    def corners(self, ease: float) -> list[VelocityChange]:
         """Start and end."""
         return self._steady((*self.velocity, 0.0), ease)
 
@@ -129,7 +129,7 @@ class Rotate(Kind):
 
     turns = True
 
-    def corners(self, ease: float) -> list[Corner]:
+    def corners(self, ease: float) -> list[VelocityChange]:
         """Start and end."""
         return self._steady((0.0, 0.0, radians(self.rate)), ease)
 
@@ -174,7 +174,7 @@ class Oscillate(Kind):
         phase = radians(phases[0]), radians(phases[1]), radians(phases[2])
         return Wave((*self.amplitude, radians(self.angle)), (x, y, turn), phase, self.begin, self.end)
 
-    def corners(self, ease: float) -> list[Corner]:
+    def corners(self, ease: float) -> list[VelocityChange]:
         """Where `ease` is given: take the sudden velocities of both ends away, and bring them in slowly."""
         wave, found = self.wave(), []
         for time, sign in ((self.begin, 1.0), (self.end, -1.0)) if self.ease else ():
@@ -183,7 +183,10 @@ class Oscillate(Kind):
                 x, y, angle = (
                     sign * rate * cos(rate * (time - wave.begin) + phase) * part for part, rate, phase in sines
                 )
-                found += [Corner(time, (-x, -y, -angle), 0.0), Corner(time, (x, y, angle), self.ease or 0.0)]
+                found += [
+                    VelocityChange(time, (-x, -y, -angle), 0.0),
+                    VelocityChange(time, (x, y, angle), self.ease or 0.0),
+                ]
         return found
 
 
@@ -225,7 +228,7 @@ class TableMotion(Kind):
         """Whether an angle is not 0."""
         return any(row[3] for row in self.points)
 
-    def corners(self, ease: float) -> list[Corner]:
+    def corners(self, ease: float) -> list[VelocityChange]:
         """A change of velocity at each row; the way ends at `until`."""
         found, old, last = [], (0.0, 0.0, 0.0), self.begin
         for (t, *place), (later, *target) in pairwise(self._rows()):
@@ -233,9 +236,9 @@ class TableMotion(Kind):
                 break
             x, y, turn = ((b - a) / (later - t) for a, b in zip(place, target, strict=True))
             new = x, y, radians(turn)
-            found.append(Corner(t, (new[0] - old[0], new[1] - old[1], new[2] - old[2]), ease))
+            found.append(VelocityChange(t, (new[0] - old[0], new[1] - old[1], new[2] - old[2]), ease))
             old, last = new, min(later, self.end)
-        return [*found, Corner(last, (-old[0], -old[1], -old[2]), ease)]
+        return [*found, VelocityChange(last, (-old[0], -old[1], -old[2]), ease)]
 
 
 @dataclass(frozen=True)
@@ -285,7 +288,7 @@ KINDS = Translate | Rotate | Oscillate | TableMotion | Loaded | Held
 """Motions that a case file may name."""
 
 
-def track_of(corners: list[Corner], wave: Wave | None) -> np.ndarray:
+def track_of(corners: list[VelocityChange], wave: Wave | None) -> np.ndarray:
     """Rows of a track, shape (rows, 25); before the first row a wall is where the case has it."""
     times = {corner.time + part for corner in corners for part in (0.0, corner.ease)}
     if wave is not None:
@@ -308,7 +311,7 @@ def track_of(corners: list[Corner], wave: Wave | None) -> np.ndarray:
     return track
 
 
-def _way(begin: float, corner: Corner) -> np.ndarray:
+def _way(begin: float, corner: VelocityChange) -> np.ndarray:
     """Coefficients, of the time since `begin`, of the way that a change of velocity of 1 makes; shape (5,).
 
     The way is s^3/tau^2 - s^4/(2 tau^3) up to s = tau behind the corner, and s - tau/2 beyond.

@@ -9,7 +9,7 @@ from math import cos, radians, sin, tan
 import numpy as np
 import pytest
 
-from lammps_jump.analysis.beds.slope import Stretch, sloping_stretch, turned_flow
+from lammps_jump.analysis.beds.slope import BedStretch, sloping_stretch, turned_flow
 from lammps_jump.analysis.budgets.head import EnergyFluxes
 from lammps_jump.analysis.contacts import ContactCollector
 from lammps_jump.analysis.flow import from_scene
@@ -84,7 +84,7 @@ def test_the_momentum_identity_closes_on_a_chute_as_on_a_level_bed(level, chute,
 def test_profiles_along_a_chute_are_those_of_the_level_bed(level, chute):
     straight = from_scene(level[0], x_range=(0.0, LONG), bin_width=1.0)
     flow = from_scene(chute[0], x_range=(0.0, LONG), bin_width=1.0)
-    along = turned_flow(flow, Stretch(0.0, 0.0, LONG * cos(ANGLE), -ANGLE))
+    along = turned_flow(flow, BedStretch(0.0, 0.0, LONG * cos(ANGLE), -ANGLE))
     assert along.scene.gravity == pytest.approx(level[0].gravity, rel=1e-12)
     one, two = bin_frames(level[1], straight), bin_frames(map(along.turned, chute[1]), along)
     for name in ("mass_depth", "discharge", "momentum_flux", "energy_flux", "surface_depth", "velocity", "bed"):
@@ -134,7 +134,7 @@ def test_energy_along_a_chute_is_that_of_the_level_bed(level, chute):
         scene = replace(scene, coefficients=replace(scene.coefficients, friction=0.0))
         flow = from_scene(scene, x_range=(0.0, LONG), bin_width=1.0)
         if scene.gravity[0] == 0:
-            flow = turned_flow(flow, Stretch(0.0, 0.0, LONG * cos(ANGLE), -ANGLE))
+            flow = turned_flow(flow, BedStretch(0.0, 0.0, LONG * cos(ANGLE), -ANGLE))
             frames = map(flow.turned, frames)
         fluxes = EnergyFluxes(flow)
         for frame in frames:

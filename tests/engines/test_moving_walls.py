@@ -13,7 +13,16 @@ from lammps_jump.engines.native.simulation import NativeSimulation
 from lammps_jump.engines.native.state import load_state, save_state
 from lammps_jump.scene import Block, Box, Motion, MovingWall, handmade_scene
 from lammps_jump.scene.motion import gate
-from lammps_jump.scene.tracks import Corner, Loaded, Oscillate, Rotate, TableMotion, Translate, pose_py, track_of
+from lammps_jump.scene.tracks import (
+    Loaded,
+    Oscillate,
+    Rotate,
+    TableMotion,
+    Translate,
+    VelocityChange,
+    pose_py,
+    track_of,
+)
 
 BLOCK = Block("block", (-1.5, 1.5), (-0.2, 0.3))
 BOX = Box("box", (-2.0, 2.0), (-1.0, 2.0))
@@ -159,7 +168,7 @@ def test_ease_spreads_a_start_and_reaches_the_end():
 
 
 def test_changes_of_velocity_that_follow_before_the_ease_is_over_add_up():
-    both = [Corner(0.0, (1.0, 0.0, 0.0), 1.0), Corner(0.4, (0.0, -2.0, 0.5), 0.7)]
+    both = [VelocityChange(0.0, (1.0, 0.0, 0.0), 1.0), VelocityChange(0.4, (0.0, -2.0, 0.5), 0.7)]
     track, alone = track_of(both, None), [track_of([one], None) for one in both]
     for time in np.linspace(-0.1, 1.5, 33):
         wanted = np.sum([pose_py(one, 0, len(one), time) for one in alone], axis=0)

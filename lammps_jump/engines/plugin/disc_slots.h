@@ -35,7 +35,7 @@ class DiscSlots {
       At a chain of a wall it is the one with the nearest foot, at most `limit` away; `around` closes the chain. */
   int of(int i, double partner, double foot = 0.0, double limit = 0.0, double around = 0.0)
   {
-    Row row{(*rows)[i], number, marks[i]};
+    AtomSlots row{(*rows)[i], number, marks[i]};
     if (!grows) return held(row, partner, foot, limit, around);
     const int slot = slot_of(row, partner, foot, limit, around);
     if (slot == FULL) full = i;
@@ -54,7 +54,7 @@ class DiscSlots {
   }
 
  private:
-  struct Row {
+  struct AtomSlots {
     double *row;
     int number;
     uint64_t &marks;    // of slots that a contact of this step has

@@ -173,7 +173,7 @@ void FixJumpStep::setup(int vflag)
     OWN: they are as the pair style has packed them, and the second half kick of the step before is still to come.
     SEEN: LAMMPS looks at them before the end of this step. */
 template <bool SIZES, bool STAYS, bool OWN, bool SEEN>
-void FixJumpStep::drift(const int *discs, int from, int to, Range &range)
+void FixJumpStep::drift(const int *discs, int from, int to, SpeedRange &range)
 {
   double *const __restrict x = atom->x[0];
   double *const __restrict v = atom->v[0];
@@ -182,7 +182,7 @@ void FixJumpStep::drift(const int *discs, int from, int to, Range &range)
   double dtfm = dtf / pair->mass;
   const double *const __restrict inverse_mass = pair->inverse_masses.data();
   const Vec2 kick = {0.5 * dtv * gx, 0.5 * dtv * gy};
-  PairJumpDisc::Disc *const __restrict disc = pair->disc.data();
+  PairJumpDisc::PackedDisc *const __restrict disc = pair->disc.data();
   Vec2 lo = {1e300, 1e300}, hi = {-1e300, -1e300};
   for (int n = from; n < to; n++) {
     const int i = discs ? discs[n] : n;
@@ -275,7 +275,7 @@ void FixJumpStep::initial_integrate(int)
   const bool seen = is_seen_before_forces();
   if (!seen && !is_seen_at_end()) pair->keep_uncleared();
   const auto move = drift_of(own, seen);
-  Range ranges[jump::MOST_THREADS];
+  SpeedRange ranges[jump::MOST_THREADS];
   int parts = pair->in_parts_of_list([&](const int *discs, int count, int part) {
     (this->*move)(discs, 0, count, ranges[part]);
   });
@@ -325,7 +325,7 @@ void FixJumpStep::kick(int from, int to)
   const double dtv = update->dt, dtf = 0.5 * dtv * force->ftm2v, dtfm = dtf / pair->mass;
   const double *const __restrict inverse_mass = pair->inverse_masses.data();
   const Vec2 kick = {0.5 * dtv * gx, 0.5 * dtv * gy};
-  const PairJumpDisc::Disc *const __restrict disc = pair->disc.data();
+  const PairJumpDisc::PackedDisc *const __restrict disc = pair->disc.data();
   for (int i = from; i < to; i++) {
     const double rate = pair->sizes ? dtf * inverse_mass[i] : dtfm;
     at(x, i) = Vec2{disc[i].x, disc[i].y};
@@ -339,7 +339,7 @@ double FixJumpStep::diameter_of(tagint id) const
 {
   const double turned = ((double) id + shift) * turn;
   const double quantile = turned - std::floor(turned);
-  const auto piece = std::find_if(pieces.begin(), pieces.end() - 1, [&](const Piece &p) { return quantile < p.end; });
+  const auto piece = std::find_if(pieces.begin(), pieces.end() - 1, [&](const SizePiece &p) { return quantile < p.end; });
   return piece->low + piece->slope * (quantile - piece->begin);
 }
 

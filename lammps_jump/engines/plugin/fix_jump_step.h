@@ -124,9 +124,9 @@ class FixJumpStep : public Fix {
     }
   };
   /** What disc i remembers of its contact with a face; (x, y): its place in the wall's own frame, m. */
-  class WallMemory {
+  class AtomWallMemory {
    public:
-    WallMemory(const FixJumpStep &fix, const Wall &wall, int i, int face, double x, double y)
+    AtomWallMemory(const FixJumpStep &fix, const Wall &wall, int i, int face, double x, double y)
         : fix(fix), wall(wall), i(i), face(face), x(x), y(y)
     {
     }
@@ -140,7 +140,7 @@ class FixJumpStep : public Fix {
     double x, y;
   };
   /** Discs of one share of all, by number: their diameters lie on a line over the quantile of their ids. */
-  struct Piece {
+  struct SizePiece {
     double begin, end, low, slope;
   };
 
@@ -151,7 +151,7 @@ class FixJumpStep : public Fix {
   bool any_moves = false;
   int columns = 3;            // of a probe
   double density = 0.0, shift = 0.0, turn = 0.0;    // of sizes
-  std::vector<Piece> pieces;
+  std::vector<SizePiece> pieces;
   tagint known = 0;           // discs up to this id begin with their own size
   tagint sized = 0;           // discs up to this id have their own size
   bigint near_order = -1;
@@ -203,11 +203,11 @@ class FixJumpStep : public Fix {
   void find_near();
   void push_lids();
   /** Least and largest velocities of some discs, m/s. */
-  struct alignas(64) Range {
+  struct alignas(64) SpeedRange {
     double lo[2], hi[2];
   };
-  using Drift = void (FixJumpStep::*)(const int *, int, int, Range &);
-  template <bool SIZES, bool STAYS, bool OWN, bool SEEN> void drift(const int *, int, int, Range &);
+  using Drift = void (FixJumpStep::*)(const int *, int, int, SpeedRange &);
+  template <bool SIZES, bool STAYS, bool OWN, bool SEEN> void drift(const int *, int, int, SpeedRange &);
   Drift drift_of(bool, bool) const;
   void watch_others();
   bool is_seen_before_forces() const;

@@ -138,19 +138,19 @@ void FixJumpStep::prepare_bodies()
 /** List the corners near each wall. */
 void FixJumpStep::find_corners()
 {
-  struct Point {
+  struct CornerPlace {
     double x, y;
   };
   constexpr double nowhere = std::numeric_limits<double>::quiet_NaN();
-  std::vector<Point> places;
+  std::vector<CornerPlace> places;
   for (const auto &corner : bodies.corners) {
-    Point at{corner.x, corner.y};
+    CornerPlace at{corner.x, corner.y};
     walls[corner.wall].in_place().show(at.x, at.y);
-    places.push_back(is_there(walls[corner.wall]) ? at : Point{nowhere, nowhere});
+    places.push_back(is_there(walls[corner.wall]) ? at : CornerPlace{nowhere, nowhere});
   }
   for (size_t w = 0; w < walls.size(); w++) {
     const auto view = walls[w].in_place();
-    std::vector<Point> seen(places);
+    std::vector<CornerPlace> seen(places);
     for (size_t i = 0; i < seen.size(); i++) {
       const bool meets = bodies.between[bodies.corners[i].wall * walls.size() + w].law.stiffness > 0.0;
       if (meets) view.see(seen[i].x, seen[i].y);

@@ -195,7 +195,7 @@ void FixJumpStep::find_near()
     if (!is_there(wall)) wall.near.clear();
     else if (!wall.motion.moves) wall.near.list(view.faces, atom->nlocal, pair->disc.data());
     else {
-      std::vector<PairJumpDisc::Disc> seen(pair->disc.begin(), pair->disc.begin() + atom->nlocal);
+      std::vector<PairJumpDisc::PackedDisc> seen(pair->disc.begin(), pair->disc.begin() + atom->nlocal);
       for (auto &disc : seen) view.see(disc.x, disc.y);
       wall.near.list(view.faces, atom->nlocal, seen.data());
     }
@@ -213,7 +213,7 @@ void FixJumpStep::touch(const Wall &wall, const Law &law, int i, const jump::Fac
   if (SIZES && wall.motion.bulk > 0.0)
     at.size = jump::pair_size(pair->is_fixed(i) ? jump::HUGE_RADIUS : at.radius, wall.motion.bulk);
   const jump::WallForce<double> out = jump::wall_contact<SIZES, SPIN>(law, jump::numbers_of(wall.law.of, 0.0), at,
-                                                                      WallMemory(*this, wall, i, (int) where.face, x, y));
+                                                                      AtomWallMemory(*this, wall, i, (int) where.face, x, y));
   const double to = wall.in_place().arm(at.gap, at.radius), to_x = to * at.nx, to_y = to * at.ny;
   if (pair->record) {
     pair->record->push_back({(int32_t) pair->tags[i], (int32_t) (-1 - (&wall - walls.data())), (float) (a.x - to_x),

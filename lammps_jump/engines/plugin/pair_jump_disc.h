@@ -41,7 +41,7 @@ namespace LAMMPS_NS {
 class PairJumpDisc : public Pair {
  public:
   /** What a contact reads of a disc, in half a cache line. */
-  struct alignas(32) Disc {
+  struct alignas(32) PackedDisc {
     double x, y, vx, vy;
   };
 
@@ -64,10 +64,10 @@ class PairJumpDisc : public Pair {
   bool sign = false, sizes = false, spin = false, springs = false;
   jump::DiscSlots slots;                                 // of the fix, with springs
   double largest_speed = 0.0;                        // all ranks, of the last force evaluation, m/s
-  std::vector<Disc, jump::Lines<Disc>> disc;         // local discs, then those of other ranks
+  std::vector<PackedDisc, jump::LineAllocator<PackedDisc>> disc;         // local discs, then those of other ranks
   std::vector<double> spins;                         // rad/s, with spin
   // forces (x, y of each disc) and moments; not in LAMMPS' array, which it clears in one thread each step
-  std::vector<double, jump::Lines<double>> pushes;
+  std::vector<double, jump::LineAllocator<double>> pushes;
   std::vector<double> turns;
   std::vector<double> radii, inverse_masses;         // with sizes; in the order of the discs
   std::vector<double> tags;                          // ids, with springs
@@ -130,7 +130,7 @@ class PairJumpDisc : public Pair {
     double fx, fy, moment;
   };
   /** A part of the discs, which a thread takes. */
-  struct Part {
+  struct PairPart {
     std::vector<int> discs;            // local ones
     std::vector<int> first, second;    // its pairs
     size_t pairs = 0;
@@ -145,7 +145,7 @@ class PairJumpDisc : public Pair {
   static constexpr int FLAT = 28;           // columns a row from which on parts are of columns (measured)
   static constexpr int LEAST_ROWS = 4, LEAST_COLUMNS = 8;    // of a part: no disc is beside two cuts
   static constexpr int ROOM_FOR_NEW = 1024; // local discs that may come before the list is divided anew
-  std::vector<Part> parts;
+  std::vector<PairPart> parts;
   int divided = 0;                   // for how many threads the list is divided; 0: it is not
   size_t built = 0;                  // pairs that were found together, in the order of the cells; others come behind
   int row = 0;                       // cells of a row
@@ -157,13 +157,13 @@ class PairJumpDisc : public Pair {
 
   void evaluate(size_t, size_t);
   void divide(int);
-  void fill(Part &, int);
-  void take_copies(const Part &);
-  void evaluate_list(size_t, size_t, Part *);
-  template <bool SIZES, bool SPIN, class Law> void evaluate_list(const Law &, size_t, size_t, Part *);
-  void add(Part &, int, int, const double *, double, double);
+  void fill(PairPart &, int);
+  void take_copies(const PairPart &);
+  void evaluate_list(size_t, size_t, PairPart *);
+  template <bool SIZES, bool SPIN, class Law> void evaluate_list(const Law &, size_t, size_t, PairPart *);
+  void add(PairPart &, int, int, const double *, double, double);
   void add_late();
-  double *remembered(int, int, const Part *);
+  double *remembered(int, int, const PairPart *);
   void share_memory();
   void note(int, int, const double *);
 };

@@ -48,7 +48,7 @@ void PairJumpDisc::find_largest_speed()
 }
 
 /** Where disc i remembers its contact with disc j: its tangential spring, `slots.number` before its rolling one; null: nowhere. */
-double *PairJumpDisc::remembered(int i, int j, const Part *part)
+double *PairJumpDisc::remembered(int i, int j, const PairPart *part)
 {
   const bool shared = part && beside[i];
   auto &lock = locks[i % LOCKS];
@@ -87,7 +87,7 @@ void PairJumpDisc::list_contacts(std::vector<jump::ContactRow> &rows)
 }
 
 /** The discs of other parts, as they are in this step. */
-void PairJumpDisc::take_copies(const Part &part)
+void PairJumpDisc::take_copies(const PairPart &part)
 {
   int to = part.copies;
   for (const int from : part.across) {
@@ -104,7 +104,7 @@ void PairJumpDisc::take_copies(const Part &part)
 }
 
 /** Add the force of a contact with springs to the discs of a part, but keep that on discs beside a cut. */
-void PairJumpDisc::add(Part &part, int i, int j, const double *push, double turn_i, double turn_j)
+void PairJumpDisc::add(PairPart &part, int i, int j, const double *push, double turn_i, double turn_j)
 {
   const int own = (int) (&part - parts.data());
   const auto add = [&](int disc, double fx, double fy, double moment) {
@@ -141,9 +141,9 @@ void PairJumpDisc::add_late()
 
 /** Forces of the pairs from one place to another in the list, or in a part of it. */
 template <bool SIZES, bool SPIN, class Law>
-void PairJumpDisc::evaluate_list(const Law &rule, size_t from, size_t to, Part *part)
+void PairJumpDisc::evaluate_list(const Law &rule, size_t from, size_t to, PairPart *part)
 {
-  const Disc *const __restrict at = disc.data();
+  const PackedDisc *const __restrict at = disc.data();
   const int *const __restrict one = part ? part->first.data() : first.data();
   const int *const __restrict two = part ? part->second.data() : second.data();
   const double *const __restrict own_radius = radii.data();
@@ -345,7 +345,7 @@ void PairJumpDisc::evaluate(size_t from, size_t to)
   if (count > 1 && !record && from == 0 && to >= built && built >= FEW_PAIRS * (size_t) count) {
     divide(count);
     team.run((int) parts.size(), [&](int c) {
-      Part &part = parts[c];
+      PairPart &part = parts[c];
       take_copies(part);
       for (auto &late : part.late) late.clear();
       evaluate_list(0, part.pairs, &part);
@@ -359,7 +359,7 @@ void PairJumpDisc::evaluate(size_t from, size_t to)
                atom->tag[slots.full], slots.number);
 }
 
-void PairJumpDisc::evaluate_list(size_t from, size_t to, Part *part)
+void PairJumpDisc::evaluate_list(size_t from, size_t to, PairPart *part)
 {
   jump::with_law(law.choice, sizes, spin, [&](const auto &slots, auto own_sizes, auto turns) {
     evaluate_list<own_sizes.value, turns.value>(slots, from, to, part);

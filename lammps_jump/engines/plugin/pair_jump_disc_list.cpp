@@ -242,7 +242,7 @@ void PairJumpDisc::divide(int most)
 }
 
 /** The discs and pairs of a part; -1 - N stands for its Nth copy of a disc of another part. */
-void PairJumpDisc::fill(Part &part, int own)
+void PairJumpDisc::fill(PairPart &part, int own)
 {
   const uint8_t *const __restrict of = home.data();
   const int n = atom->nlocal;
