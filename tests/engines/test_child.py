@@ -256,3 +256,21 @@ def test_the_job_of_several_ranks_stands_in_the_run_folder_and_goes(tmp_path, mo
     with children.child_for(Job(None, tmp_path, Setting("lammps", "stock", 2), tmp_path, None)):
         assert seen == [(tmp_path / RANKS_FILE, tmp_path)]
     assert victim.read_text() == "of the user" and not os.path.lexists(tmp_path / RANKS_FILE)
+
+
+KILLED = """
+import os, re, signal
+from lammps_jump.engines.lammps.loader import memory_files, new_engine
+engine = new_engine(["-log", "none", "-screen", "none", "-nocite"])
+print(*re.findall("/dev/shm/mpich_shm_[0-9a-z_]+", open("/proc/self/maps").read()), flush=True)
+os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="MPI keeps its memory in other places there")
+def test_a_killed_engine_leaves_no_shared_memory():
+    # MPI deletes its file of 1 MB when it ends in order, which a worker that is killed does not; /dev/shm filled
+    status, output = run_child([sys.executable, "-c", KILLED])
+    names = set(output.split())
+    assert status == -signal.SIGKILL and names, output
+    assert not [name for name in names if Path(name).exists()]

@@ -20,7 +20,7 @@ from lammps_jump.script import resume
 from lammps_jump.script.assemble import SCRIPTS, STOP_FILE
 
 from .finish import LOG, SteppingOutcome, conclude
-from .loader import load_lammps
+from .loader import load_lammps, new_engine
 from .save import Saver
 from .steps import Steps
 
@@ -83,7 +83,7 @@ def play(job: Job, report: Callable[[Progress | None], None] | None) -> Stepping
     save_request.clear()
     os.environ["LAMMPS_JUMP_THREADS"] = job.setting.threads  # the plugin reads it
     with chdir(job.folder):
-        engine = load_lammps().lammps(cmdargs=arguments(job))
+        engine = new_engine(arguments(job))
         outcome.version = str(engine.version())
         saver = Saver(job, outcome) if report is not None else None
         steps = Steps(engine, job, saver)
@@ -114,7 +114,7 @@ def play(job: Job, report: Callable[[Progress | None], None] | None) -> Stepping
 
 def leave_ranks() -> None:
     """End MPI, the last thing that a rank does: mpiexec may drop what a rank prints later."""
-    load_lammps().lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"]).finalize()
+    new_engine(["-log", "none", "-screen", "none", "-nocite"]).finalize()
 
 
 def _threads_of(plugin: Path | None) -> Callable[[], int]:

