@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -92,7 +92,7 @@ class RunResult:
     lost: int
     seconds: float
     versions: dict[str, str] = field(default_factory=dict)
-    ledger: dict[str, float | None] | None = None
+    ledger: Mapping[str, float | None] | None = None
     breakdown: dict[str, float | None] = field(default_factory=dict)
     resumed: tuple[float, ...] = ()
     cpu_seconds: float = 0.0

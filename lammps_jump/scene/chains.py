@@ -13,6 +13,7 @@ from math import asin, atan2, ceil, cos, hypot, inf, pi, radians, sin, sqrt
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 Point = tuple[float, float]
 
@@ -272,7 +273,7 @@ def _spread(code: np.ndarray, row: np.ndarray) -> tuple[list[float], list[float]
     return xs, ys
 
 
-def distance(faces: Faces, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+def distance(faces: Faces, x: ArrayLike, y: ArrayLike) -> np.ndarray:
     """Distance of points to the nearest face, m; negative behind it; an array of x's shape.
 
     Parameters

@@ -112,7 +112,7 @@ class Wall(_Own):
         """The chains as flat arrays."""
         return lay([(self.chains(), self.deep)])
 
-    def distance(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    def distance(self, x: ArrayLike, y: ArrayLike) -> np.ndarray:
         """Distance of points to the nearest face, m; negative inside the solid."""
         return distance(self.faces, x, y)
 

@@ -16,7 +16,6 @@ v_n = v_(n-1/2) + dt F_n / (2 m).
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -331,8 +330,11 @@ class Loops(Protocol):
         `seen` holds the number of discs and their places (m), `found` the rows and faces to go on from.
         """
 
-    mark_cells: Callable[..., None]
-    """As `lammps_jump.scene.near.mark_cells`."""
+    def mark_cells(
+        self, faces: Faces, box: np.ndarray, ends: tuple[int, int], cells: tuple[float, float, float, int, int],
+        reach: float, start: np.ndarray, listed: np.ndarray,
+    ) -> None:  # fmt: skip
+        """As `lammps_jump.scene.near.mark_cells`."""
 
 
 class Cells(NamedTuple):

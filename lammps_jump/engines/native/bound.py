@@ -119,7 +119,7 @@ class Core:
         weakref.finalize(self, _dismiss, self._crew)
         self._state = jump_state()
         self._held: dict[str, Any] = {}
-        self._faces: tuple[Faces | None, np.ndarray | None] = (None, None)
+        self._faces: tuple[Faces, np.ndarray] | None = None
         self._pointers: dict[str, tuple[np.ndarray | None, int | None]] = {}
         self._grids: tuple[FaceGrid | None, dict[int, jump_grid]] = (None, {})
         self._corners: Core | None = None
@@ -131,7 +131,7 @@ class Core:
             self._held[name] = array
 
     def _records(self, faces: Faces) -> np.ndarray:
-        if self._faces[0] is not faces:
+        if self._faces is None or self._faces[0] is not faces:
             self._faces = faces, records_of(faces)
         return self._faces[1]
 
@@ -331,8 +331,8 @@ class Core:
         return grids[wall]
 
     def mark_cells(
-        self, faces: Faces, box: np.ndarray, ends: tuple[int, int], cells: tuple, reach: float, start: np.ndarray,
-        listed: np.ndarray,
+        self, faces: Faces, box: np.ndarray, ends: tuple[int, int], cells: tuple[float, float, float, int, int],
+        reach: float, start: np.ndarray, listed: np.ndarray,
     ) -> None:  # fmt: skip
         """As `lammps_jump.scene.near.mark_cells`."""
         *place, columns, rows = cells

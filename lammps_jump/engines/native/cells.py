@@ -54,6 +54,7 @@ class CellSimulation(NativeSimulation):
 
     def listed_pairs(self) -> Pairs:
         """The list that stands."""
+        assert self._grid is not None  # `__init__` has made it
         return Pairs(int(self._grid.used[0]), self._owner, self._first, self._neighbours)
 
     def _rebuild(self) -> None:

@@ -9,7 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lammps_jump.scene.scene import Scene
+from lammps_jump.scene.scene import Earlier, Scene
+from lammps_jump.scene.walls import Interval
 
 from .arrays import Cells, Loops, Pairs
 
@@ -26,9 +27,9 @@ ROUND = 1e-13
 """Difference of velocities that is round-off, over d/dt."""
 
 
-def starting(scene: Scene) -> np.ndarray:
+def starting(scene: Scene, earlier: Earlier) -> np.ndarray:
     """Velocity (m/s) and spin (rad/s) at the start of discs that come from an earlier run, by id, shape (n, 3)."""
-    return np.column_stack([scene.velocities, scene.earlier.spins])
+    return np.column_stack([scene.velocities, earlier.spins])
 
 
 class DiscArray(NamedTuple):
@@ -63,6 +64,16 @@ def columns_of(scene: Scene, *, ledger: bool) -> dict[str, DiscArray | None]:
         ("fixed", DiscArray(np.int64), scene.fixed is not None),
     )
     return {name: column if there else None for names, column, there in groups for name in names.split()}
+
+
+class Newcomer(NamedTuple):
+    """A disc that enters: its id, place (m) and velocity (m/s)."""
+
+    id: int
+    x: float
+    y: float
+    vx: float
+    vy: float
 
 
 class DiscArrays:
@@ -113,21 +124,21 @@ class DiscArrays:
     fy: np.ndarray
     x0: np.ndarray
     y0: np.ndarray
-    ux: Any  # from here on an array, or None
-    uy: Any
+    ux: np.ndarray | None
+    omega: np.ndarray | None
+    dash_x: np.ndarray | None
+    slide_x: np.ndarray | None
+    radius: np.ndarray | None
+    partner: np.ndarray | None
+    fixed: np.ndarray | None
+    uy: Any  # from here on an array where the one that it belongs to is there, else None
     uomega: Any
-    omega: Any
     torque: Any
-    dash_x: Any
     dash_y: Any
-    slide_x: Any
     slide_y: Any
-    radius: Any
-    partner: Any
     sigma: Any
     spring: Any
     roll: Any
-    fixed: Any
 
     def __init__(self, scene: Scene, loops: Loops, *, ledger: bool):
         self._loops = loops
@@ -146,7 +157,7 @@ class DiscArrays:
         self.vx[:n], self.vy[:n] = scene.velocities.T
         if self.ux is not None:
             self.ux[:n], self.uy[:n] = scene.velocities.T
-        if scene.fixed is not None:
+        if scene.fixed is not None and self.fixed is not None:
             self.fixed[:n] = scene.fixed.holds(self.ids[:n])
         if scene.earlier is not None and self.slots:
             for name, rows in scene.earlier.slots(self.slots).items():
@@ -182,7 +193,7 @@ class DiscArrays:
 
     def listed(self, pairs: Pairs) -> dict[str, np.ndarray]:
         """The neighbour list as it stands, by the names of `put_list`."""
-        images = {} if self.owner is None else {"owner": self.owner, "shift": self.shift}
+        images = {} if self.owner is None or self.shift is None else {"owner": self.owner, "shift": self.shift}
         return {"start": pairs.start[: pairs.rows + 1], "discs": pairs.neighbours[: pairs.start[pairs.rows]], **images}
 
     def put_list(
@@ -216,23 +227,22 @@ class DiscArrays:
         self.put_list(**{name[5:]: array for name, array in exact.items() if name.startswith("list_")})
         return True
 
-    def see_half_step(self, scene: Scene) -> None:
+    def see_half_step(self, scene: Scene, earlier: Earlier) -> None:
         """Take the velocities that the last forces of the earlier run saw."""
-        earlier = scene.earlier
-        self.set_velocities(np.where(np.isnan(earlier.half), starting(scene), earlier.half))
+        self.set_velocities(np.where(np.isnan(earlier.half), starting(scene, earlier), earlier.half))
         for name in ("ux", "uy", "uomega"):
-            if name in self.before.dtype.names and name in self.columns:
+            if name in (self.before.dtype.names or ()) and name in self.columns:
                 getattr(self, name)[: self.n] = self.before[name]
 
-    def keep_bits(self, scene: Scene) -> None:
+    def keep_bits(self, scene: Scene, earlier: Earlier) -> None:
         """Where half step and force are those of the run whose lists were taken, but for round-off, take its bits."""
         own, small = self.before, ROUND * scene.diameter / scene.time_step
         if not len(own):
             return
-        half = scene.earlier.half[self.ids[: self.n] - 1].T
+        half = earlier.half[self.ids[: self.n] - 1].T
         units = (small, small, small / scene.radius)
         for name, force, before, limit in zip(("vx", "vy", "omega"), ("fx", "fy", "torque"), half, units, strict=True):
-            if name in self.columns and force in own.dtype.names:
+            if name in self.columns and force in (own.dtype.names or ()):
                 now = getattr(self, name)[: self.n]
                 same = np.abs(now - before) <= limit
                 now[same] = before[same]
@@ -279,12 +289,12 @@ class DiscArrays:
             "leave, lower run.time_step_fraction."
         )
 
-    def wrap(self, low: float) -> None:
-        """Put discs that have left a periodic channel, which begins at `low` (m), in at its other end."""
-        x, period = self.x[: self.n], self.period
+    def wrap(self, low: float, period: float) -> None:
+        """Put discs that have left a periodic channel, `period` long from `low` on (m), in at its other end."""
+        x = self.x[: self.n]
         x -= period * np.floor((x - low) / period)
 
-    def sort_and_list(self, skin: float, diameter: float, domain) -> int:
+    def sort_and_list(self, skin: float, diameter: float, domain: tuple[Interval, Interval]) -> int:
         """Sort by cell and list all pairs closer than a skin (m); index of a disc outside the domain, or -1.
 
         `diameter` (m) is that of equal discs, or the largest. Where a disc is outside (or its position is NaN), nothing
@@ -326,7 +336,7 @@ class DiscArrays:
         self.owner, self.shift = owner[:rows], shift[:rows]
         return rows >= 0
 
-    def append(self, new, weight: tuple[float, float], skin: float, diameter: float) -> None:
+    def append(self, new: Newcomer, weight: tuple[float, float], skin: float, diameter: float) -> None:
         """Add a `Newcomer` behind the others, with its row of the list up to a skin (m); `weight` (N) begins its force.
 
         It has this diameter (m).

@@ -16,7 +16,7 @@ from lammps_jump.dump.side_files.bodies import write_bodies
 from lammps_jump.dump.side_files.contacts import ContactWriter
 from lammps_jump.dump.side_files.ended import write_ended
 from lammps_jump.dump.side_files.poses import PoseWriter
-from lammps_jump.dump.write import run_writer
+from lammps_jump.dump.write import DumpWriter, run_writer
 from lammps_jump.engines import step_hook
 from lammps_jump.engines.checkpoint import Checkpoint, CheckpointWriter, cut_back, remove_checkpoint
 from lammps_jump.engines.interrupts import counted_interrupts, save_request
@@ -41,7 +41,7 @@ from .simulation import NativeSimulation
 from .state import ended_of, load_state, save_state
 
 
-def take_frame(simulation) -> Frame:
+def take_frame(simulation: NativeSimulation) -> Frame:
     """The discs of a simulation now, sorted by id."""
     scene, (x, y), (vx, vy) = simulation.scene, simulation.positions.T, simulation.velocities.T
     spin = {"omegaz": simulation.spin} if scene.rotation else {}
@@ -145,6 +145,7 @@ class _EnginePart:
         self.earlier: RunResult | None = resume.result if resume else None
         self.saved: float | None = resume.time if resume else None
         if resume is not None:
+            assert self.folder is not None  # that of the checkpoint
             cut_back(self.folder, resume)
             (name,) = resume.state
             self.simulation = load_state(scene, self.folder / name, ledger=setting.ledger, loops=loops)
@@ -152,7 +153,7 @@ class _EnginePart:
             self.simulation = NativeSimulation(scene, ledger=setting.ledger, loops=loops)
         else:
             self.simulation = CellSimulation(scene, cell_size=setting.cell_size, ledger=setting.ledger, loops=loops)
-        self.writer = None
+        self.writer: DumpWriter | None = None
         self.contacts: ContactWriter | None = None
         self.poses: PoseWriter | None = None
         self.checkpoints: CheckpointWriter | None = None
@@ -214,29 +215,33 @@ class _EnginePart:
         """Finish the files."""
         if self.writer is not None:
             self.writer.close()
-            for beside in filter(None, (self.contacts, self.poses)):
-                beside.close()
-            self._write_forces()
+            if self.contacts is not None:
+                self.contacts.close()
+            if self.poses is not None:
+                self.poses.close()
+        if self.folder is not None:
+            self._write_forces(self.folder)
 
-    def _write_forces(self) -> None:
+    def _write_forces(self, folder: Path) -> None:
         if self.scene.probes:
-            write_forces(self.folder / "forces.csv", self.scene, self.simulation.forces)
+            write_forces(folder / "forces.csv", self.scene, self.simulation.forces)
         if self.scene.bodies:
-            write_bodies(self.folder / BODIES, self.scene, self.simulation.windows.bodies)
+            write_bodies(folder / BODIES, self.scene, self.simulation.windows.bodies)
 
     def save(self) -> None:
         """Write a checkpoint where there can be one; `reason` says why there is none."""
-        if self.checkpoints is None or not self.between_steps or not self.simulation.step:
+        folder = self.folder
+        if folder is None or self.checkpoints is None or not self.between_steps or not self.simulation.step:
             return
         started, again = perf_counter(), self.scene.time(self.simulation.step)
-        self.reason = self.checkpoints.save(self._state, self.result("interrupted", self._ended(again)))
+        self.reason = self.checkpoints.save(lambda: self._state(folder), self.result("interrupted", self._ended(again)))
         self.saved = self.saved if self.reason else again
         self.writing += perf_counter() - started
 
-    def _state(self) -> list[str]:
-        self._write_forces()
+    def _state(self, folder: Path) -> list[str]:
+        self._write_forces(folder)
         name = f"checkpoint-{self.simulation.step}.npz"
-        save_state(self.simulation, self.folder / name)
+        save_state(self.simulation, folder / name)
         return [name]
 
     def keep_end(self) -> None:

@@ -4,9 +4,9 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from math import inf, pi, sqrt
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,6 +14,9 @@ from lammps_jump.dump.side_files.bodies import Row
 from lammps_jump.physics.devices import Holding, gate_areas, gate_sees, gate_speed
 from lammps_jump.scene.motion import Pose
 from lammps_jump.scene.scene import Pour, Scene
+
+from .discs import DiscArrays, Newcomer
+from .walls import Walls
 
 
 class Event(NamedTuple):
@@ -38,16 +41,6 @@ class EventList:
         for event in self.events:
             if event.next_after(step - 1) == step:
                 event.happen()
-
-
-class Newcomer(NamedTuple):
-    """A disc that enters: its id, place (m) and velocity (m/s)."""
-
-    id: int
-    x: float
-    y: float
-    vx: float
-    vy: float
 
 
 class Turns:
@@ -95,7 +88,7 @@ class PourState(Turns):
         turns = scene.pour_turns(pour)
         super().__init__(turns.start, turns.step, pour.count)
 
-    def places(self):
+    def places(self) -> Iterator[tuple[float, float, float]]:
         """Candidate places and velocities of one batch: yields (x, y, vy) up to 50 times the batch."""
         (x_low, x_high), (y_low, y_high) = self.pour.x, self.pour.y
         for _ in range(50 * self.batch):
@@ -133,7 +126,7 @@ class OpenBoundaries:
             return inf
         return (step // self.scene.size_steps + 1) * self.scene.size_steps
 
-    def leaving(self, step: int, discs) -> np.ndarray | None:
+    def leaving(self, step: int, discs: DiscArrays) -> np.ndarray | None:
         """Mask, shape (n,), of discs that an outlet takes at this step; None where none leaves."""
         mask = None
         for outlet in self.scene.outlets:
@@ -144,7 +137,7 @@ class OpenBoundaries:
             mask = gone if mask is None else mask | gone
         return mask if mask is not None and mask.any() else None
 
-    def arrivals(self, step: int, discs, loaded: Mapping[str, Pose]):
+    def arrivals(self, step: int, discs: DiscArrays, loaded: Mapping[str, Pose]) -> Iterator[Newcomer]:
         """Discs that enter at this step: yields a `Newcomer`; the caller adds each before it takes the next.
 
         `loaded` are the poses of walls that the discs push.
@@ -166,7 +159,7 @@ class OpenBoundaries:
                 if wanted == 0:
                     break
 
-    def _free(self, discs, x: float, y: float, clearance: float) -> bool:
+    def _free(self, discs: DiscArrays, x: float, y: float, clearance: float) -> bool:
         dx, dy = x - discs.x[: discs.n], y - discs.y[: discs.n]
         return bool(np.min(dx * dx + dy * dy, initial=inf) >= clearance * clearance)
 
@@ -197,7 +190,7 @@ class Tailgates:
         """First step after `step` at which a gate looks; infinite without gates."""
         return min((_next_look(one, step) for one in self.holdings.values()), default=inf)
 
-    def move(self, step: int, discs, walls) -> None:
+    def move(self, step: int, discs: DiscArrays, walls: Walls) -> None:
         """Let the gates whose turn it is look at the discs that move, and give them their speeds."""
         n, poses, found = discs.n, walls.poses(), {}
         area = np.full(n, self.scene.diameter**2) if discs.radius is None else 4.0 * discs.radius[:n] ** 2
@@ -219,6 +212,10 @@ def _next_look(holding: Holding, step: int) -> int:
     return max(holding.first, holding.first + ((step - holding.first) // holding.every + 1) * holding.every)
 
 
+WindowForce = tuple[int, str, *tuple[float, ...]]
+"""Step, name of the wall, fx, fy and moment; power where walls move."""
+
+
 class Windows:
     """Mean forces on the probed walls and on bodies, a window of steps at a time.
 
@@ -228,8 +225,8 @@ class Windows:
         Step at which the open window began.
     sums : dict of name to ndarray, shape (4,)
         What the window has collected on walls that have been laid anew since.
-    forces : list of (step, wall name, fx, fy, moment[, power])
-        Of the windows that are over; power where walls move.
+    forces : list of WindowForce
+        Of the windows that are over.
     bodies : list of (step, name, numbers)
         Rows of ``bodies.csv``.
     """
@@ -240,19 +237,19 @@ class Windows:
         self.probes, self.steps, self._columns = scene.probes, scene.probe_steps, 4 if scene.moves else 3
         self.begin = 0
         self.sums: dict[str, np.ndarray] = {}
-        self.forces: list[tuple] = []
+        self.forces: list[WindowForce] = []
 
     def next_after(self, step: int) -> float:
         """Step at which the open window ends; infinite without probes and bodies."""
         return self.begin + self.steps if self.probes or self._bodies else inf
 
-    def take(self, walls) -> None:
+    def take(self, walls: Walls) -> None:
         """Add the sums of walls, which begin anew."""
         for name, row in zip(walls.names, walls.sums, strict=True):
             self.sums[name] = self.sums.get(name, 0.0) + row
         walls.sums[:] = 0.0
 
-    def close(self, step: int, walls) -> None:
+    def close(self, step: int, walls: Walls) -> None:
         """End the window with this step, and begin the next one."""
         self.take(walls)
         for name in self.probes:
@@ -261,6 +258,6 @@ class Windows:
         self.see_bodies(step, walls, {name: self.sums[name][:3] / (step - self.begin) for name in self._bodies})
         self.sums, self.begin = {}, step
 
-    def see_bodies(self, step: int, walls: Any, forces: Mapping[str, np.ndarray]) -> None:
+    def see_bodies(self, step: int, walls: Walls, forces: Mapping[str, np.ndarray]) -> None:
         """Add a row for each body, with these forces of the discs."""
         self.bodies += [(step, name, row) for name, row in walls.body_rows(forces)]

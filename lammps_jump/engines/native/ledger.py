@@ -11,6 +11,10 @@ import numpy as np
 from lammps_jump.scene.scene import Scene
 
 from .arrays import Loops, State, StationStep
+from .discs import DiscArrays
+
+Numbers = float | np.ndarray
+"""A number of one disc, or of each."""
 
 
 @dataclass(frozen=True)
@@ -32,34 +36,35 @@ def inertia(scene: Scene) -> float:
     return scene.coefficients.inertia * scene.radius**2
 
 
-def shares(scene: Scene, radius: np.ndarray | None) -> float | np.ndarray:
+def shares(scene: Scene, radius: np.ndarray | None) -> Numbers:
     """Mass over the nominal mass: 1 of equal discs, else of discs of these radii (m); its square is that of inertia."""
     return 1.0 if radius is None else (radius / scene.radius) ** 2
 
 
-def shares_of(scene: Scene, discs) -> float | np.ndarray:
+def shares_of(scene: Scene, discs: DiscArrays) -> Numbers:
     """`shares` of the discs in play, shape (n,)."""
     return shares(scene, None if discs.radius is None else discs.radius[: discs.n])
 
 
-def half_kicks(scene: Scene, discs) -> tuple[float | np.ndarray, float | np.ndarray]:
+def half_kicks(scene: Scene, discs: DiscArrays) -> tuple[Numbers, Numbers]:
     """dt / (2 m) and dt / (2 I) of the discs in play: what force and torque add to velocity and spin in half a step."""
     share, half = shares_of(scene, discs), 0.5 * scene.time_step
     return half / scene.mass / share, half / inertia(scene) / share**2
 
 
-def velocities(scene: Scene, discs) -> tuple[np.ndarray, np.ndarray]:
+def velocities(scene: Scene, discs: DiscArrays) -> tuple[np.ndarray, np.ndarray]:
     """Velocities at the step, v_n = v_(n-1/2) + dt F_n / (2 m): two arrays of shape (n,), m/s."""
     n, (half, _) = discs.n, half_kicks(scene, discs)
     return discs.vx[:n] + half * discs.fx[:n], discs.vy[:n] + half * discs.fy[:n]
 
 
-def spin(scene: Scene, discs) -> np.ndarray:
+def spin(scene: Scene, discs: DiscArrays) -> np.ndarray:
     """Angular velocities at the step, shape (n,), rad/s."""
+    assert discs.omega is not None  # they spin
     return discs.omega[: discs.n] + half_kicks(scene, discs)[1] * discs.torque[: discs.n]
 
 
-def energy_of(scene: Scene, discs, elastic: float) -> EnergyNow:
+def energy_of(scene: Scene, discs: DiscArrays, elastic: float) -> EnergyNow:
     """Kinetic and gravitational (-m g . x) energy of the discs at the step, with the elastic energy given (J per m)."""
     n, share = discs.n, shares_of(scene, discs)
     vx, vy = velocities(scene, discs)
@@ -72,41 +77,46 @@ def energy_of(scene: Scene, discs, elastic: float) -> EnergyNow:
     return EnergyNow(kinetic, gravitational, elastic)
 
 
-def fallen(scene: Scene, discs) -> float:
+def fallen(scene: Scene, discs: DiscArrays) -> float:
     """Work of weight along a periodic channel from x = 0 to where the discs are, J per m; 0 in another channel."""
     if scene.period is None:
         return 0.0
     return scene.mass * scene.gravity[0] * float((shares_of(scene, discs) * discs.x[: discs.n]).sum())
 
 
-def free_energy(scene: Scene, x, y, vx, vy, share=1.0) -> float:
-    """Kinetic and gravitational energy at the step (J per m) of free discs with half-step velocity (vx, vy).
+def free_energy(
+    scene: Scene, place: tuple[Numbers, Numbers], velocity: tuple[Numbers, Numbers], share: Numbers = 1.0
+) -> float:
+    """Kinetic and gravitational energy at the step (J per m) of free discs with this half-step velocity.
 
     `share` is their mass over the nominal mass (see `shares`).
     """
+    (x, y), (vx, vy) = place, velocity
     gx, gy = scene.gravity
     half = 0.5 * scene.time_step
     wx, wy = vx + half * gx, vy + half * gy
     return scene.mass * float(np.sum(share * (0.5 * (wx * wx + wy * wy) - gx * x - gy * y)))
 
 
-def energy_of_leaving(scene: Scene, discs, leaving: np.ndarray) -> tuple[float, float]:
+def energy_of_leaving(scene: Scene, discs: DiscArrays, leaving: np.ndarray) -> tuple[float, float]:
     """`free_energy` and energy of rotation (J per m) that discs take with them; `leaving` is a mask of shape (n,)."""
     chosen = np.flatnonzero(leaving)
     share = shares(scene, None if discs.radius is None else discs.radius[chosen])
-    free = free_energy(scene, discs.x[chosen], discs.y[chosen], discs.vx[chosen], discs.vy[chosen], share)
+    place, velocity = (discs.x[chosen], discs.y[chosen]), (discs.vx[chosen], discs.vy[chosen])
+    free = free_energy(scene, place, velocity, share)
     if discs.omega is None:
         return free, 0.0
     return free, 0.5 * inertia(scene) * float((share**2 * discs.omega[chosen] ** 2).sum())
 
 
-def half_work(scene: Scene, discs, work: np.ndarray) -> np.ndarray:
+def half_work(scene: Scene, discs: DiscArrays, work: np.ndarray) -> np.ndarray:
     """What is due at a step besides the sums `work`, J per m, shape (3,): of dashpots, friction and moving walls.
 
     That of discs is what they lose in the first half of this step's kick. Of walls, half of this step is too much.
     """
     n, (half, half_turn) = discs.n, half_kicks(scene, discs)
     wx, wy = discs.vx[:n] + 0.5 * half * discs.fx[:n], discs.vy[:n] + 0.5 * half * discs.fy[:n]
+    assert discs.dash_x is not None  # the ledger is kept
     lost = float(discs.dash_x[:n] @ wx + discs.dash_y[:n] @ wy)
     slid = 0.0
     if discs.slide_x is not None:
@@ -214,6 +224,7 @@ class StationLedger:
     def add(self, step: int, state: State) -> None:
         """Take in the discs at a step of `next_after`, with its forces and the pairs that they were made with."""
         found = self.stations
+        assert found is not None  # else `next_after` names no step
         left = found.x[0] + found.speed * (step - found.first_step) * self.scene.time_step
         moved, pushed = step > found.first_step, step < found.last_step
         at = StationStep(left, found.x[1] - found.x[0], found.speed, moved, pushed)

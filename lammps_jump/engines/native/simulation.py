@@ -28,7 +28,7 @@ from .arrays import Grid, Loops, Pairs, State
 from .bound import Core
 from .constants import Memories, constants_of
 from .discs import DiscArrays, starting
-from .events import Event, EventList, OpenBoundaries, Tailgates, Windows
+from .events import Event, EventList, OpenBoundaries, Tailgates, WindowForce, Windows
 from .ledger import (
     Books,
     EnergyNow,
@@ -158,13 +158,13 @@ class NativeSimulation:
         d.fx[: d.n], d.fy[: d.n] = np.multiply.outer(self._weight, share)
         earlier = self.scene.earlier
         if earlier is not None:
-            d.see_half_step(self.scene)
+            d.see_half_step(self.scene, earlier)
         self._forces()
         if earlier is not None:
-            d.set_velocities(starting(self.scene))
+            d.set_velocities(starting(self.scene, earlier))
         self._start_half_step_back()
         if earlier is not None:
-            d.keep_bits(self.scene)
+            d.keep_bits(self.scene, earlier)
         self.windows.see_bodies(self.step, self.walls, dict(zip(self.walls.names, self.walls.sums[:, :3], strict=True)))
         self.walls.sums[:] = 0.0
         self.books.start, self.books.start_work = self.energy(), self.books.work[:3] + self._half_work()
@@ -271,7 +271,7 @@ class NativeSimulation:
         skin = 1.5 * self.skin  # the others may have moved half a skin since the list was made
         for new in self.boundaries.arrivals(self.step, self.discs, self.walls.poses()):
             self.discs.append(new, self._weight, skin, self.scene.largest)
-            self.books.exchanged["brought_in"] += free_energy(self.scene, *new[1:], self._share)
+            self.books.exchanged["brought_in"] += free_energy(self.scene, (new.x, new.y), (new.vx, new.vy), self._share)
         if self.boundaries.inserted > known:
             elastic = self._elastic_of_newcomers(known, self._list_newcomers(before))
             self.books.exchanged["brought_in"] += elastic
@@ -305,7 +305,7 @@ class NativeSimulation:
     def _rebuild(self) -> None:
         started = perf_counter()
         if self.scene.period is not None:
-            self._wrap()
+            self._wrap(self.scene.period)
         self._require_inside(self.discs.sort_and_list(self.skin, self.scene.largest, self.scene.domain))
         self._list_walls()
         wrong = self.walls.trouble_at_seam(self.scene)
@@ -315,10 +315,10 @@ class NativeSimulation:
         if self.rebuilds % 16 == 0:
             self._check_overlap()
 
-    def _wrap(self) -> None:
+    def _wrap(self, period: float) -> None:
         """Let discs that have left a periodic channel in at its other end; the slope has done work on them."""
         self.books.exchanged["work_of_slope"] += fallen(self.scene, self.discs)
-        self.discs.wrap(self.scene.domain[0][0])
+        self.discs.wrap(self.scene.domain[0][0], period)
         self.books.exchanged["work_of_slope"] -= fallen(self.scene, self.discs)
 
     def _list_walls(self) -> None:
@@ -395,7 +395,7 @@ class NativeSimulation:
         return np.full(d.n, self.scene.radius) if d.radius is None else self._by_id(d.radius[: d.n])
 
     @property
-    def forces(self) -> list[tuple]:
+    def forces(self) -> list[WindowForce]:
         """(step, wall name, fx, fy, moment) of each window of a probed wall: means, N per m of width.
 
         The moment (N) is about the reference point of the wall. Where walls move, the power of the wall on the discs

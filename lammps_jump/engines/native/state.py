@@ -9,6 +9,7 @@ the probes, the turns of the inlets, the random generator of a pour, and the ene
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import astuple
 from pathlib import Path
 from zipfile import BadZipFile
@@ -21,7 +22,7 @@ from lammps_jump.files import read_arrays, write_arrays
 from lammps_jump.scene.scene import Scene
 
 from .arrays import Loops
-from .discs import EXACT
+from .discs import EXACT, DiscArrays
 from .ledger import EnergyNow, spin, velocities
 from .simulation import NativeSimulation
 
@@ -135,7 +136,7 @@ def _loaded(scene: Scene, path: Path, ledger: bool, loops: Loops | None) -> Nati
     return simulation
 
 
-def _load_discs(discs, n: int, stored) -> None:
+def _load_discs(discs: DiscArrays, n: int, stored: Mapping[str, np.ndarray]) -> None:
     while discs.room < n + 1:
         discs.grow()
     discs.n = n
@@ -162,7 +163,7 @@ def ended_of(simulation: NativeSimulation) -> Ended:
         **{"half_vx": d.vx[:n], "half_vy": d.vy[:n], "half_spin": still if d.omega is None else d.omega[:n]},
         "diameter": still + scene.diameter if d.radius is None else 2.0 * d.radius[:n],
     }
-    slots = (d.partner[:n], d.sigma[:n], d.spring[:n], d.roll[:n]) if d.slots else None
+    slots = (d.partner[:n], d.sigma[:n], d.spring[:n], d.roll[:n]) if d.partner is not None else None
     bed = np.zeros(n, bool) if scene.fixed is None else scene.fixed.holds(d.ids[:n])
     rows = np.lexsort((d.ids[:n], bed))  # fixed discs come last in another run
     held = {"order": np.argsort(rows), **{name: getattr(d, name)[:n] for name in EXACT if name in d.columns}}

@@ -171,13 +171,16 @@ class Walls:
 
     def centre_of(self, wall: int) -> tuple[float, float]:
         """Centre of mass of a body, m."""
+        assert self.moves is not None  # a body moves
         x, y, c, s = self.moves.now[wall, [0, 1, 3, 4]].tolist()
         arm, about = self.moves.load[wall, 4:6].tolist(), self.moves.centre[wall].tolist()
         return about[0] + x + c * arm[0] - s * arm[1], about[1] + y + s * arm[0] + c * arm[1]
 
     def body_rows(self, forces: Mapping[str, np.ndarray]) -> Iterator[tuple[str, tuple[float, ...]]]:
         """Name of each body; centre of mass (m), turn (rad), velocities (m/s, rad/s), and the force given with it."""
-        for wall in self.bodies.numbers if self.bodies is not None else ():
+        if self.bodies is None or self.moves is None:
+            return
+        for wall in self.bodies.numbers:
             name, now = self.names[wall], self.moves.now[wall].tolist()
             x, y = self.centre_of(wall)
             ax, ay = x - self.moves.centre[wall, 0] - now[0], y - self.moves.centre[wall, 1] - now[1]
@@ -194,7 +197,9 @@ class Walls:
 
     def set_speeds(self, speeds: Mapping[str, float]) -> None:
         """Let tailgates go up at these speeds, m/s, by name."""
-        for name, speed in speeds.items() if self.moves is not None else ():
+        if self.moves is None:
+            return
+        for name, speed in speeds.items():
             self.moves.pushed[self.names.index(name), 4] = speed
 
     def trouble_at_seam(self, scene: Scene) -> str:
