@@ -18,7 +18,7 @@ from collections.abc import Iterable
 from functools import lru_cache
 from math import ceil, floor
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -40,6 +40,9 @@ FIELD_FRAMES = 20
 """Frames of the window that the mean fields use at most: contact stress rings, one frame says little."""
 GAUSS = np.polynomial.legendre.leggauss(4)
 """Points along a contact's branch: exact to degree 7 for a polynomial kernel."""
+
+MOST_CELLS = 50_000_000
+"""Of a grid with its margin."""
 
 BALANCING_ROUNDS = 12
 """Each round about halves the error of the balance: 12 leave some 1e-4."""
@@ -107,52 +110,23 @@ def compute_fields(
     reach = 2.0 * flow.scene.diameter if reach is None else reach
     if not (spacing > 0 and reach > 0):
         raise DumpError(f"spacing = {spacing} m, reach = {reach} m: both must be above 0.")
-    # a margin of one reach, so that discs outside the asked-for extent contribute what they should
-    margin = ceil(reach / spacing)
-    nx, ny = (max(1, round((high - low) / spacing)) for low, high in (x, y))
-    if (nx + 2 * margin) * (ny + 2 * margin) > 50_000_000:
-        raise DumpError(f"a grid of {nx} x {ny} cells is too fine; raise spacing ({spacing} m).")
-    low_x, low_y = x[0] - margin * spacing, y[0] - margin * spacing
-    centre_x = low_x + (np.arange(nx + 2 * margin) + 0.5) * spacing
-    centre_y = low_y + (np.arange(ny + 2 * margin) + 0.5) * spacing
-    open_ = _open_cells(flow.walls_at(flow.time(frame)), tuple(centre_x), tuple(centre_y))
-    cell_weight = _cell_weight(open_.tobytes(), open_.shape, spacing, reach)
-    geometry = (low_x, low_y, spacing, reach)
-
-    mass = flow.scene.mass * flow.relative_masses(frame)
-    moving = "vx" in frame.columns and "vy" in frame.columns
-    u, v = (frame.vx, frame.vy) if moving else (np.zeros(frame.n), np.zeros(frame.n))
-    weights = mass[:, None] * np.column_stack([np.ones(frame.n), u, v, u * u, u * v, v * v])
-    sums = np.zeros((6, *open_.shape))
-    spread(np.column_stack([frame.x, frame.y]), weights, cell_weight, geometry, sums)
-    density = sums[0]
-    some = density > 0
-    safe = np.where(some, density, 1.0)
-    vx, vy = sums[1] / safe, sums[2] / safe
-    fields = {
-        "density": density,
-        "velocity_x": np.where(some, vx, np.nan),
-        "velocity_y": np.where(some, vy, np.nan),
-        "kinetic_xx": np.maximum(sums[3] - density * vx * vx, 0.0),
-        "kinetic_xy": sums[4] - density * vx * vy,
-        "kinetic_yy": np.maximum(sums[5] - density * vy * vy, 0.0),
-    }
+    grid = _grid(flow, flow.time(frame), (x, y), spacing, reach)
+    fields = _of_motion(frame, flow, grid)
+    density = fields["density"]
     if flow.knows_contacts:
-        contact = np.zeros((3, *open_.shape))
-        points, moments = _force_moments(frame, flow)
-        spread(points, moments, cell_weight, geometry, contact)
-        fields |= {f"contact_{name}": part for name, part in zip(("xx", "xy", "yy"), contact, strict=True)}
-        fields["pressure"] = 0.5 * (contact[0] + contact[2] + fields["kinetic_xx"] + fields["kinetic_yy"])
-    if not moving:
+        xx, xy, yy = grid.sums(*_force_moments(frame, flow))
+        fields |= {"contact_xx": xx, "contact_xy": xy, "contact_yy": yy}
+        fields["pressure"] = 0.5 * (xx + yy + fields["kinetic_xx"] + fields["kinetic_yy"])
+    if not {"vx", "vy"} <= set(frame.columns):
         fields = {name: values for name, values in fields.items() if name not in OF_MOTION}
     above = np.cumsum(density[::-1], axis=0)[::-1] - 0.5 * density
     fields["hydrostatic"] = above * spacing * abs(flow.gravity)
-    inner = (slice(margin, margin + ny), slice(margin, margin + nx))
+    rows, columns = grid.asked
     return xr.Dataset(
-        {name: _described(name, np.where(open_, values, np.nan)[inner]) for name, values in fields.items()},
+        {name: _described(name, np.where(grid.free, values, np.nan)[grid.asked]) for name, values in fields.items()},
         coords={
-            "x": ("x", centre_x[margin : margin + nx], {"units": "m", "long_name": "distance along the channel"}),
-            "y": ("y", centre_y[margin : margin + ny], {"units": "m", "long_name": "height"}),
+            "x": ("x", grid.x[columns], {"units": "m", "long_name": "distance along the channel"}),
+            "y": ("y", grid.y[rows], {"units": "m", "long_name": "height"}),
             "time": ((), flow.time(frame), {"units": "s", "long_name": "simulated time"}),
         },
         attrs={
@@ -162,6 +136,70 @@ def compute_fields(
             "title": f"fields of {flow.scene.name}",
         },
     )
+
+
+class _Grid(NamedTuple):
+    """Cells of the fields, with a margin around the extent that is asked for.
+
+    Attributes
+    ----------
+    x, y : ndarray
+        Centres of columns and rows, m.
+    free : ndarray of bool, shape (rows, columns)
+        Cells outside the walls.
+    weight : ndarray, shape (rows, columns)
+        Of `balance`.
+    geometry : (float, float, float, float)
+        Of `spread`.
+    asked : (slice, slice)
+        Rows and columns of the extent.
+    """
+
+    x: np.ndarray
+    y: np.ndarray
+    free: np.ndarray
+    weight: np.ndarray
+    geometry: tuple[float, float, float, float]
+    asked: tuple[slice, slice]
+
+    def sums(self, points: np.ndarray, weights: np.ndarray) -> np.ndarray:
+        """Weights of points, shape (n, quantities), per area of the cells around them, a plane a quantity."""
+        found = np.zeros((weights.shape[1], *self.free.shape))
+        spread(points, weights, self.weight, self.geometry, found)
+        return found
+
+
+def _grid(flow: Flow, time: float, extent: tuple[Interval, Interval], spacing: float, reach: float) -> _Grid:
+    """The grid at a time (s); its margin is one reach, so that discs outside contribute what they should."""
+    margin = ceil(reach / spacing)
+    nx, ny = (max(1, round((high - low) / spacing)) for low, high in extent)
+    if (nx + 2 * margin) * (ny + 2 * margin) > MOST_CELLS:
+        raise DumpError(f"a grid of {nx} x {ny} cells is too fine; raise spacing ({spacing} m).")
+    low_x, low_y = (low - margin * spacing for low, _ in extent)
+    x = low_x + (np.arange(nx + 2 * margin) + 0.5) * spacing
+    y = low_y + (np.arange(ny + 2 * margin) + 0.5) * spacing
+    open_ = _open_cells(flow.walls_at(time), tuple(x), tuple(y))
+    weight = _cell_weight(open_.tobytes(), open_.shape, spacing, reach)
+    asked = slice(margin, margin + ny), slice(margin, margin + nx)
+    return _Grid(x, y, open_, weight, (low_x, low_y, spacing, reach), asked)
+
+
+def _of_motion(frame: Frame, flow: Flow, grid: _Grid) -> dict[str, np.ndarray]:
+    """Density, velocity and kinetic stress; without velocities in the frame discs count as at rest."""
+    mass, still = flow.scene.mass * flow.relative_masses(frame), np.zeros(frame.n)
+    u, v = (frame.columns.get(name, still) for name in ("vx", "vy"))
+    weights = mass[:, None] * np.column_stack([np.ones(frame.n), u, v, u * u, u * v, v * v])
+    density, *momentum, xx, xy, yy = grid.sums(np.column_stack([frame.x, frame.y]), weights)
+    some = density > 0
+    vx, vy = (part / np.where(some, density, 1.0) for part in momentum)
+    return {
+        "density": density,
+        "velocity_x": np.where(some, vx, np.nan),
+        "velocity_y": np.where(some, vy, np.nan),
+        "kinetic_xx": np.maximum(xx - density * vx * vx, 0.0),
+        "kinetic_xy": xy - density * vx * vy,
+        "kinetic_yy": np.maximum(yy - density * vy * vy, 0.0),
+    }
 
 
 def _described(name: str, values: np.ndarray, of: str = "") -> tuple[Any, ...]:
