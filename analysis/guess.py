@@ -78,12 +78,9 @@ def from_dump(
         A dump without any disc, one of three dimensions, a value that is not positive, masses that fit no body.
     """
     types = dict(diameter) if isinstance(diameter, Mapping) else {}
-    given: list[tuple[str, Any]] = [("density", density), ("time_step", time_step), ("bin_width", bin_width)]
-    given.append(("gravity", gravity))
-    given += [*(("diameter", value) for value in (types.values() if types else [diameter]))]
-    for what, value in given:
-        if value is not None and not (np.isfinite(value) and value > 0):
-            raise DumpError(f"{what} = {value}: it must be a number above 0.")
+    _require_positive("diameter", *(types.values() if isinstance(diameter, Mapping) else [diameter]))
+    for what, value in (("density", density), ("time_step", time_step), ("bin_width", bin_width), ("gravity", gravity)):
+        _require_positive(what, value)
     notes: list[str] = []
     frames = _looked_at(dump)
     frame = max(frames, key=lambda f: f.n)
@@ -97,35 +94,15 @@ def from_dump(
 
     diameters = np.broadcast_to(2 * own_radii(frame), frame.n)
     mass = _mass(frame, diameters, density, kind, notes)
-    if gravity is None:
-        gravity = GRAVITY.get(dump.units or "", 9.81)
-        notes.append(
-            f"Gravity taken as {gravity:zg} m/s2, downward: Froude numbers, heads and times of rest hold where that is "
-            "right in the dump's units. Give another one by --gravity."
-        )
+    gravity = gravity or _gravity(dump, notes)
     edges = [_edges(f, own_radii(f)) for f in frames if f.n]
     left, low, right = (np.concatenate(part) for part in zip(*edges, strict=True))
     floor = _floor(left, low, right, 5 * nominal, 0.5 * nominal, notes)
     reach, width = _bins((float(left.min()), float(right.max())), floor, bin_width, 5 * nominal)
     notes.append(f"Profiles from x = {reach[0]:z.6g} to {reach[1]:z.6g} m: as far as discs were seen.")
     timed = _timed(dump, time_step, notes)
-    scene = Scene(
-        name=name or visible(dump.path.name),
-        description="",
-        diameter=nominal,
-        density=mass / nominal**2,  # of discs that stand in squares: a depth by mass is one of the same discs
-        gravity=(0.0, -gravity),
-        coefficients=known_coefficients(mass=mass, time_step=time_step),
-        friction_law="viscous",
-        rotation=False,
-        integrator="velocity_verlet",
-        domain=((float(frame.box[0, 0]), float(frame.box[0, 1])), (float(frame.box[1, 0]), float(frame.box[1, 1]))),
-        positions=np.empty((0, 2)),
-        velocities=np.empty((0, 2)),
-        walls=(MovingWall(floor),),
-    )
     return Flow(
-        scene,
+        _scene(frame, name or visible(dump.path.name), nominal, mass, gravity, floor, time_step),
         reach,
         width,
         notes=tuple(notes),
@@ -133,6 +110,46 @@ def from_dump(
         diameters=types if sized else {},
         timed=timed,
         velocities=timed or {"vx", "vy"} <= set(dump.columns),
+    )
+
+
+def _require_positive(what: str, *values: float | None) -> None:
+    """DumpError where a value that is given is not a number above 0."""
+    for value in values:
+        if value is not None and not (np.isfinite(value) and value > 0):
+            raise DumpError(f"{what} = {value}: it must be a number above 0.")
+
+
+def _gravity(dump: Dump, notes: list[str]) -> float:
+    """What gravity is where none is given, by the units of a dump, m/s^2."""
+    gravity = GRAVITY.get(dump.units or "", 9.81)
+    notes.append(
+        f"Gravity taken as {gravity:zg} m/s2, downward: Froude numbers, heads and times of rest hold where that is "
+        "right in the dump's units. Give another one by --gravity."
+    )
+    return gravity
+
+
+def _scene(
+    frame: Frame, name: str, diameter: float, mass: float, gravity: float, floor: Plane | Block,
+    time_step: float | None,
+) -> Scene:  # fmt: skip
+    """A scene of which no more is known than its discs in a frame, with a floor that stands."""
+    (x_low, x_high), (y_low, y_high) = frame.box[:2].tolist()
+    return Scene(
+        name=name,
+        description="",
+        diameter=diameter,
+        density=mass / diameter**2,  # of discs that stand in squares: a depth by mass is one of the same discs
+        gravity=(0.0, -gravity),
+        coefficients=known_coefficients(mass=mass, time_step=time_step),
+        friction_law="viscous",
+        rotation=False,
+        integrator="velocity_verlet",
+        domain=((x_low, x_high), (y_low, y_high)),
+        positions=np.empty((0, 2)),
+        velocities=np.empty((0, 2)),
+        walls=(MovingWall(floor),),
     )
 
 
