@@ -13,6 +13,7 @@ from lammps_jump.errors import FieldError
 from lammps_jump.physics.hydrograph import Hydrograph, entries_of_rows
 from lammps_jump.physics.inlet import (
     COARSEST_RASTER,
+    RowPlan,
     plan_rows,
     row_count,
     seed_factors,
@@ -50,24 +51,50 @@ def inlet_of(inflow: RowsInflow, begun: Beginning, seed: int) -> Inlet:
     FieldError
         No row, too many of them, rows too slow, a schedule that sizes do not have.
     """
-    graph, d, dt = inflow.hydrograph, begun.diameter, begun.time_step
-    depth, field = max(graph.depths), "depth" if inflow.table is None else "table"
+    _require_rows(inflow, begun)
+    if inflow.table is not None:
+        return Inlet(_rows_against_time(inflow, begun, seed), 1, inflow.hydrograph)
+    plan = _plan(inflow, begun)
+    first = (begun.settle_steps // plan.raster + 1) * plan.raster
+    rows = zip(plan.heights, seeded_speeds(plan.speeds, seed), plan.steps, strict=True)
+    return Inlet(
+        tuple(
+            InletRow(inflow.x, inflow.y + height, speed, 0.0, first, steps, CLEARANCE * begun.largest)
+            for height, speed, steps in rows
+        ),
+        plan.raster,
+    )
+
+
+def _require_rows(inflow: RowsInflow, begun: Beginning) -> None:
+    """FieldError where the largest depth holds no row, or too many."""
+    d, depth = begun.diameter, max(inflow.hydrograph.depths)
+    field = "depth" if inflow.table is None else "table"
     if depth < d * (1 - 1e-9):
         raise FieldError(
             f"inflow.{field}",
             f"{depth:zg} m holds no row of discs of {d:zg} m; allowed is one diameter or more: take "
             'smaller discs (numbers are in m; text may have a unit, "100 mm") or a deeper inflow',
         )
-    count = row_count(depth, begun.mean_square, begun.largest, graph.least_gap(inflow.spacing))
+    count = _count(inflow, begun)
     if count > MOST_ROWS:
         raise FieldError(
             f"inflow.{field}",
             f"{depth:zg} m holds {count} rows of discs of {d:zg} m; allowed are {MOST_ROWS}: take larger discs",
         )
-    if inflow.table is not None:
-        return Inlet(_rows_against_time(inflow, begun, seed), 1, graph)
-    speed = graph.speeds[0]
-    slowest = count * begun.mean_square / (depth * speed * dt)
+
+
+def _count(inflow: RowsInflow, begun: Beginning) -> int:
+    """Rows of the largest depth."""
+    graph = inflow.hydrograph
+    return row_count(max(graph.depths), begun.mean_square, begun.largest, graph.least_gap(inflow.spacing))
+
+
+def _plan(inflow: RowsInflow, begun: Beginning) -> RowPlan:
+    """Heights, speeds and steps of rows that do not change with time; FieldError where they are too slow."""
+    graph, dt = inflow.hydrograph, begun.time_step
+    depth, speed = graph.depths[0], graph.speeds[0]
+    slowest = _count(inflow, begun) * begun.mean_square / (depth * speed * dt)
     if slowest > MOST_STEPS:
         raise FieldError(
             f"inflow.{'mean_speed' if inflow.discharge is None else 'discharge'}",
@@ -79,26 +106,16 @@ def inlet_of(inflow: RowsInflow, begun: Beginning, seed: int) -> Inlet:
             raise FieldError(
                 "inflow.schedule", "'thesis' is for equal discs; allowed is exact where discs.sizes is given"
             )
-        plan = thesis_rows(depth, d, speed, dt, profile=inflow.profile)
-    else:
-        plan = plan_rows(
-            depth,
-            speed,
-            dt,
-            mean_square=begun.mean_square,
-            largest=begun.largest,
-            profile=inflow.profile,
-            least_gap=inflow.spacing,
-            coarsest=COARSEST_RASTER if begun.sizes else 1,
-        )
-    first = (begun.settle_steps // plan.raster + 1) * plan.raster
-    rows = zip(plan.heights, seeded_speeds(plan.speeds, seed), plan.steps, strict=True)
-    return Inlet(
-        tuple(
-            InletRow(inflow.x, inflow.y + height, speed, 0.0, first, steps, CLEARANCE * begun.largest)
-            for height, speed, steps in rows
-        ),
-        plan.raster,
+        return thesis_rows(depth, begun.diameter, speed, dt, profile=inflow.profile)
+    return plan_rows(
+        depth,
+        speed,
+        dt,
+        mean_square=begun.mean_square,
+        largest=begun.largest,
+        profile=inflow.profile,
+        least_gap=inflow.spacing,
+        coarsest=COARSEST_RASTER if begun.sizes else 1,
     )
 
 
