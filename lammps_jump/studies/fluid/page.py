@@ -39,19 +39,50 @@ def law_of(summary: Numbers) -> Friction:
     return Friction(summary["static"][0], summary["slope"][0], summary["exponent"])
 
 
+def _viscosity(law: Friction, discs: FluidDiscs, flow: FlowScales, depth: float, rate: float) -> float:
+    """Kinematic viscosity of the discs at a depth below the surface (m) and a rate of shear (1/s), m^2/s."""
+    return viscosity(law, discs.density * flow.gravity * depth, rate, discs.diameter, discs.density)
+
+
+def _table_depths(flow: FlowScales) -> tuple[float, float]:
+    """Depths of the table of viscosities, m."""
+    return 0.25 * flow.depth, flow.depth
+
+
 def text_of(found: Numbers, discs: FluidDiscs, flow: FlowScales) -> str:
     """The page in Markdown."""
     summary, at = found["summary"], found["flow"]
+    numbers = [
+        f"- Reynolds number q/ν: **{at['reynolds']:z.2g}** (water: {flow.discharge / WATER['viscosity']:z.1e})",
+        f"- Mach number U/c: **{at['mach']:z.2g}**",
+        f"- inertial number I: {at['inertial']:z.2g}; there μ = {at['friction']:z.2g}, ν = {at['viscosity']:z.2g} m²/s",
+        f"- Froude number: {at['froude']:z.3g}; depth over diameter: {at['discs_deep']:z.3g}",
+        f"- a wave lower than {at['least_swing']:z.2g} m at the wall dies in one swing (2.5 μ h)",
+    ]
+    parts = [
+        f"# What fluid the discs of {found['case']} are",
+        f"The flow: U = {flow.speed:z.3g} m/s, h = {flow.depth:z.3g} m. "
+        f"The numbers hold at half the depth and the rate U/h = {flow.rate:z.3g} /s.",
+        "\n".join(numbers),
+        *_zones(found["zones"]),
+        "## Doubts",
+        "\n".join([f"- {text}" for text in found["warnings"]] or ["- none"]),
+        "## Water and these discs",
+        _beside_water(summary, discs, flow),
+        f"## Shear at {flow.pressure(discs.density) / 1e3:z.3g} kPa",
+        *_shear(summary, discs, flow),
+        f"± is the 95 % interval of the mean over {summary['starts']} starts. The figure is fluid.png.",
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def _beside_water(summary: Numbers, discs: FluidDiscs, flow: FlowScales) -> str:
+    """Table of water beside the discs."""
     law, sound, swing = law_of(summary), summary["sound"], summary["slosh"]
-    deep = [0.25 * flow.depth, flow.depth]
-
-    def nu(depth: float, rate: float) -> str:
-        pressure = discs.density * flow.gravity * depth
-        return f"{viscosity(law, pressure, rate, discs.diameter, discs.density):z.2g}"
-
-    least, most = nu(deep[0], RATES[-1]), nu(deep[1], RATES[0])
+    upper, lower = _table_depths(flow)
+    least, most = _viscosity(law, discs, flow, upper, RATES[-1]), _viscosity(law, discs, flow, lower, RATES[0])
     rows = [
-        ("viscosity, m²/s", "1e-6", f"{least} to {most}", "pressure over rate of shear, diameter"),
+        ("viscosity, m²/s", "1e-6", f"{least:z.2g} to {most:z.2g}", "pressure over rate of shear, diameter"),
         ("friction at rest (yield) μs", "0", pm(summary["static"]), "friction and sizes of the discs"),
         ("speed of sound, m/s", "1480", pm(sound["speed"]), "stiffness: k/m"),
         ("the same over n v0 = d √(k/m)", "", pm(sound["ratio"]), "packing, pressure"),
@@ -61,40 +92,26 @@ def text_of(found: Numbers, discs: FluidDiscs, flow: FlowScales) -> str:
         ("where the swing rests, share of its start", "0", pm(swing["rest"]), "yield"),
     ]
     titles = ("property", "water", "discs", "set by")
-    table = markdown(dict.fromkeys(titles, ""), [dict(zip(titles, row, strict=True)) for row in rows])
+    return markdown(dict.fromkeys(titles, ""), [dict(zip(titles, row, strict=True)) for row in rows])
+
+
+def _shear(summary: Numbers, discs: FluidDiscs, flow: FlowScales) -> tuple[str, str, str]:
+    """Table of what was sheared, the law that follows, and the viscosities of that law."""
+    law = law_of(summary)
     columns = {
         "I:": lambda row: pm(row["inertial"]),
         "μ:": lambda row: pm(row["friction"]),
         "packing φ:": lambda row: pm(row["packing"]),
     }
-    sheared = markdown(columns, summary["shear"])
-    depths = [{"depth (m)": f"{h:z.3g}", **{f"{rate:zg} /s": nu(h, rate) for rate in RATES}} for h in deep]
-    viscosities = markdown({f"{title}:": "" for title in depths[0]}, depths)
-    numbers = [
-        f"- Reynolds number q/ν: **{at['reynolds']:z.2g}** (water: {flow.discharge / WATER['viscosity']:z.1e})",
-        f"- Mach number U/c: **{at['mach']:z.2g}**",
-        f"- inertial number I: {at['inertial']:z.2g}; there μ = {at['friction']:z.2g}, ν = {at['viscosity']:z.2g} m²/s",
-        f"- Froude number: {at['froude']:z.3g}; depth over diameter: {at['discs_deep']:z.3g}",
-        f"- a wave lower than {at['least_swing']:z.2g} m at the wall dies in one swing (2.5 μ h)",
+    depths = [
+        {"depth (m)": f"{h:z.3g}", **{f"{r:zg} /s": f"{_viscosity(law, discs, flow, h, r):z.2g}" for r in RATES}}
+        for h in _table_depths(flow)
     ]
-    warned = [f"- {text}" for text in found["warnings"]] or ["- none"]
-    parts = [
-        f"# What fluid the discs of {found['case']} are",
-        f"The flow: U = {flow.speed:z.3g} m/s, h = {flow.depth:z.3g} m. "
-        f"The numbers hold at half the depth and the rate U/h = {flow.rate:z.3g} /s.",
-        "\n".join(numbers),
-        *_zones(found["zones"]),
-        "## Doubts",
-        "\n".join(warned),
-        "## Water and these discs",
-        table,
-        f"## Shear at {flow.pressure(discs.density) / 1e3:z.3g} kPa",
-        sheared,
+    return (
+        markdown(columns, summary["shear"]),
         f"μ = {pm(summary['static'])} + {pm(summary['slope'])} I^{law.exponent:z.2f}; ν = μ(I) p/(ρ rate), m²/s:",
-        viscosities,
-        f"± is the 95 % interval of the mean over {summary['starts']} starts. The figure is fluid.png.",
-    ]
-    return "\n\n".join(parts) + "\n"
+        markdown({f"{title}:": "" for title in depths[0]}, depths),
+    )
 
 
 def _zones(zones: Mapping[str, Numbers]) -> list[str]:
@@ -118,9 +135,6 @@ def draw(found: Numbers, discs: FluidDiscs, flow: FlowScales, path: Path) -> Non
     summary, law = found["summary"], law_of(found["summary"])
     inertial = np.array([row["inertial"][0] for row in summary["shear"]])
 
-    def at_depth(depth: float, rate: float) -> float:
-        return viscosity(law, discs.density * flow.gravity * depth, rate, discs.diameter, discs.density)
-
     fine = np.geomspace(inertial.min(), inertial.max(), 60)
     with drawing(8.4, 6.0, 2, 2) as (figure, ((mu, phi), (nu, swing))):
         for axes, name in ((mu, "friction"), (phi, "packing")):
@@ -134,7 +148,8 @@ def draw(found: Numbers, discs: FluidDiscs, flow: FlowScales, path: Path) -> Non
         phi.set(title="Packing: share of the area")
         depths = np.linspace(0.02, 1.0, 60) * flow.depth
         for rate, colour, dash in zip(RATES, (BLUE, GOLD, GREY), ("-", "--", "-."), strict=True):
-            nu.plot(depths, [at_depth(h, rate) for h in depths], color=colour, ls=dash, label=f"{rate:zg} /s")
+            values = [_viscosity(law, discs, flow, h, rate) for h in depths]
+            nu.plot(depths, values, color=colour, ls=dash, label=f"{rate:zg} /s")
         nu.set(title="Kinematic viscosity (m²/s)", xlabel="depth below the surface (m)", yscale="log")
         nu.legend(title="rate of shear")
         for one in summary["swings"]:

@@ -112,9 +112,34 @@ def hard_scenes(long: bool = False) -> dict[str, tuple[dict[str, Any], tuple[str
 
 
 def random_case(seed: int) -> dict[str, Any]:
-    """Return a small scene drawn from a seed: contact, walls, discs, inflow, step; many of them are unreasonable."""
+    """Return a small scene drawn from a seed: contact, walls, discs, inflow, step; many of them are unreasonable.
+
+    Each part draws from the same generator in its turn, so that a seed means the same scene for ever.
+    """
     random = np.random.default_rng([20261121, seed])
     d, speed = random.choice((0.05, 0.2, 1.0)), random.choice((1.0, 5.0, 20.0))
+    contact = _random_contact(random, np.random.default_rng([20261123, seed]), speed)
+    width = d * random.uniform(6, 25)
+    kind = random.choice(["box", "planes", "channel"])
+    case: dict[str, Any] = {
+        "name": f"random_{seed}",
+        "contact": contact,
+        "domain": {"x": [-4 * d, width + 40 * d], "y": [-8 * d, width + 30 * d]},
+        "walls": _random_walls(random, kind, width, d),
+        "initial": _random_lattice(random, speed, d) if kind != "channel" or random.random() < 0.5 else [],
+        "gravity": random.choice((0.0, 9.81, 50.0)),
+        "discs": {"diameter": d, "density": random.choice((1.0, 1000.0))},
+    }
+    if kind == "channel":
+        depth, mean = d * random.uniform(0.8, 4.5), speed * random.uniform(0.2, 1.5)
+        case["inflow"] = {"kind": "rows", "x": 0, "y": 0, "depth": depth, "mean_speed": mean}
+        case["outflow"] = [{"x_beyond": width + 20 * d}]
+    case["run"] = _random_run(random, 2.0**0.5 / contact["largest_overlap"] * speed / d)
+    return plain(case)
+
+
+def _random_contact(random: np.random.Generator, springs: np.random.Generator, speed: float) -> dict[str, Any]:
+    """Contact for impacts of this speed (m/s); whether it has springs comes from a generator of its own."""
     contact = {
         "restitution": min(max(random.uniform(-0.1, 1.2), 0.01), 1.0),
         "friction": random.choice((0.0, 0.1, 0.6, 2.0)),
@@ -122,47 +147,45 @@ def random_case(seed: int) -> dict[str, Any]:
         "impact_speed": speed,
         "rotation": random.random() < 0.4,
     }
-    springs = np.random.default_rng([20261123, seed])
     if contact["friction"] and springs.random() < 0.3:
         contact["friction_law"] = "history"
         if contact["rotation"] and springs.random() < 0.5:
             contact["rolling"] = {"friction": springs.choice((0.05, 0.5))}
-    width = d * random.uniform(6, 25)
-    kind = random.choice(["box", "planes", "channel"])
-    walls = [{"name": "box", "kind": "box", "x": [0, width], "y": [0, width]}]
-    if kind != "box":
-        planes = [("floor", "y"), ("left", "x")] if kind == "planes" else [("floor", "y")]
-        walls = [{"name": name, "kind": "plane", "axis": axis, "at": 0, "side": "above"} for name, axis in planes]
-        step = [width * random.uniform(0.5, 0.8), width * random.uniform(0.85, 1.0)]
-        walls += [{"name": "step", "kind": "block", "x": step, "y": [-d, d * random.uniform(0.5, 6)]}]
-    initial = []
-    if kind != "channel" or random.random() < 0.5:
-        nx, ny = random.integers(1, 7, 2)
-        spacing = d * random.choice((0.9, 1.0, 1.05, 1.5), p=[0.1, 0.3, 0.3, 0.3])
-        fast = {i: random.normal(0, speed * random.choice([0.5, 3]), 2) for i in (1, 2)}
-        lattice = {"kind": "lattice", "nx": nx, "ny": ny, "spacing": spacing, "origin": [0.6 * d, 0.6 * d]}
-        initial = [
-            {**lattice, "jitter": random.choice((0, 0.02)), "velocities": {i: fast[i] for i in fast if i <= nx * ny}}
-        ]
-    case: dict[str, Any] = {
-        "name": f"random_{seed}",
-        "gravity": random.choice((0.0, 9.81, 50.0)),
-        "discs": {"diameter": d, "density": random.choice((1.0, 1000.0))},
-        "contact": contact,
-        "domain": {"x": [-4 * d, width + 40 * d], "y": [-8 * d, width + 30 * d]},
-        "walls": walls,
-        "initial": initial,
-    }
-    if kind == "channel":
-        depth, mean = d * random.uniform(0.8, 4.5), speed * random.uniform(0.2, 1.5)
-        case["inflow"] = {"kind": "rows", "x": 0, "y": 0, "depth": depth, "mean_speed": mean}
-        case["outflow"] = [{"x_beyond": width + 20 * d}]
+    return contact
+
+
+def _random_walls(random: np.random.Generator, kind: str, width: float, d: float) -> list[dict[str, Any]]:
+    """A box, or planes with a step on the floor."""
+    if kind == "box":
+        return [{"name": "box", "kind": "box", "x": [0, width], "y": [0, width]}]
+    planes = [("floor", "y"), ("left", "x")] if kind == "planes" else [("floor", "y")]
+    step = [width * random.uniform(0.5, 0.8), width * random.uniform(0.85, 1.0)]
+    return [
+        *({"name": name, "kind": "plane", "axis": axis, "at": 0, "side": "above"} for name, axis in planes),
+        {"name": "step", "kind": "block", "x": step, "y": [-d, d * random.uniform(0.5, 6)]},
+    ]
+
+
+def _random_lattice(random: np.random.Generator, speed: float, d: float) -> list[dict[str, Any]]:
+    """A few discs, two of which move; some of them overlap."""
+    nx, ny = random.integers(1, 7, 2)
+    spacing = d * random.choice((0.9, 1.0, 1.05, 1.5), p=[0.1, 0.3, 0.3, 0.3])
+    fast = {i: random.normal(0, speed * random.choice([0.5, 3]), 2) for i in (1, 2)}
+    lattice = {"kind": "lattice", "nx": nx, "ny": ny, "spacing": spacing, "origin": [0.6 * d, 0.6 * d]}
+    return [{**lattice, "jitter": random.choice((0, 0.02)), "velocities": {i: fast[i] for i in fast if i <= nx * ny}}]
+
+
+def _random_run(random: np.random.Generator, omega: float) -> dict[str, Any]:
+    """A few hundred steps of a contact of this frequency, rad/s."""
     fraction = random.choice((0.02, 0.05, 0.1, 0.2, 0.4), p=[0.1, 0.4, 0.3, 0.1, 0.1])
-    omega = 2.0**0.5 / contact["largest_overlap"] * speed / d
     duration = random.integers(300, 1500) * fraction * 2 / omega
-    case["run"] = {"duration": duration, "output_interval": duration / 5, "time_step_fraction": fraction,
-                   "seed": random.integers(1, 10**6), "allow_unstable": random.random() < 0.1}  # fmt: skip
-    return plain(case)
+    return {
+        "duration": duration,
+        "output_interval": duration / 5,
+        "time_step_fraction": fraction,
+        "seed": random.integers(1, 10**6),
+        "allow_unstable": random.random() < 0.1,
+    }
 
 
 def judge(case: dict[str, Any], engine: str) -> Outcome:
