@@ -51,12 +51,7 @@ LARGE_FILES: dict[str, int] = {}
 LONG_CALLS: dict[str, int] = {}
 """Functions over `MOST_PARAMETERS`, with their parameters today."""
 LONG_FUNCTIONS: dict[str, int] = {
-    "analysis/fields.py:compute_fields": 66,
-    "analysis/guess.py:from_dump": 66,
-    "lammps_jump/case/parts/rows.py:inlet_of": 51,
     "lammps_jump/case/to_scene.py:_scene": 80,
-    "lammps_jump/studies/fluid/page.py:text_of": 53,
-    "lammps_jump/studies/stress/scenes.py:random_case": 51,
 }
 """Functions over `LONGEST`, with their lines today."""
 LONG_COMPILED: dict[str, int] = {
