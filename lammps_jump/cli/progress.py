@@ -9,7 +9,7 @@ import sys
 import textwrap
 import time
 from collections.abc import Callable, Mapping, Sequence
-from math import isnan
+from math import floor, isnan, log10
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
@@ -77,7 +77,7 @@ class ProgressLine:
         if not seconds:
             return
         if report.doing:
-            self._show(1.0, f"t = {report.time:z.3f} of {self.end_time:zg} s  {report.doing}")
+            self._show(1.0, f"{self._clock_of(report)}  {report.doing}")
             return
         rate = (report.step - self.step) * report.discs / seconds
         self.step = report.step
@@ -87,10 +87,14 @@ class ProgressLine:
         threads = f"  {report.threads} threads" if report.threads > 1 else ""
         self._show(
             share,
-            f"t = {report.time:z.3f} of {self.end_time:zg} s  {100 * share:z3.0f} %  "
+            f"{self._clock_of(report)}  {100 * share:z3.0f} %  "
             f"{report.discs - self.fixed} discs  {rate / 1e6:z.1f} M disc-steps/s{threads}"
             f"{'' if left is None else f'  {_duration(left)} left'}",
         )
+
+    def _clock_of(self, report: Progress) -> str:
+        decimals = max(3, 3 - floor(log10(self.end_time)))  # a run of small discs lasts less than a millisecond
+        return f"t = {report.time:z.{decimals}f} of {self.end_time:zg} s"
 
     def _time_to_show(self, *, at_once: bool = False) -> float:
         """Seconds since the last picture or line; 0 where it is too early for another."""

@@ -86,6 +86,16 @@ def test_a_run_has_one_line_with_its_newest_numbers(terminal):
     assert terminal.sent.endswith("\x1b[?25h")  # the cursor is back
 
 
+def test_the_time_of_a_short_run_moves_on_the_screen(terminal):
+    seconds = iter(range(0, 100, 10))
+    line = ProgressLine(1.91616e-4, stream=terminal.stream, clock=lambda: next(seconds))
+    for step in (0, 30):
+        line(Progress(step=step, steps=60, time=step * 3.1936e-6, discs=1_000_000))
+    [row] = terminal.lines()
+    assert "t = 0.0000958 of 0.000191616 s   50 %" in row  # was 0.000
+    line.finish()
+
+
 def test_a_study_has_one_line(terminal):
     seconds = iter(range(0, 100, 10))
     line = StudyLine(stream=terminal.stream, clock=lambda: next(seconds))
