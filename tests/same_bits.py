@@ -22,6 +22,7 @@ from pathlib import Path
 import numpy as np
 
 from lammps_jump.case import load_case
+from lammps_jump.core.columns import PushedColumns, SumsOnWallColumns
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.engines.native.bound import Core
 
@@ -31,7 +32,7 @@ HASHED = (
     "ids", "x", "y", "vx", "vy", "fx", "fy", "ux", "uy", "omega", "torque", "uomega", "radius", "partner", "sigma",
     "spring", "roll",
 )  # fmt: skip
-PUSHED = [0, 1, 3, 4, 9, 10]
+PUSHED = [of.start + axis for of in (PushedColumns.PLACE, PushedColumns.SPEED, PushedColumns.FORCE) for axis in (0, 1)]
 """Columns of walls that discs push: places, velocities and forces along x and y."""
 ROUND_OFF = 1e-9
 """Of the ledger, over its throughput: 1,500 steps of sums in another order differ by some 1e-12."""
@@ -115,7 +116,7 @@ def digest(simulation) -> str:
         if array is not None:
             found.update(np.ascontiguousarray(array[: d.n] + 0).tobytes())
     walls = simulation.walls
-    found.update((walls.sums[:, :3] + 0).tobytes())
+    found.update((walls.sums[:, SumsOnWallColumns.FORCE] + 0).tobytes())
     if walls.moves is not None:
         found.update((walls.moves.pushed[:, PUSHED] + 0).tobytes())
     return found.hexdigest()[:16]

@@ -14,7 +14,7 @@
 
 namespace jump {
 // Of the interface; library.py has the same number. Raise both where a function or a struct changes.
-constexpr int64_t VERSION = 2;
+constexpr int64_t VERSION = 3;
 }    // namespace jump
 
 #endif

@@ -83,7 +83,7 @@ inline void add_to_wall(const jump_state &s, int64_t wall, const BodyContact &co
 {
   const double *const arm = contact.arm[sense < 0.0];
   const double fx = sense * out.fx, fy = sense * out.fy, dashpot = sense * out.dashpot, rub = sense * out.rub;
-  if (s.moving && s.moving[wall] > 0) {
+  if (s.moving && s.moving[wall] != STANDS) {
     WallTaken &taken = s.taken[wall];
     taken.all.add(fx, fy, arm[0], arm[1]);
     // the ledger has these as they act on discs
@@ -91,13 +91,10 @@ inline void add_to_wall(const jump_state &s, int64_t wall, const BodyContact &co
     taken.slid.add(rub * contact.at.ny, -rub * contact.at.nx, arm[0], arm[1]);
   }
   if (s.bulk[wall] > 0.0) return;    // a probe of a body is of discs alone
-  double *const sum = s.wall_sum[wall];
-  const bool moves = s.moving && s.moving[wall] > 0;
+  const bool moves = s.moving && s.moving[wall] != STANDS;
   const double x_ref = s.about[wall][0] + (moves ? s.placed[wall].now.x : 0.0);
   const double y_ref = s.about[wall][1] + (moves ? s.placed[wall].now.y : 0.0);
-  sum[0] += fx;
-  sum[1] += fy;
-  sum[2] += (contact.x - x_ref) * fy - (contact.y - y_ref) * fx;
+  s.wall_sum[wall].force.add(fx, fy, contact.x - x_ref, contact.y - y_ref);
 }
 
 /** Forces between bodies, and of bodies and walls, on `taken` and, of walls, `wall_sum`. */

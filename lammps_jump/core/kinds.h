@@ -181,7 +181,7 @@ inline Pair<double> pair_of(const jump_state &s, const Seen &seen, int64_t i, in
 struct WallView : WallInPlace {
   WallView(const jump_state &s, int64_t wall) : WallInPlace{{s.faces, s.deep[wall] == 1}, nullptr, 0.0, 0.0}
   {
-    if (!s.moving || s.moving[wall] == 0) return;
+    if (!s.moving || s.moving[wall] == STANDS) return;
     placed = s.placed + wall;
     cx = s.centre[wall][0];
     cy = s.centre[wall][1];

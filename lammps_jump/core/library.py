@@ -15,7 +15,9 @@ from lammps_jump.compiling.build import library_path
 from lammps_jump.compiling.product import Product
 from lammps_jump.errors import SetupError
 
-VERSION = 2
+from .columns import require_columns
+
+VERSION = 3
 """Of the interface, as in ``api.h``."""
 
 CORE = Product(
@@ -58,10 +60,12 @@ def _loaded() -> tuple[ctypes.CDLL | None, str]:
     try:
         library = ctypes.CDLL(str(library_path(CORE)))
         found = library.jump_core_version()
+        if found != VERSION:
+            return None, f"the core has version {found} of its interface, and {VERSION} is needed"
+        library.jump_columns.restype = ctypes.c_char_p
+        require_columns(library.jump_columns().decode())
     except (SetupError, OSError, AttributeError) as error:
         return None, str(error)
-    if found != VERSION:
-        return None, f"the core has version {found} of its interface, and {VERSION} is needed"
     return library, ""
 
 

@@ -12,11 +12,10 @@
 
 namespace jump {
 
-constexpr int TRACK_WORDS = 25;
-
-/** Kinds of moving walls. 1 follows a track; a lid and a body are pushed by what touches them; 3 goes at the speed that its
-    `Pushed` has: its mass is infinite. A body is felt with its mass, and by walls too (bodies.cpp). */
-constexpr int64_t LID = 2, BODY = 4;
+/** How a wall moves: it follows a track; a lid and a body are pushed by what touches them; a tailgate goes at the speed that
+    its `Pushed` has, as its mass is infinite. A body is felt with its mass, and by walls too (bodies.cpp). core/columns.py
+    has the same numbers. */
+enum WallMotion : int64_t { STANDS, FOLLOWS, LID, TAILGATE, BODY };
 
 /** Displacement (m) and turn (rad) of a wall from where the case has it, or their rates. */
 struct Pose {
@@ -57,6 +56,12 @@ struct WallTaken {
   Sum of_discs, all, lost, slid;
 };
 
+/** Sums over steps of what a wall feels, its moment about `about`: force of the discs, and its power on them. */
+struct SumsOnWall {
+  Sum force;
+  double power;
+};
+
 /** Where a wall is at a step. */
 struct Placed {
   Pose now;
@@ -82,7 +87,7 @@ struct Load {
   }
 };
 
-/** Whether such a wall is held, released at this step, or has moved. */
+/** Whether such a wall is held, released at this step, or has moved; core/columns.py has the same numbers. */
 enum Phase { IS_HELD, IS_RELEASED, HAS_MOVED };
 
 /** Of such a wall: displacement (m) and turn (rad), velocity of the half step and of the one before (m/s, rad/s), and force of
@@ -99,27 +104,43 @@ struct Clock {
   double time(double step) const { return (step - start) * dt; }
 };
 
+/** What the native engine knows of time: the step at the call, t = 0, half the skin (m), and 1 where contacts with bodies see
+    the extrapolated velocity. */
+struct StepClock {
+  double step, start, dt, half_skin, extrapolates;
+
+  Clock clock() const { return {start, dt}; }
+};
+
+/** A stretch of a track: its begin (s); coefficients of the pose in powers of the time since; amplitudes, rates (rad/s) and
+    phases of a wave, along x, along y and as a turn. */
+struct TrackRow {
+  double begin, x[5], y[5], angle[5], wave[3], rate[3], phase[3];
+};
+constexpr int TRACK_WORDS = sizeof(TrackRow) / sizeof(double);
+
 /** Pose at a time by the rows of a track; zero before the first. */
-inline Pose pose_at(const double (*track)[TRACK_WORDS], int64_t rows, double time)
+inline Pose pose_at(const TrackRow *track, int64_t rows, double time)
 {
   int64_t row = -1;
-  while (row + 1 < rows && track[row + 1][0] <= time) row++;
+  while (row + 1 < rows && track[row + 1].begin <= time) row++;
   Pose found = {0.0, 0.0, 0.0};
   if (row < 0) return found;
-  const double *const t = track[row], since = time - t[0];
+  const TrackRow &t = track[row];
+  const double since = time - t.begin;
   for (int power = 4; power >= 0; power--) {
-    found.x = found.x * since + t[1 + power];
-    found.y = found.y * since + t[6 + power];
-    found.angle = found.angle * since + t[11 + power];
+    found.x = found.x * since + t.x[power];
+    found.y = found.y * since + t.y[power];
+    found.angle = found.angle * since + t.angle[power];
   }
   double *const parts[] = {&found.x, &found.y, &found.angle};
   for (int k = 0; k < 3; k++)
-    if (t[19 + k] != 0.0) *parts[k] += std::sin(t[19 + k] * since + t[22 + k]) * t[16 + k];
+    if (t.rate[k] != 0.0) *parts[k] += std::sin(t.rate[k] * since + t.phase[k]) * t.wave[k];
   return found;
 }
 
 /** Place a wall that follows a track. */
-inline void follow(Placed &wall, const double (*track)[TRACK_WORDS], int64_t rows, double time, double dt)
+inline void follow(Placed &wall, const TrackRow *track, int64_t rows, double time, double dt)
 {
   const Pose before = pose_at(track, rows, time - dt), behind = pose_at(track, rows, time + dt);
   wall.now = pose_at(track, rows, time);

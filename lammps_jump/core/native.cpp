@@ -59,11 +59,12 @@ static double slope_now(const jump_state &s, Crew &crew)
 /** What forces of a step do on walls that move: their power on discs, and what is due to them in the ledger. */
 static void end_walls(const jump_state &s)
 {
-  const double dt = s.clock[2];
-  s.work[3] = s.work[4] = s.work[5] = 0.0;
+  const double dt = s.clock->dt;
+  WorkParts &of_walls = s.work->of_walls, &whole = s.work->whole;
+  of_walls = {0.0, 0.0, 0.0};
   for (int64_t wall = 0; wall < s.walls; wall++) {
     const int64_t kind = s.moving[wall];
-    if (kind == 0) continue;
+    if (kind == STANDS) continue;
     const WallTaken &taken = s.taken[wall];
     Pushed &pushed = s.pushed[wall];
     pushed.force[0] = taken.all.x;
@@ -71,12 +72,14 @@ static void end_walls(const jump_state &s)
     pushed.force[2] = taken.all.moment;
     if (kind >= LID) centre(s.placed[wall], pushed, s.load[wall], dt);
     const Pose &rate = s.placed[wall].centred;
-    s.wall_sum[wall][3] -= taken.of_discs.power(rate);
-    s.work[3] += dt * taken.lost.power(rate);
-    s.work[4] += dt * taken.slid.power(rate);
-    if (kind != LID && kind != BODY) s.work[5] -= dt * taken.all.power(rate);    // the energy of the others is part of the whole
+    s.wall_sum[wall].power -= taken.of_discs.power(rate);
+    of_walls.dashpots += dt * taken.lost.power(rate);
+    of_walls.friction += dt * taken.slid.power(rate);
+    if (kind != LID && kind != BODY) of_walls.walls -= dt * taken.all.power(rate);    // the energy of the others is part of the whole
   }
-  for (int c = 0; c < 3; c++) s.work[c] += s.work[3 + c];
+  whole.dashpots += of_walls.dashpots;
+  whole.friction += of_walls.friction;
+  whole.walls += of_walls.walls;
 }
 
 static void forces(const jump_state &s, Crew &crew)
@@ -109,25 +112,25 @@ static int64_t drift(const jump_state &s, Crew &crew)
     all.friction += taken.friction;
     all.turning += taken.turning;
   }
-  s.work[0] -= s.time_step * all.dashpots;
+  s.work->whole.dashpots -= s.time_step * all.dashpots;
   if (!s.slide_x) return moved;
-  s.work[1] -= s.time_step * all.friction;
-  if (s.omega) s.work[1] -= s.time_step * all.turning;
+  s.work->whole.friction -= s.time_step * all.friction;
+  if (s.omega) s.work->whole.friction -= s.time_step * all.turning;
   return moved;
 }
 
 /** Put the moving walls where they are at a step; true where one has gone over half the skin since it was listed. */
 static bool place_walls(const jump_state &s, double step)
 {
-  const Clock clock{s.clock[1], s.clock[2]};
+  const Clock clock = s.clock->clock();
   bool old = false;
   for (int64_t wall = 0; wall < s.walls; wall++) {
-    if (s.moving[wall] == 0) continue;
+    if (s.moving[wall] == STANDS) continue;
     const int64_t first = s.track_first[wall];
-    if (s.moving[wall] == 1)
+    if (s.moving[wall] == FOLLOWS)
       follow(s.placed[wall], s.track + first, s.track_first[wall + 1] - first, clock.time(step), clock.dt);
-    else follow(s.placed[wall], s.pushed[wall], s.load[wall], clock, step, s.clock[4] > 0.0 && s.moving[wall] == BODY);
-    old = old || !(travel(s.placed[wall].now, s.listed[wall], s.far[wall]) <= s.clock[3]);
+    else follow(s.placed[wall], s.pushed[wall], s.load[wall], clock, step, s.clock->extrapolates > 0.0 && s.moving[wall] == BODY);
+    old = old || !(travel(s.placed[wall].now, s.listed[wall], s.far[wall]) <= s.clock->half_skin);
   }
   return old;
 }
@@ -136,7 +139,7 @@ static bool place_walls(const jump_state &s, double step)
 static bool move_walls(const jump_state &s, double step)
 {
   for (int64_t wall = 0; wall < s.walls; wall++)
-    if (s.moving[wall] >= LID) drift(s.pushed[wall], s.load[wall], {s.clock[1], s.clock[2]}, step);
+    if (s.moving[wall] >= LID) drift(s.pushed[wall], s.load[wall], s.clock->clock(), step);
   return place_walls(s, step);
 }
 
@@ -163,7 +166,7 @@ static int64_t advance(jump_state &s, Crew &crew, int64_t steps, bool owed, bool
     old = drift(s, crew) > 0;
     done++;
     owed = true;
-    if (s.moving && move_walls(s, s.clock[0] + (double) done)) old = true;
+    if (s.moving && move_walls(s, s.clock->step + (double) done)) old = true;
     const int threads = crew.pace.threads();
     crew.pace.end_step(!whole);
     if (old || done == steps) return done;

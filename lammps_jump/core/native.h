@@ -41,6 +41,19 @@ struct Seen {
   const double *vx, *vy, *spin;
 };
 
+/** Work that dashpots and friction have taken, and that walls have done, J per m of width. */
+struct WorkParts {
+  double dashpots, friction, walls;
+};
+
+/** All of it since the start, and the last step's part that is due to walls. */
+struct Work {
+  WorkParts whole, of_walls;
+};
+
+/** What `StationLedger` of engines/native/ledger.py sums; it has the same numbers. */
+enum StationSum { MASS_LEFT, MASS_RIGHT, CARRIED, CONTACTS, WALLS, DASHPOTS, FRICTION, BEGAN, HELD };
+
 class Crew;
 
 }    // namespace jump
@@ -75,9 +88,9 @@ struct jump_state {
   const int32_t *near_discs;
   const int8_t *near_plain;
   const int64_t *near_last, *near_faces;
-  double (*wall_sum)[4];
+  jump::SumsOnWall *wall_sum;
   // moving walls; moving NULL: all stand
-  const double (*track)[jump::TRACK_WORDS];
+  const jump::TrackRow *track;
   const int64_t *track_first, *moving;
   const double (*centre)[2];
   jump::Placed *placed;
@@ -86,7 +99,7 @@ struct jump_state {
   const jump::Load *load;
   jump::Pushed *pushed;
   jump::WallTaken *taken;
-  const double *clock;
+  const jump::StepClock *clock;
   // law of two discs; its friction is NaN where nothing rubs
   double diameter;
   jump::LawNumbers pair;
@@ -100,7 +113,7 @@ struct jump_state {
   const double *around;
   int64_t *full;
   double memory_step;
-  double *work;    // ledger: work of dashpots, friction, walls, and the last step's part that is due to walls
+  jump::Work *work;    // ledger
   // bodies; corners NULL: there are none
   const double *bulk;             // of each wall: radius of a disc of its mass, m; 0 of a wall that is no body
   const jump_state *corners;      // corners as discs: the walls near them, and what they remember

@@ -126,8 +126,6 @@ static void list_contacts(const jump_state &s, const Law &law, const Seen &at_st
   });
 }
 
-enum Station { MASS_LEFT, MASS_RIGHT, CARRIED, CONTACTS, WALLS, DASHPOTS, FRICTION, BEGAN, HELD };
-
 /** Discs between the stations: what crossed, what they hold, and what forces on them do. */
 static void between_discs(const jump_state &s, const jump_stations &at, double *sums, double &push, double &lost, double &slid)
 {

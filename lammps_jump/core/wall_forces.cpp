@@ -89,11 +89,8 @@ void sum_walls(const jump_state &s, const std::vector<Part> &parts)
         slid += part.lost_at_walls[c].friction;
       }
     }
-    double *const sum = s.wall_sum[wall];
-    sum[0] += on_wall.x;
-    sum[1] += on_wall.y;
-    sum[2] += on_wall.moment;
-    if (s.moving && s.moving[wall] != 0) s.taken[wall] = {on_wall, on_wall, lost, slid};
+    s.wall_sum[wall].force += on_wall;
+    if (s.moving && s.moving[wall] != STANDS) s.taken[wall] = {on_wall, on_wall, lost, slid};
   }
 }
 

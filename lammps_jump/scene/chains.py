@@ -15,11 +15,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lammps_jump.core.columns import FaceKind, Joint
+
 Point = tuple[float, float]
 
-SEGMENT, ARC = 0, 1
+SEGMENT, ARC = (kind.value for kind in FaceKind)
 """Kinds of faces."""
-CONVEX, SMOOTH, CORNER, FREE, ENDLESS = range(5)
+CONVEX, SMOOTH, CORNER, FREE, ENDLESS = (joint.value for joint in Joint)
 """Kinds of joints: a turn away from the discs; one towards them, up to `SMOOTH_TURN`; beyond it; open; none."""
 SMOOTH_TURN = radians(5.0)
 """Largest turn towards the discs at which two faces push as one, rad. Smaller ones rock in a V, larger ones jump."""

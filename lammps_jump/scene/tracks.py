@@ -18,6 +18,7 @@ from typing import Annotated, ClassVar, Literal, NamedTuple, TypeVar
 import numpy as np
 from pydantic import ConfigDict, Discriminator, Field, Tag
 
+from lammps_jump.core.columns import TrackRowColumns
 from lammps_jump.units import Degree, DegreePerSecond, KilogramPerMetre, Metre, MetrePerSecond, NewtonPerMetre, Second
 
 Coordinate = Annotated[Metre, Field(ge=-1e6, le=1e6)]
@@ -35,10 +36,17 @@ MOST_ROWS = 20_000
 SAMPLES = 256
 """Times at which a whole way is looked at, besides those where the rows of its track begin."""
 
-BEGIN, X, Y, ANGLE, WAVE, RATE, PHASE = 0, 1, 6, 11, 16, 19, 22
-"""Columns of a track: time at which the row begins (s); coefficients of three polynomials of the time since, of degree
-0 to 4 (m, m, rad); amplitudes of three sines (m, m, rad), their angular frequencies (rad/s) and phases (rad)."""
-COLUMNS = 25
+BEGIN = TrackRowColumns.BEGIN
+X, Y, ANGLE, WAVE, RATE, PHASE = (
+    there.start
+    for there in (
+        TrackRowColumns.X, TrackRowColumns.Y, TrackRowColumns.ANGLE, TrackRowColumns.WAVE, TrackRowColumns.RATE,
+        TrackRowColumns.PHASE,
+    )
+)  # fmt: skip
+"""First columns of a track: time at which the row begins (s); coefficients of three polynomials of the time since, of
+degree 0 to 4 (m, m, rad); amplitudes of three sines (m, m, rad), their angular frequencies (rad/s) and phases (rad)."""
+COLUMNS = TrackRowColumns.width()
 
 
 class VelocityChange(NamedTuple):

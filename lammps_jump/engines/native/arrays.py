@@ -100,35 +100,30 @@ class Near(NamedTuple):
 
 
 class Moves(NamedTuple):
-    """Walls that move: their tracks, and where they are.
+    """Walls that move: their tracks, and where they are; columns are those of `lammps_jump.core.columns`.
 
     Attributes
     ----------
     track, first : ndarray
         Rows of wall w: ``track[first[w]:first[w + 1]]`` (`lammps_jump.scene.tracks`); none of a wall that stands.
     moving : ndarray of int64, shape (walls,)
-        0 stands, 1 follows its track, 2 is pushed by the discs, 3 goes at the speed that `pushed` has, 4 is a body.
+        A `WallMotion`.
     centre : ndarray, shape (walls, 2)
         Point of turning where the case has it, m.
     now : ndarray, shape (walls, 11)
-        Pose at the step (m, m, rad), cosine and sine of its angle, velocity over the step before and centred over two.
+        `PlacedColumns`.
     listed : ndarray, shape (walls, 3)
         Pose for which the discs near it were listed.
     far : ndarray, shape (walls,)
         Largest distance of a face from the centre, m.
     load : ndarray, shape (walls, 10)
-        Of pushed walls: mass (kg/m) and moment of inertia about the centre (kg m); constant force along x and y (N/m),
-        and the arm to it from the centre (m); 1 or 0 for freedom along x, along y and to turn; time of the release (s).
+        `LoadColumns`, of pushed walls.
     pushed : ndarray, shape (walls, 13)
-        Of pushed walls, of x, y and turn: displacement (m, rad), velocity of the half step and of the one before (m/s,
-        rad/s), force of what touches it at the step (N/m) with its moment about the centre (N); whether it is held (0),
-        released at this step (1) or has moved (2).
+        `PushedColumns`, of pushed walls.
     taken : ndarray, shape (walls, 12)
-        What a wall takes in a step, along x, along y and as a moment: force of the discs, all force, and what of that
-        dashpots and friction take.
+        `WallTakenColumns`.
     clock : ndarray, shape (5,)
-        Step at the call, step of t = 0, time step (s), half the skin (m), and 1 where contacts with bodies see the
-        extrapolated velocity.
+        `StepClockColumns`.
     """
 
     track: np.ndarray

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lammps_jump.core.columns import SumsOnWallColumns
 from lammps_jump.dump.side_files.bodies import Row
 from lammps_jump.physics.devices import Holding, gate_areas, gate_sees, gate_speed
 from lammps_jump.scene.motion import Pose
@@ -255,7 +256,9 @@ class Windows:
         for name in self.probes:
             mean = self.sums.get(name, np.zeros(4)) / (step - self.begin)
             self.forces.append((step, name, *(float(v) for v in mean[: self._columns])))
-        self.see_bodies(step, walls, {name: self.sums[name][:3] / (step - self.begin) for name in self._bodies})
+        self.see_bodies(
+            step, walls, {name: self.sums[name][SumsOnWallColumns.FORCE] / (step - self.begin) for name in self._bodies}
+        )
         self.sums, self.begin = {}, step
 
     def see_bodies(self, step: int, walls: Walls, forces: Mapping[str, np.ndarray]) -> None:

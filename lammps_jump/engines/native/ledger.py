@@ -8,6 +8,7 @@ from math import inf
 
 import numpy as np
 
+from lammps_jump.core.columns import StationSum, WorkColumns
 from lammps_jump.scene.scene import Scene
 
 from .arrays import Loops, State, StationStep
@@ -124,7 +125,7 @@ def half_work(scene: Scene, discs: DiscArrays, work: np.ndarray) -> np.ndarray:
         if discs.omega is not None:
             turn = discs.omega[:n] + 0.5 * half_turn * discs.torque[:n]
             slid += float(discs.torque[:n] @ turn)
-    return -0.5 * scene.time_step * np.array([lost, slid, 0.0]) - 0.5 * work[3:]
+    return -0.5 * scene.time_step * np.array([lost, slid, 0.0]) - 0.5 * work[WorkColumns.OF_WALLS]
 
 
 class Books:
@@ -147,13 +148,13 @@ class Books:
     start : EnergyNow
     start_work, work : ndarray, shape (3,) and (6,)
         `half_work` at the start; what dashpots and friction have taken in whole kicks since, what moving walls have
-        done, and the last step's part that is due to walls (`loops.advance`).
+        done, and the last step's part that is due to walls (`WorkColumns`).
     exchanged : dict
         Energy that came, went, and was released by gates.
     """
 
     def __init__(self, *, periodic: bool = False) -> None:
-        self.start, self.start_work, self.work = EnergyNow(0.0, 0.0, 0.0), np.zeros(3), np.zeros(6)
+        self.start, self.start_work, self.work = EnergyNow(0.0, 0.0, 0.0), np.zeros(3), np.zeros(WorkColumns.width())
         self.start_fallen = 0.0
         self.exchanged = {"brought_in": 0.0, "carried_out": 0.0, "released_by_gates": 0.0}
         if periodic:
@@ -167,7 +168,8 @@ class Books:
         `fallen` is the work of weight along a periodic channel (the function of that name); `exchanged` holds that on
         discs which went round.
         """
-        start, (dashpots, friction, walls) = self.start, map(float, self.work[:3] + half - self.start_work)
+        start, done = self.start, self.work[WorkColumns.WHOLE] + half - self.start_work
+        dashpots, friction, walls = map(float, done)
         fallen -= self.start_fallen
         height = now.gravitational + fallen
         found = {
@@ -192,7 +194,7 @@ class Books:
         return found
 
 
-MASS_LEFT, MASS_RIGHT, CARRIED, CONTACTS, WALLS, DASHPOTS, FRICTION, BEGAN, HELD = range(9)
+MASS_LEFT, MASS_RIGHT, CARRIED, CONTACTS, WALLS, DASHPOTS, FRICTION, BEGAN, HELD = StationSum
 """Sums of a `StationLedger`: mass through the stations along x (kg/m); energies (J/m), those carried and handed on in
 less out."""
 

@@ -19,6 +19,7 @@ from time import perf_counter
 
 import numpy as np
 
+from lammps_jump.core.columns import SumsOnWallColumns, WorkColumns
 from lammps_jump.errors import CaseError, RunError
 from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.scene.motion import PUSHED_THERE
@@ -165,9 +166,10 @@ class NativeSimulation:
         self._start_half_step_back()
         if earlier is not None:
             d.keep_bits(self.scene, earlier)
-        self.windows.see_bodies(self.step, self.walls, dict(zip(self.walls.names, self.walls.sums[:, :3], strict=True)))
+        forces = self.walls.sums[:, SumsOnWallColumns.FORCE]
+        self.windows.see_bodies(self.step, self.walls, dict(zip(self.walls.names, forces, strict=True)))
         self.walls.sums[:] = 0.0
-        self.books.start, self.books.start_work = self.energy(), self.books.work[:3] + self._half_work()
+        self.books.start, self.books.start_work = self.energy(), self.books.work[WorkColumns.WHOLE] + self._half_work()
         self.books.start_fallen = fallen(self.scene, self.discs)
         self._after.happen(self.step)
 

@@ -3,13 +3,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from math import inf
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lammps_jump.core.columns import (
+    LoadColumns,
+    Phase,
+    PlacedColumns,
+    PushedColumns,
+    StepClockColumns,
+    SumsOnWallColumns,
+    WallMotion,
+    WallTakenColumns,
+)
 from lammps_jump.scene.bodies.meeting import law_at
 from lammps_jump.scene.chains import BEFORE, LENGTH, Faces, boxes, lay
 from lammps_jump.scene.faces import MOST
@@ -20,20 +30,27 @@ from lammps_jump.scene.scene import Scene
 from .arrays import BodyState, Constants, Loops, Memory, Moves, Near
 from .bodies.corners import Bodies
 
-FOLLOWS, LID, HELD, BODY = 1, 2, 3, 4
-"""How a wall moves: along its track, pushed by the discs, at a speed that is set from time to time, or as a body
-(`Moves.moving`). The third is a lid of infinite mass."""
-IS_HELD, IS_RELEASED, HAS_MOVED = range(3)
-"""Of a pushed wall, the last column of `Moves.pushed`."""
+UPWARDS = 1
+"""The axis along which a tailgate goes."""
 
 
-def _way_of(motion: Motion) -> int:
-    """Number of how a wall moves; 0: it stands."""
+def _way_of(motion: Motion) -> WallMotion:
+    """How a wall moves."""
     if motion.kind is None:
-        return 0
+        return WallMotion.STANDS
     if motion.holding:
-        return HELD
-    return LID if motion.load else BODY if motion.free else FOLLOWS
+        return WallMotion.TAILGATE
+    return WallMotion.LID if motion.load else WallMotion.BODY if motion.free else WallMotion.FOLLOWS
+
+
+def _load(
+    mass: float, inertia: float, force: Sequence[float], arm: Sequence[float], free: Sequence[float], begin: float
+) -> np.ndarray:
+    """A row of `Moves.load`."""
+    row = np.empty(LoadColumns.width())
+    row[LoadColumns.MASS], row[LoadColumns.INERTIA], row[LoadColumns.BEGIN] = mass, inertia, begin
+    row[LoadColumns.FORCE], row[LoadColumns.ARM], row[LoadColumns.FREE] = force, arm, free
+    return row
 
 
 def _moves(walls: list[MovingWall], faces: Faces, scene: Scene, skin: float) -> Moves:
@@ -41,24 +58,29 @@ def _moves(walls: list[MovingWall], faces: Faces, scene: Scene, skin: float) -> 
     count = len(walls)
     track = [one.motion.track for one in walls]
     moving = [_way_of(one.motion) for one in walls]
-    rows, pushed = np.zeros((count, 10)), np.zeros((count, 13))
+    rows, pushed = np.zeros((count, LoadColumns.width())), np.zeros((count, PushedColumns.width()))
     for row, state, (_, motion) in zip(rows, pushed, walls, strict=True):
         if load := motion.load:
             axes = load.axis != "y", load.axis != "x", False
-            row[:] = load.mass, load.mass, *load.force, 0.0, 0.0, *axes, load.begin
+            row[:] = _load(load.mass, load.mass, load.force, (0.0, 0.0), axes, load.begin)
         elif free := motion.free:
-            row[:] = free.mass, free.inertia_there, *free.weight, *free.arm, *free.freedom, free.begin
-            state[3:6] = state[6:9] = np.multiply((*free.velocity, free.spin), free.freedom)
+            row[:] = _load(free.mass, free.inertia_there, free.weight, free.arm, free.freedom, free.begin)
+            velocity = np.multiply((*free.velocity, free.spin), free.freedom)
+            state[PushedColumns.SPEED] = state[PushedColumns.BEFORE] = velocity
         elif motion.holding:
-            row[:] = inf, inf, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, scene.time(motion.holding.first)
+            begin = scene.time(motion.holding.first)
+            row[:] = _load(inf, inf, (0.0, 0.0), (0.0, 0.0), (0.0, 1.0, 0.0), begin)
     centre = np.array([one.motion.about for one in walls], float).reshape(-1, 2)
     extrapolated = scene.integrator == "leapfrog_extrapolated"
-    clock = np.array([0.0, scene.settle_steps, scene.time_step, 0.5 * skin, extrapolated])
+    clock, now = np.zeros(StepClockColumns.width()), np.zeros((count, PlacedColumns.width()))
+    clock[StepClockColumns.START], clock[StepClockColumns.DT] = scene.settle_steps, scene.time_step
+    clock[StepClockColumns.HALF_SKIN], clock[StepClockColumns.EXTRAPOLATES] = 0.5 * skin, extrapolated
+    now[:, PlacedColumns.C] = 1.0
     return Moves(
         np.concatenate(track), np.cumsum([0, *map(len, track)]), np.array(moving), centre,
-        np.zeros((count, 11)) + np.eye(11)[3], np.zeros((count, 3)),
+        now, np.zeros((count, 3)),
         np.array([_far(faces, wall, *centre[wall]) for wall in range(count)]), rows, pushed,
-        np.zeros((count, 12)), clock,
+        np.zeros((count, WallTakenColumns.width())), clock,
     )  # fmt: skip
 
 
@@ -120,7 +142,7 @@ class Walls:
         As in `Memory`.
     bodies : Bodies or None
     sums : ndarray, shape (walls, 4)
-        Force on each wall (N per m of width), moment (N) and power on the discs (W/m), summed over steps.
+        `SumsOnWallColumns`, per m of width.
     """
 
     def __init__(self, scene: Scene, loops: Loops, step: int, skin: float):
@@ -133,7 +155,7 @@ class Walls:
         # from where the discs were when their list was made, they have moved by half a skin at most; and so has a wall
         reach = 0.5 * scene.largest + (0.5 if self.moves is None else 1.0) * skin
         self._grid: FaceGrid = grid_of(self.faces, scene.largest, reach, loops.mark_cells)
-        self.sums = np.zeros((len(walls), 4))
+        self.sums = np.zeros((len(walls), SumsOnWallColumns.width()))
         about = [one.motion.about if one.motion.kind else one.wall.moment_point for one in there]
         rows, last = np.zeros(len(walls) + 1, np.int64), np.zeros(1, np.int64)
         self.near = Near(
@@ -154,12 +176,12 @@ class Walls:
             row[:] = before.moves.pushed[before.names.index(name)]
         if self.bodies is not None and before.bodies is not None:
             self.bodies.go_on(before.bodies)
-        self.place(int(before.moves.clock[0]))
+        self.place(int(before.moves.clock[StepClockColumns.STEP]))
 
     def place(self, step: int) -> None:
         """Put the walls where they are at a step."""
         if self.moves is not None:
-            self.moves.clock[0] = step
+            self.moves.clock[StepClockColumns.STEP] = step
             self._loops.place_walls(self.moves, step)
 
     def poses(self) -> dict[str, Pose]:
@@ -167,13 +189,16 @@ class Walls:
         if self.moves is None:
             return {}
         walls = zip(self.names, self.moves.moving, self.moves.pushed, strict=True)
-        return {name: Pose(*row[:3].tolist()) for name, moving, row in walls if moving >= LID}
+        return {
+            name: Pose(*row[PushedColumns.PLACE].tolist()) for name, moving, row in walls if moving >= WallMotion.LID
+        }
 
     def centre_of(self, wall: int) -> tuple[float, float]:
         """Centre of mass of a body, m."""
         assert self.moves is not None  # a body moves
-        x, y, c, s = self.moves.now[wall, [0, 1, 3, 4]].tolist()
-        arm, about = self.moves.load[wall, 4:6].tolist(), self.moves.centre[wall].tolist()
+        now = self.moves.now[wall]
+        (x, y, _), c, s = now[PlacedColumns.NOW].tolist(), float(now[PlacedColumns.C]), float(now[PlacedColumns.S])
+        arm, about = self.moves.load[wall, LoadColumns.ARM].tolist(), self.moves.centre[wall].tolist()
         return about[0] + x + c * arm[0] - s * arm[1], about[1] + y + s * arm[0] + c * arm[1]
 
     def body_rows(self, forces: Mapping[str, np.ndarray]) -> Iterator[tuple[str, tuple[float, ...]]]:
@@ -181,11 +206,12 @@ class Walls:
         if self.bodies is None or self.moves is None:
             return
         for wall in self.bodies.numbers:
-            name, now = self.names[wall], self.moves.now[wall].tolist()
+            name, now = self.names[wall], self.moves.now[wall]
+            here_x, here_y, angle = now[PlacedColumns.NOW].tolist()
             x, y = self.centre_of(wall)
-            ax, ay = x - self.moves.centre[wall, 0] - now[0], y - self.moves.centre[wall, 1] - now[1]
-            vx, vy, spin = now[8:]
-            yield name, (x, y, now[2], vx - spin * float(ay), vy + spin * float(ax), spin, *forces[name].tolist())
+            ax, ay = x - self.moves.centre[wall, 0] - here_x, y - self.moves.centre[wall, 1] - here_y
+            vx, vy, spin = now[PlacedColumns.CENTRED].tolist()
+            yield name, (x, y, angle, vx - spin * float(ay), vy + spin * float(ax), spin, *forces[name].tolist())
 
     def body_state(self, constants: Constants, memory: Memory | None) -> BodyState | None:
         """Bodies as the loops take them; None where there are none."""
@@ -200,7 +226,7 @@ class Walls:
         if self.moves is None:
             return
         for name, speed in speeds.items():
-            self.moves.pushed[self.names.index(name), 4] = speed
+            self.moves.pushed[self.names.index(name), PushedColumns.SPEED][UPWARDS] = speed
 
     def trouble_at_seam(self, scene: Scene) -> str:
         """What is wrong with a wall that discs have pushed to the seam of a periodic channel; empty for nothing.
@@ -209,7 +235,8 @@ class Walls:
         """
         if scene.period is None:
             return ""
-        margin = max(scene.largest, 0.5 * scene.largest + (0.0 if self.moves is None else float(self.moves.clock[3])))
+        half_skin = 0.0 if self.moves is None else float(self.moves.clock[StepClockColumns.HALF_SKIN])
+        margin = max(scene.largest, 0.5 * scene.largest + half_skin)
         for name, pose in self.poses().items():
             low, high = scene.wall(name).extent[0]
             if wrong := at_seam(name, (low + pose.x, high + pose.x), scene.domain[0], margin):
@@ -224,18 +251,20 @@ class Walls:
         kinetic = place = 0.0
         if self.moves is None:
             return kinetic, place
-        dt, now = self.moves.clock[2], self.moves.now
+        dt, now = self.moves.clock[StepClockColumns.DT], self.moves.now
         for wall, (row, load) in enumerate(zip(self.moves.pushed, self.moves.load, strict=True)):
-            if self.moves.moving[wall] not in (LID, BODY):
+            if self.moves.moving[wall] not in (WallMotion.LID, WallMotion.BODY):
                 continue
-            (mass, inertia), force, arm, free = load[:2], load[2:4], load[4:6], load[6:9]
-            c, s = now[wall, 3:5]
+            mass, inertia, force = load[LoadColumns.MASS], load[LoadColumns.INERTIA], load[LoadColumns.FORCE]
+            arm, free = load[LoadColumns.ARM], load[LoadColumns.FREE]
+            c, s = now[wall, PlacedColumns.C], now[wall, PlacedColumns.S]
             turned = np.array([c * arm[0] - s * arm[1], s * arm[0] + c * arm[1]])
             moment = turned[0] * force[1] - turned[1] * force[0]
             resist = np.array([mass, mass, inertia])
-            half = 0.5 * dt * (row[9:12] + np.array([*force, moment])) / resist if row[12] == HAS_MOVED else 0.0
-            kinetic += 0.5 * float((free * resist) @ (row[3:6] + half) ** 2)
-            place -= float(force @ (free[:2] * row[:2] + turned - arm))
+            whole = row[PushedColumns.FORCE] + np.array([*force, moment])
+            half = 0.5 * dt * whole / resist if row[PushedColumns.PHASE] == Phase.HAS_MOVED else 0.0
+            kinetic += 0.5 * float((free * resist) @ (row[PushedColumns.SPEED] + half) ** 2)
+            place -= float(force @ (free[:2] * row[PushedColumns.PLACE][:2] + turned - arm))
         return kinetic, place
 
     def _inward(self, wall: int, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -243,9 +272,10 @@ class Walls:
         if self.moves is None or not self.moves.moving[wall]:
             return x, y
         (cx, cy), now = self.moves.centre[wall], self.moves.now[wall]
-        self.moves.listed[wall] = now[:3]
-        dx, dy = x - cx - now[0], y - cy - now[1]
-        return cx + now[3] * dx + now[4] * dy, cy - now[4] * dx + now[3] * dy
+        here_x, here_y, _ = self.moves.listed[wall] = now[PlacedColumns.NOW]
+        c, s = now[PlacedColumns.C], now[PlacedColumns.S]
+        dx, dy = x - cx - here_x, y - cy - here_y
+        return cx + c * dx + s * dy, cy - s * dx + c * dy
 
     def list_discs(self, n: int, x: np.ndarray, y: np.ndarray) -> None:
         """List the discs near each wall, and the corners of bodies; `x` and `y` (m) are of the first n discs."""
@@ -262,7 +292,8 @@ class Walls:
         own, (x, y) = bodies.corner["wall"], (bodies.corner["x"], bodies.corner["y"])
         (cx, cy), now = moves.centre[own].T, moves.now[own].T
         dx, dy = x - cx, y - cy
-        places = cx + now[0] + now[3] * dx - now[4] * dy, cy + now[1] + now[4] * dx + now[3] * dy
+        (here_x, here_y, _), c, s = now[PlacedColumns.NOW], now[PlacedColumns.C], now[PlacedColumns.S]
+        places = cx + here_x + c * dx - s * dy, cy + here_y + s * dx + c * dy
         bodies.near = _list_near(
             bodies.loops, self.faces, bodies.grid, bodies.near,
             lambda wall: (bodies.discs.n, *self._inward(wall, *bodies.seen_from(wall, *places))),

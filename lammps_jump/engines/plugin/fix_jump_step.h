@@ -92,7 +92,7 @@ class FixJumpStep : public Fix {
     bool moves = false, is_lid = false, is_body = false;
     double cx = 0.0, cy = 0.0;    // point of turning where the case has it, m
     double start = 0.0;           // step of t = 0
-    std::vector<std::array<double, jump::TRACK_WORDS>> track;
+    std::vector<jump::TrackRow> track;
     jump::Load load{};
     double bulk = 0.0;            // of a body: radius of a disc of its mass, m
     jump::Pushed pushed{};        // by the discs of all ranks

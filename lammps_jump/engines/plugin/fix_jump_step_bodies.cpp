@@ -112,7 +112,7 @@ void FixJumpStep::prepare_bodies()
     }
     b.first.push_back(first);
     b.deep.push_back(wall.deep);
-    b.moving.push_back(motion.is_body ? jump::BODY : motion.is_lid ? jump::LID : motion.moves ? 1 : 0);
+    b.moving.push_back(motion.is_body ? jump::BODY : motion.is_lid ? jump::LID : motion.moves ? jump::FOLLOWS : jump::STANDS);
     for (const double chain : wall.chain) b.chain.push_back((int64_t) chain);
     b.around.insert(b.around.end(), wall.around.begin(), wall.around.end());
     b.bulk.push_back(motion.bulk);
@@ -185,9 +185,13 @@ void FixJumpStep::push_bodies()
   jump::push_bodies(s, jump::sign_slope(pair->largest_speed));
   if (pair->springs && pair->slots.grows) b.end_contacts();
   require_sound_bodies();
-  for (size_t w = 0; w < walls.size(); w++)
-    if (walls[w].probe >= 0 && comm->me == 0)    // the sums of ranks are added later
-      for (int c = 0; c < 3; c++) window[columns * walls[w].probe + c] += b.sums[w][c];
+  for (size_t w = 0; w < walls.size(); w++) {
+    if (walls[w].probe < 0 || comm->me != 0) continue;    // the sums of ranks are added later
+    double *const row = window.data() + columns * walls[w].probe;
+    row[0] += b.sums[w].force.x;
+    row[1] += b.sums[w].force.y;
+    row[2] += b.sums[w].force.moment;
+  }
 }
 
 /** End the run where bodies lie in something, or have left the domain. */

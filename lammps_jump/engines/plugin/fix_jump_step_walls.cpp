@@ -88,8 +88,8 @@ int FixJumpStep::add_motion(Wall &wall, int a, int narg, char **arg) const
     error->all(FLERR, "fix jump/step: move of wall '{}' needs {} numbers for each of {} rows", wall.name,
                jump::TRACK_WORDS, n);
   motion.track.resize(n);
-  for (auto &row : motion.track)
-    for (double &number : row) number = next();
+  double *const numbers = reinterpret_cast<double *>(motion.track.data());
+  for (int k = 0; k < n * jump::TRACK_WORDS; k++) numbers[k] = next();
   wall.far = far_of(wall);
   return a;
 }
@@ -158,9 +158,8 @@ void FixJumpStep::place_walls()
     auto &motion = wall.motion;
     if (!motion.moves) continue;
     const jump::Clock clock{motion.start, update->dt};
-    const auto *const track = reinterpret_cast<const double(*)[jump::TRACK_WORDS]>(motion.track.data());
     if (motion.is_lid) jump::follow(motion.placed, motion.pushed, motion.load, clock, (double) update->ntimestep, false);
-    else jump::follow(motion.placed, track, (int64_t) motion.track.size(), clock.time((double) update->ntimestep), update->dt);
+    else jump::follow(motion.placed, motion.track.data(), (int64_t) motion.track.size(), clock.time((double) update->ntimestep), update->dt);
     if (motion.is_lid && domain->xperiodic) require_off_seam(wall);
   }
 }

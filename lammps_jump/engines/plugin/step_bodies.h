@@ -38,7 +38,7 @@ struct StepBodies {
   std::vector<Load> load;
   std::vector<Pushed> pushed;
   std::vector<WallTaken> taken;
-  std::vector<std::array<double, 4>> sums;
+  std::vector<SumsOnWall> sums;
   std::vector<Sum> window;    // force of discs on each wall since the last row
   int64_t window_steps = 0;
 
@@ -113,7 +113,7 @@ struct StepBodies {
     c.deep = s.deep = deep.data();
     s.about = reinterpret_cast<const double(*)[2]>(about.data());
     s.centre = reinterpret_cast<const double(*)[2]>(centre.data());
-    s.wall_sum = reinterpret_cast<double(*)[4]>(sums.data());
+    s.wall_sum = sums.data();
     s.moving = moving.data();
     s.placed = placed.data(), s.load = load.data(), s.pushed = pushed.data(), s.taken = taken.data();
     s.bulk = bulk.data();

@@ -9,13 +9,22 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lammps_jump.core.columns import (
+    LoadColumns,
+    Phase,
+    PlacedColumns,
+    PushedColumns,
+    SumsOnWallColumns,
+    WallMotion,
+    WallTakenColumns,
+)
 from lammps_jump.core.law import LawNumbers
 from lammps_jump.engines.native.arrays import State
 from lammps_jump.physics.law import contact_energy, contact_force, pressing
 from lammps_jump.scene.faces import foot_at, touching
 
 from . import contact
-from .pushed import HELD, Vector, wrench
+from .pushed import Vector, wrench
 
 
 class Touch(NamedTuple):
@@ -55,22 +64,24 @@ def _shown(state: State, wall: int, x: float, y: float) -> tuple[float, float]:
         return x, y
     cx, cy = moves.centre[wall]
     dx, dy = contact.outward(moves, wall, x - cx, y - cy)
-    return cx + moves.now[wall, 0] + dx, cy + moves.now[wall, 1] + dy
+    here_x, here_y, _ = moves.now[wall, PlacedColumns.NOW]
+    return cx + here_x + dx, cy + here_y + dy
 
 
 def _about(state: State, wall: int) -> np.ndarray:
     """Point of turning of a wall, where it is, m."""
     moves = state.walls.moves
-    return moves.centre[wall] + moves.now[wall, :2]
+    return moves.centre[wall] + moves.now[wall, PlacedColumns.NOW][:2]
 
 
 def _yields(state: State, wall: int, point: Vector, normal: Vector) -> float:
     """What a wall gives way to a force of 1 N at a point along a normal, 1/kg."""
     moves = state.walls.moves
-    if moves.moving[wall] < 2 or moves.pushed[wall, 12] == HELD:
+    if moves.moving[wall] < WallMotion.LID or moves.pushed[wall, PushedColumns.PHASE] == Phase.IS_HELD:
         return 0.0
     turn = wrench(normal, point, _about(state, wall))[2]
-    (mass, inertia), free = moves.load[wall, :2], moves.load[wall, 6:9]
+    load = moves.load[wall]
+    mass, inertia, free = load[LoadColumns.MASS], load[LoadColumns.INERTIA], load[LoadColumns.FREE]
     return (free[0] * normal[0] ** 2 + free[1] * normal[1] ** 2) / mass + free[2] * turn**2 / inertia
 
 
@@ -113,7 +124,7 @@ def _turned_back(state: State, wall: int, dx: float, dy: float) -> tuple[float, 
     moves = state.walls.moves
     if not contact.is_moving(moves, wall):
         return dx, dy
-    c, s = moves.now[wall, 3:5]
+    c, s = moves.now[wall, PlacedColumns.C], moves.now[wall, PlacedColumns.S]
     return c * dx + s * dy, c * dy - s * dx
 
 
@@ -126,7 +137,8 @@ def forces(state: State, slope: float | None) -> None:
         *numbers, lag = own.between[found.walls].tolist()
         radius, size, law = float(own.corner["radius"][found.corner]), sqrt(found.mass), LawNumbers(*numbers)
         of = law._replace(damping=max(law.damping * size - lag, 0.0), tangential=law.tangential * size)
-        (ax, ay), (bx, by) = (contact.wall_velocity(state.walls.moves, wall, 5, *found.point) for wall in found.walls)
+        rate, moves = PlacedColumns.RATE, state.walls.moves
+        (ax, ay), (bx, by) = (contact.wall_velocity(moves, wall, rate, *found.point) for wall in found.walls)
         slip, (nx, ny) = (ax - bx, ay - by), found.normal
         plain = of if memory is None else of._replace(friction=nan)
         fx, fy, rub, dashpot = contact_force(found.overlap, found.normal, slip, 0.0, plain, slope)
@@ -149,10 +161,12 @@ def _add(state: State, wall: int, point: Vector, parts: Sequence[np.ndarray]) ->
     walls, moves = state.walls, state.walls.moves
     moving = contact.is_moving(moves, wall)
     if moving:
-        moves.taken[wall, 3:] += np.concatenate([wrench(part, point, _about(state, wall)) for part in parts])
+        columns = WallTakenColumns.ALL, WallTakenColumns.LOST, WallTakenColumns.SLID
+        for there, part in zip(columns, parts, strict=True):
+            moves.taken[wall, there] += wrench(part, point, _about(state, wall))
     if not contact.is_body(state, wall):
-        about = walls.near.about[wall] + (moves.now[wall, :2] if moving else 0.0)
-        walls.sums[wall, :3] += wrench(parts[0], point, about)
+        about = walls.near.about[wall] + (moves.now[wall, PlacedColumns.NOW][:2] if moving else 0.0)
+        walls.sums[wall, SumsOnWallColumns.FORCE] += wrench(parts[0], point, about)
 
 
 def elastic(state: State) -> float:

@@ -12,6 +12,7 @@ from typing import NamedTuple, TypeGuard
 
 import numpy as np
 
+from lammps_jump.core.columns import PlacedColumns, StepClockColumns, WallMotion
 from lammps_jump.core.law import LawNumbers
 from lammps_jump.engines.native.arrays import Memory, Moves, Seen, State
 from lammps_jump.physics.law import Pair, contact_force, pressing, slider
@@ -200,44 +201,46 @@ def inward(moves: Moves | None, wall: int, x: float, y: float) -> tuple[float, f
     if not is_moving(moves, wall):
         return x, y
     now, (cx, cy) = moves.now[wall], moves.centre[wall]
-    dx, dy = x - cx - now[0], y - cy - now[1]
-    return cx + now[3] * dx + now[4] * dy, cy - now[4] * dx + now[3] * dy
+    (here_x, here_y, _), c, s = now[PlacedColumns.NOW], now[PlacedColumns.C], now[PlacedColumns.S]
+    dx, dy = x - cx - here_x, y - cy - here_y
+    return cx + c * dx + s * dy, cy - s * dx + c * dy
 
 
 def outward(moves: Moves | None, wall: int, nx: float, ny: float) -> tuple[float, float]:
     """A direction of the frame in which a wall stands as it is."""
     if not is_moving(moves, wall):
         return nx, ny
-    c, s = moves.now[wall, 3:5]
+    c, s = moves.now[wall, PlacedColumns.C], moves.now[wall, PlacedColumns.S]
     return c * nx - s * ny, s * nx + c * ny
 
 
-def wall_velocity(moves: Moves | None, wall: int, column: int, x: float, y: float) -> tuple[float, float]:
-    """Velocity of a wall at a point: over the step before (column 5 of `Moves.now`), or centred over two (8)."""
+def wall_velocity(moves: Moves | None, wall: int, columns: slice, x: float, y: float) -> tuple[float, float]:
+    """Velocity of a wall at a point, of one of its rates in `PlacedColumns`."""
     if not is_moving(moves, wall):
         return 0.0, 0.0
     now, (cx, cy) = moves.now[wall], moves.centre[wall]
-    turn = now[column + 2]
-    return now[column] - turn * (y - cy - now[1]), now[column + 1] + turn * (x - cx - now[0])
+    (here_x, here_y, _), (vx, vy, turn) = now[PlacedColumns.NOW], now[columns]
+    return vx - turn * (y - cy - here_y), vy + turn * (x - cx - here_x)
 
 
 def place_walls(moves: Moves, step: int) -> bool:
     """Put the moving walls where they are at a step; True where one has gone over half the skin since it was listed."""
     old = False
-    start, dt, half_skin, _ = moves.clock[1:]
+    start, dt = moves.clock[StepClockColumns.START], moves.clock[StepClockColumns.DT]
+    half_skin = moves.clock[StepClockColumns.HALF_SKIN]
     for wall, now in enumerate(moves.now):
-        if moves.moving[wall] == 0:
+        if moves.moving[wall] == WallMotion.STANDS:
             continue
-        if moves.moving[wall] == 1:
+        if moves.moving[wall] == WallMotion.FOLLOWS:
             (first, last), time = moves.first[wall : wall + 2], (step - start) * dt
             before, here, behind = (pose_py(moves.track, first, last, time + later) for later in (-dt, 0.0, dt))
-            now[:3] = here
-            now[3:5] = cos(here[2]), sin(here[2])
-            now[5:8] = [(b - a) / dt for a, b in zip(before, here, strict=True)]
-            now[8:11] = [0.5 * (b - a) / dt for a, b in zip(before, behind, strict=True)]
+            now[PlacedColumns.NOW] = here
+            now[PlacedColumns.C], now[PlacedColumns.S] = cos(here[2]), sin(here[2])
+            now[PlacedColumns.RATE] = [(b - a) / dt for a, b in zip(before, here, strict=True)]
+            now[PlacedColumns.CENTRED] = [0.5 * (b - a) / dt for a, b in zip(before, behind, strict=True)]
         else:
             pushed.follow(moves, wall, (step - start) * dt)
-        dx, dy, turn = now[:3] - moves.listed[wall]
+        dx, dy, turn = now[PlacedColumns.NOW] - moves.listed[wall]
         turned = moves.far[wall] * abs(turn) if turn != 0.0 else 0.0
         old = old or not sqrt(dx * dx + dy * dy) + turned <= half_skin
     return old
@@ -275,7 +278,7 @@ def wall_contact(
     body = is_body(state, wall)
     to = own if body else gap
     at = d.x[i] - to * nx, d.y[i] - to * ny
-    wx, wy = wall_velocity(walls.moves, wall, 5, *at)
+    wx, wy = wall_velocity(walls.moves, wall, PlacedColumns.RATE, *at)
     vx, vy, spins = seen
     slip, spin = (vx[i] - wx, vy[i] - wy), 0.0 if spins is None else spins[i]
     rim = own * spin
@@ -286,7 +289,7 @@ def wall_contact(
         inner = inward(walls.moves, wall, float(d.x[i]), float(d.y[i]))
         foot = foot_at(walls.faces, face, *inner)
         where = int(walls.chain[face]), foot, float(walls.around[face])
-        turn = own * (spin - walls.moves.now[wall, 7]) if body and spins is not None else rim
+        turn = own * (spin - walls.moves.now[wall, PlacedColumns.RATE][2]) if body and spins is not None else rim
         slips = slip[1] * nx - slip[0] * ny - rim, turn
         rub, resists = spring_forces(memory, i, where, own, slips, pressing(fx * nx + fy * ny, of), of)
         fx, fy = _with_friction((fx, fy), (nx, ny), rub)

@@ -5,6 +5,15 @@ from __future__ import annotations
 
 import numpy as np
 
+from lammps_jump.core.columns import (
+    PlacedColumns,
+    PushedColumns,
+    StepClockColumns,
+    SumsOnWallColumns,
+    WallMotion,
+    WorkColumns,
+    WorkPartsColumns,
+)
 from lammps_jump.engines.native.arrays import Moves, Seen, State, StepConstants
 from lammps_jump.engines.native.discs import DiscArrays
 from lammps_jump.physics.slots import end_step
@@ -50,7 +59,7 @@ class Twin:
             old = kick_drift(state)
             done, owed = done + 1, True
             if moves is not None:
-                step = int(moves.clock[0]) + done
+                step = int(moves.clock[StepClockColumns.STEP]) + done
                 pushed.drift(moves, step)
                 old = contact.place_walls(moves, step) or old
             if old or done == steps:
@@ -64,14 +73,14 @@ def forces(state: State) -> None:
     slope = contact.slope_of(state, seen)
     _pair_forces(state, seen, slope)
     if state.walls.moves is not None:
-        state.work[3:] = 0.0
+        state.work[WorkColumns.OF_WALLS] = 0.0
     for wall in range(len(state.walls.faces.deep)):
         _wall_forces(state, wall, seen, slope)
     if state.bodies is not None:
         bodies.forces(state, slope)
     if state.walls.moves is not None:
         _end_walls(state)
-        state.work[:3] += state.work[3:]
+        state.work[WorkColumns.WHOLE] += state.work[WorkColumns.OF_WALLS]
     if d.fixed is not None:  # they stay, and nothing is dissipated on their side
         held = d.fixed[: d.n] != 0
         for array in (d.fx, d.fy, d.torque, d.dash_x, d.dash_y, d.slide_x, d.slide_y):
@@ -110,8 +119,9 @@ def _wall_forces(state: State, wall: int, seen: Seen, slope: float | None) -> No
     moving = contact.is_moving(moves, wall)
     about, centre = walls.near.about[wall].copy(), np.zeros(2)
     if moving:
-        about += moves.now[wall, :2]
-        centre = moves.centre[wall] + moves.now[wall, :2]
+        here = moves.now[wall, PlacedColumns.NOW][:2]
+        about += here
+        centre = moves.centre[wall] + here
     push, lost, slid = np.zeros(3), np.zeros(3), np.zeros(3)  # of the wall: along x and y, and the moment
     for touched in contact.touched_faces(state, wall):
         found = contact.wall_contact(state, wall, touched, seen, slope)
@@ -122,7 +132,7 @@ def _wall_forces(state: State, wall: int, seen: Seen, slope: float | None) -> No
         lost += wrench((dashpot * nx, dashpot * ny), found.point, centre)
         slid += wrench((-rub * ny, rub * nx), found.point, centre)
         slid[2] -= found.torques[1]
-    walls.sums[wall, :3] += push
+    walls.sums[wall, SumsOnWallColumns.FORCE] += push
     if moving:
         moves.taken[wall] = [*push, *push, *lost, *slid]
 
@@ -131,22 +141,22 @@ def _end_walls(state: State) -> None:
     """What the forces of a step do on walls that move.
 
     Power is that of the velocity centred on the step, so that its sum over steps is the energy that discs gain.
-    ``work[3:]`` takes the step's part of what dashpots and friction do on the walls, and of that power.
+    `WorkColumns.OF_WALLS` takes the step's part of what dashpots and friction do on the walls, and of that power.
     """
     walls, moves = state.walls, state.walls.moves
-    dt = moves.clock[2]
+    dt, work = moves.clock[StepClockColumns.DT], state.work[WorkColumns.OF_WALLS]
     for wall in np.flatnonzero(moves.moving).tolist():
         of_discs, push, lost, slid = moves.taken[wall].reshape(4, 3)
-        moves.pushed[wall, 9:12] = push
-        if moves.moving[wall] >= 2:
+        moves.pushed[wall, PushedColumns.FORCE] = push
+        if moves.moving[wall] >= WallMotion.LID:
             pushed.centre(moves, wall)
-        rate = moves.now[wall, 8:11]
-        walls.sums[wall, 3] -= of_discs @ rate
+        rate = moves.now[wall, PlacedColumns.CENTRED]
+        walls.sums[wall, SumsOnWallColumns.POWER] -= of_discs @ rate
         if state.discs.dash_x is not None:
-            state.work[3] += dt * lost @ rate
-            state.work[4] += dt * slid @ rate
-        if moves.moving[wall] not in (2, 4):  # the energy of a lid and of a body is part of the whole
-            state.work[5] -= dt * push @ rate
+            work[WorkPartsColumns.DASHPOTS] += dt * lost @ rate
+            work[WorkPartsColumns.FRICTION] += dt * slid @ rate
+        if moves.moving[wall] not in (WallMotion.LID, WallMotion.BODY):  # their energy is part of the whole
+            work[WorkPartsColumns.WALLS] -= dt * push @ rate
 
 
 def _square_of(state: State) -> float | np.ndarray:
@@ -163,15 +173,16 @@ def _book(state: State, motion: StepConstants) -> None:
     d, n, square, dt = state.discs, state.discs.n, _square_of(state), motion.time_step
     half = 0.5 * dt / motion.mass / square
     at_step = d.vx[:n] + half * d.fx[:n], d.vy[:n] + half * d.fy[:n]
-    state.work[0] -= dt * (d.dash_x[:n] @ at_step[0] + d.dash_y[:n] @ at_step[1])
+    work = state.work[WorkColumns.WHOLE]
+    work[WorkPartsColumns.DASHPOTS] -= dt * (d.dash_x[:n] @ at_step[0] + d.dash_y[:n] @ at_step[1])
     d.dash_x[:n] = d.dash_y[:n] = 0.0
     if d.slide_x is None:
         return
-    state.work[1] -= dt * (d.slide_x[:n] @ at_step[0] + d.slide_y[:n] @ at_step[1])
+    work[WorkPartsColumns.FRICTION] -= dt * (d.slide_x[:n] @ at_step[0] + d.slide_y[:n] @ at_step[1])
     d.slide_x[:n] = d.slide_y[:n] = 0.0
     if d.omega is not None:
         turn = d.omega[:n] + 0.5 * dt / motion.inertia / square**2 * d.torque[:n]
-        state.work[1] -= dt * (d.torque[:n] @ turn)
+        work[WorkPartsColumns.FRICTION] -= dt * (d.torque[:n] @ turn)
 
 
 def kick_drift(state: State) -> bool:

@@ -7,6 +7,7 @@ from math import nan
 
 import numpy as np
 
+from lammps_jump.core.columns import PlacedColumns
 from lammps_jump.engines.native.arrays import Seen, State, StationStep
 from lammps_jump.engines.native.ledger import CARRIED, CONTACTS, DASHPOTS, FRICTION, HELD, MASS_LEFT, MASS_RIGHT, WALLS
 from lammps_jump.physics.law import contact_energy
@@ -52,7 +53,7 @@ def contacts(state: State, at_step: Seen, seen: Seen, who: np.ndarray, found: np
     for wall in range(len(state.walls.faces.deep)):
         for touched in contact.touched_faces(state, wall):
             i, of = touched[0], contact.wall_contact(state, wall, touched, seen, slope)
-            wx, wy = contact.wall_velocity(state.walls.moves, wall, 8, *of.point)
+            wx, wy = contact.wall_velocity(state.walls.moves, wall, PlacedColumns.CENTRED, *of.point)
             turned = 0.0 if spins is None else of.torques[0] * spins[i]
             rows.append(((ids[i], -1 - wall), of, (vx[i] - wx, vy[i] - wy), turned))
     if len(rows) > len(who):

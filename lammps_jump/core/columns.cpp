@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// What the columns of Python's arrays are (core/columns.py), and what numbers stand for; compared where the core is loaded.
+
+#include "faces.h"
+#include "native.h"
+
+#include <cstddef>
+#include <string>
+
+namespace jump {
+namespace {
+
+/** A member of a struct of words of 8 bytes: its name, first word and number of words. */
+std::string told(const char *name, size_t offset, size_t size)
+{
+  return std::string(" ") + name + "=" + std::to_string(offset / 8) + "+" + std::to_string(size / 8);
+}
+
+/** A number that has a name. */
+std::string told(const char *name, int64_t number) { return std::string(" ") + name + "=" + std::to_string(number); }
+
+#define JUMP_MEMBER(of, member) told(#member, offsetof(of, member), sizeof(of::member))
+
+std::string columns()
+{
+  std::string text = "Placed";
+  text += JUMP_MEMBER(Placed, now) + JUMP_MEMBER(Placed, c) + JUMP_MEMBER(Placed, s) + JUMP_MEMBER(Placed, rate);
+  text += JUMP_MEMBER(Placed, centred) + "\nPushed";
+  text += JUMP_MEMBER(Pushed, place) + JUMP_MEMBER(Pushed, speed) + JUMP_MEMBER(Pushed, before);
+  text += JUMP_MEMBER(Pushed, force) + JUMP_MEMBER(Pushed, phase) + "\nLoad";
+  text += JUMP_MEMBER(Load, mass) + JUMP_MEMBER(Load, inertia) + JUMP_MEMBER(Load, force) + JUMP_MEMBER(Load, arm);
+  text += JUMP_MEMBER(Load, free) + JUMP_MEMBER(Load, begin) + "\nWallTaken";
+  text += JUMP_MEMBER(WallTaken, of_discs) + JUMP_MEMBER(WallTaken, all) + JUMP_MEMBER(WallTaken, lost);
+  text += JUMP_MEMBER(WallTaken, slid) + "\nSumsOnWall";
+  text += JUMP_MEMBER(SumsOnWall, force) + JUMP_MEMBER(SumsOnWall, power) + "\nStepClock";
+  text += JUMP_MEMBER(StepClock, step) + JUMP_MEMBER(StepClock, start) + JUMP_MEMBER(StepClock, dt);
+  text += JUMP_MEMBER(StepClock, half_skin) + JUMP_MEMBER(StepClock, extrapolates) + "\nWork";
+  text += JUMP_MEMBER(Work, whole) + JUMP_MEMBER(Work, of_walls) + "\nWorkParts";
+  text += JUMP_MEMBER(WorkParts, dashpots) + JUMP_MEMBER(WorkParts, friction) + JUMP_MEMBER(WorkParts, walls) + "\nTrackRow";
+  text += JUMP_MEMBER(TrackRow, begin) + JUMP_MEMBER(TrackRow, x) + JUMP_MEMBER(TrackRow, y) + JUMP_MEMBER(TrackRow, angle);
+  text += JUMP_MEMBER(TrackRow, wave) + JUMP_MEMBER(TrackRow, rate) + JUMP_MEMBER(TrackRow, phase);
+  return text;
+}
+
+#define JUMP_NUMBER(name) told(#name, name)
+
+std::string numbers()
+{
+  std::string text = "WallMotion";
+  text += JUMP_NUMBER(STANDS) + JUMP_NUMBER(FOLLOWS) + JUMP_NUMBER(LID) + JUMP_NUMBER(TAILGATE) + JUMP_NUMBER(BODY);
+  text += "\nPhase" + JUMP_NUMBER(IS_HELD) + JUMP_NUMBER(IS_RELEASED) + JUMP_NUMBER(HAS_MOVED);
+  text += "\nStationSum" + JUMP_NUMBER(MASS_LEFT) + JUMP_NUMBER(MASS_RIGHT) + JUMP_NUMBER(CARRIED) + JUMP_NUMBER(CONTACTS);
+  text += JUMP_NUMBER(WALLS) + JUMP_NUMBER(DASHPOTS) + JUMP_NUMBER(FRICTION) + JUMP_NUMBER(BEGAN) + JUMP_NUMBER(HELD);
+  text += "\nFaceKind" + JUMP_NUMBER(SEGMENT) + JUMP_NUMBER(ARC);
+  text += "\nJoint" + JUMP_NUMBER(CONVEX) + JUMP_NUMBER(SMOOTH) + JUMP_NUMBER(CORNER) + JUMP_NUMBER(FREE) + JUMP_NUMBER(ENDLESS);
+  return text;
+}
+
+}    // namespace
+}    // namespace jump
+
+/** A line for each struct and each list of numbers: its name, then its members and where they are. */
+JUMP_API const char *jump_columns()
+{
+  static const std::string text = jump::columns() + "\n" + jump::numbers();
+  return text.c_str();
+}
