@@ -104,8 +104,6 @@ SWEEP_FILES = (
 _BENCHMARKS = ("bench", "cells", "skips", "speed", "overhead", "collision")
 STUDY_FILES = {
     "bench": (*(f"{name}.{end}" for name in _BENCHMARKS for end in ("json", "md")), "bench_*.png", "cells.png"),
-    "stress": ("stress.json", "stress.md", "stress_map.png"),
-    "sensitivity": ("sensitivity.json", "sensitivity.md", "sensitivity_*.png"),
     "calibrate": (
         "study.yaml",
         "rounds.json",
@@ -115,15 +113,20 @@ STUDY_FILES = {
         "best.yaml",
         *(f"figures/calibration_*.{ending}" for ending in PICTURES),
     ),
-    "fluid": ("fluid.json", "fluid.md", "fluid.png"),
     "cross-validate": ("cross_validation.json", "cross_validation.html", "figures/*.png"),
     "validate": ("validation.json", "report.html", "figures/*.png"),
 }
-"""What the folder of a study holds beside run folders, by the command that makes it (names and patterns)."""
+"""What the folder of a study holds beside run folders, by the command that makes it (names and patterns), where that
+is not as of `study_files`."""
 COMPARED_FILES = ("compared.json", "compared.md", "compared.png")
 """What the folder of curves against measured ones holds."""
 FORCES_HEADER = "time,structure,fx,fy,moment"
 """First line of ``forces.csv`` where all walls stand."""
+
+
+def study_files(command: str) -> tuple[str, ...]:
+    """What the folder of a study holds beside run folders: results, page and pictures (names and patterns)."""
+    return STUDY_FILES.get(command) or (f"{command}.json", f"{command}.md", f"{command}*.png")
 
 
 def forces_header(*, power: bool) -> str:

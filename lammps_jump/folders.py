@@ -45,9 +45,9 @@ HOLDS = {
     "analysis": "the analysis of a dump",
     "sweep": "a study",
     "comparison": "curves of a run against measured ones",
-    **{command: f"what `lammps-jump {command}` has made" for command in STUDY_FILES},
 }
-"""What a folder holds, by the kind of its marker."""
+"""What a folder holds, by the kind of its marker; other kinds are commands."""
+COMMAND = re.compile("[a-z][a-z-]{1,30}")
 ENGINE_PATIENCE = 300
 """Tenths of a second that the engine of a killed run gets to save its state."""
 
@@ -63,7 +63,7 @@ class Marker:
     Attributes
     ----------
     kind : str
-        A key of `HOLDS`.
+        A key of `HOLDS`, or the command of a study.
     files : tuple of str
         Names and patterns of our files there; nothing else is ever deleted or overwritten.
     about : mapping
@@ -101,7 +101,8 @@ def require_ours(folder: Path, wanted: Marker) -> None:
     found = read_marker(folder)
     if found is not None:
         if found.kind != wanted.kind:
-            holds = HOLDS.get(found.kind, "something else")
+            made = f"what `lammps-jump {found.kind}` has made" if COMMAND.fullmatch(found.kind) else "something else"
+            holds = HOLDS.get(found.kind, made)
             raise SetupError(f"{folder}: holds {holds}, which would be overwritten; name another folder with --out")
         return
     names = [name for pattern in (*wanted.files, STAGING) for name in standing(folder, pattern)]

@@ -49,7 +49,13 @@ KINDS = {
 NONE = "\N{EN DASH}"
 """Text of a cell where an engine lacks a feature."""
 CELLS_BEGIN, CELLS_END = "<!-- cells written by make faults -->\n", "<!-- end of cells -->\n"
-CASE, SITE, RUN, LAWS, POINTS = "case file", "site file", "folder of a run", "folder of laws", "measured points"
+CASE, SITE, RUN, LAWS, POINTS = (
+    "case file",
+    "site file",
+    "folder of a run",
+    "folder of laws and studies",
+    "measured points",
+)
 DUMP, FOLDER, FILE = "dump", "folder that is written", "file that is written"
 OPENED = "case file or folder that a page shows"
 QUICK = ("--quick", "--quiet")
@@ -91,10 +97,12 @@ PLACES = {
     ("preview", "out"): (FOLDER, ("preview", "CASE", "--out", "@")),
     ("run", "folder"): (RUN, ("run", "@")),
     ("sensitivity", "out"): (FOLDER, ("sensitivity", *QUICK, "--out", "@")),
+    ("sensitivity", "place"): (LAWS, ("sensitivity", *QUICK, "--laws", "@", "--out", "OUT")),
     ("show", "folder"): (RUN, ("show", "@")),
     ("slice", "target"): (DUMP, ("slice", "@", "y=0", "--out", "OUT")),
     ("slice", "out"): (FILE, ("slice", "DUMP", "y=0", "--out", "@")),
     ("stress", "out"): (FOLDER, ("stress", *QUICK, "--out", "@")),
+    ("stress", "place"): (LAWS, ("stress", *QUICK, "--laws", "@", "--out", "OUT")),
     ("sweep", "study"): (CASE, ("sweep", "@")),
     ("sweep", "site"): (SITE, ("sweep", "CASE", "@", "--slurm", "--members", "2", "--out", "OUT")),
     ("sweep", "out"): (FOLDER, ("sweep", "CASE", "--members", "2", "--out", "@")),

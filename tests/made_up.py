@@ -87,6 +87,26 @@ def call(monkeypatch, capsys, *arguments) -> tuple[int, str, str]:
     return int(stop.value.code or 0), captured.out, captured.err
 
 
+class Here:
+    """A pool without processes."""
+
+    def __init__(self, jobs):
+        pass
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        pass
+
+    def run(self, calls, *, done, **_):
+        for number, call in enumerate(calls):
+            try:
+                done(number, pool.CallOutcome("done", call()))
+            except RuntimeError as error:
+                done(number, pool.CallOutcome("bug", f"RuntimeError: {error}"))
+
+
 def files(folder: Path) -> dict[str, bytes]:
     """Contents of every file below a folder."""
     return {str(path): path.read_bytes() for path in folder.rglob("*") if path.is_file()}

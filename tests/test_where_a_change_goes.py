@@ -6,6 +6,7 @@ contact law is put into a copy of the program.
 """
 
 import ast
+import json
 import os
 import re
 import shutil
@@ -20,17 +21,22 @@ from typing import Annotated, Literal, get_args
 import numpy as np
 import pytest
 import yaml
+from made_up import Here, call
 from pydantic import Field
 
 import lammps_jump.case.case as cases
+from lammps_jump import studies
 from lammps_jump.analysis.flow import from_scene
 from lammps_jump.analysis.quantities import LISTED, ListedAnalysis, captions, result_files
 from lammps_jump.analysis.report.run import write_report
 from lammps_jump.analysis.tables.rows import main_numbers, rows_of
 from lammps_jump.case.fields import Analysis, CaseFields, Contact, asked_for
+from lammps_jump.cli import studies as cli_studies
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.dump.write import DumpWriter
 from lammps_jump.engines.native import NativeSimulation
+from lammps_jump.errors import SetupError
+from lammps_jump.folders import Marker, read_marker, require_ours
 from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.runs.results import analyse, flow_of
 from lammps_jump.scene.build import handmade_scene
@@ -40,6 +46,7 @@ from lammps_jump.scene.tracks import Kind, VelocityChange
 from lammps_jump.scene.walls import KINDS, Block, Coordinate, Wall, WallName
 from lammps_jump.script.stock import lacking
 from lammps_jump.script.walls import JOIN, plugin_walls
+from lammps_jump.studies.points import study as points_study
 from lammps_jump.sweeps.study import collected
 from lammps_jump.sweeps.table import row_of
 from lammps_jump.units import Metre
@@ -64,7 +71,7 @@ def law_files() -> set[str]:
 
 def inside(name: str) -> str:
     """Path of a file or folder of the table."""
-    return name.rstrip("/") if name.startswith("analysis/") else f"lammps_jump/{name.rstrip('/')}"
+    return name.rstrip("/") if name.startswith(("analysis/", "validation/")) else f"lammps_jump/{name.rstrip('/')}"
 
 
 @cache
@@ -85,7 +92,7 @@ def nodes(words: set[str]):
 
 
 def test_the_files_of_the_table_are_there():
-    assert len(table()) == 8 and len(table()["an analysis"]) == 2
+    assert len(table()) == 8 and len(table()["an analysis"]) == len(table()["a study"]) == 2
     for files in table().values():
         assert files and all((ROOT / file).exists() for file in files), files
 
@@ -385,3 +392,63 @@ print(lj.sweep(case, "study", members=2, jobs=1).table["spread.height"].sel(stat
     assert "spread: spread" in screen
     assert "--spread" in call("-m", "lammps_jump", "analyze", "--help")
     assert "spread.height" in (tmp_path / "study" / "table.csv").read_text()
+
+
+STUDY_FILES = {
+    "measure.py": """
+def height(run):
+    frames = list(run.frames())
+    return {"highest": float(frames[-1].y.max()), "discs": run.summary["discs"]["present"]}
+
+def twice(value):
+    return {"value": 2 * value}
+""",
+    "study.py": """
+from lammps_jump.studies.points import Point, PointStudy
+from lammps_jump.studies.table import markdown
+
+def study(*, top):
+    points = [Point(f"from {top:g} m", "height", "fall.yaml", {"initial.0.positions": [[0, top]]})]
+    points += [Point("number", "twice", options={"value": 4})]
+
+    def results(found, stored):
+        *falls, number = points
+        return {"rows": [{"name": p.name, **found[p.name][0]} for p in falls], "twice": found["number"][0]["value"]}
+
+    def page(results):
+        columns = {"fall": "{name}", "highest (m):": "{highest:.3f}"}
+        return ["## Falls", markdown(columns, results["rows"]), f"Twice 4 is {results['twice']}."]
+
+    return PointStudy("made-up", points, results, page)
+""",
+}
+"""The folder of a study beside its case."""
+
+
+def test_a_new_study_is_a_folder_and_a_command(monkeypatch, capsys, tmp_path):
+    """Runs, store, JSON, page, progress, marker of the folder, going on: nothing else was told of it."""
+    place = tmp_path / "validation" / "made-up"
+    place.mkdir(parents=True)
+    for name, text in STUDY_FILES.items():
+        (place / name).write_text(text)
+    fall = {**FALL, "initial": [{"kind": "list", "positions": [[0, 0.2]]}], "analysis": {}}
+    (place / "fall.yaml").write_text(yaml.safe_dump({**fall, "run": {"duration": 0.02, "output_interval": 0.01}}))
+    monkeypatch.setattr(points_study, "Pool", Here)
+    group = cli_studies.app
+    monkeypatch.setattr(group, "registered_commands", list(group.registered_commands))
+
+    @group.command("made-up")
+    def made_up(out: Path, laws: Path, top: float = 1.0, fresh: bool = False) -> None:
+        studies.table.show(studies.points.run_named("made-up", out, laws=laws, fresh=fresh, top=top)[1])
+
+    words = ("made-up", tmp_path / "out", place.parent, "--top", "0.8")
+    status, screen, _ = call(monkeypatch, capsys, *words)
+    assert status == 0 and "## Falls\n\n| fall | highest (m) |\n|---|---:|\n| from 0.8 m | 0.79" in screen
+    stored = json.loads((tmp_path / "out" / "made-up.json").read_text())
+    assert stored["twice"] == 8 and [row["discs"] for row in stored["rows"]] == [1] and len(stored["pieces"]) == 2
+    assert (tmp_path / "out" / "made-up.md").read_text().strip() == screen.strip()
+    assert read_marker(tmp_path / "out").kind == "made-up" and len([*(tmp_path / "out" / "runs").iterdir()]) == 1
+    monkeypatch.setattr(Here, "run", lambda self, calls, **_: calls and pytest.fail("it was measured again"))
+    assert call(monkeypatch, capsys, *words)[:2] == (0, screen)
+    with pytest.raises(SetupError, match="holds what `lammps-jump made-up` has made"):
+        require_ours(tmp_path / "out", Marker("stress", (), {}))

@@ -12,8 +12,8 @@ from typing import Any
 from lammps_jump import load_case
 from lammps_jump.files import plain
 from lammps_jump.identity import short_hash
+from lammps_jump.studies.points.find import LAW_FILE, MEASURE_FILE, TREE
 from lammps_jump.studies.validation import Law, find_laws, summary_text
-from lammps_jump.studies.validation.find import LAW_FILE, MEASURE_FILE, TREE
 
 FIGURE = "\ndef figure("
 """What stands before it in a ``law.py`` decides the table: points, closed forms, limits."""

@@ -19,14 +19,15 @@ from typing import Any, NamedTuple
 import lammps_jump as lj
 from lammps_jump.identity import scene_key
 from lammps_jump.provenance import machine, versions
-from lammps_jump.studies import sensitivity
 from lammps_jump.studies.bench import collision, page, timing
 from lammps_jump.studies.cross_validation.scenes import micro_scenes
-from lammps_jump.studies.stress import limits
-from lammps_jump.studies.stress.study import draw_map
-from lammps_jump.studies.table import markdown
+from lammps_jump.studies.points.find import TREE, load_module
+from lammps_jump.studies.table import markdown, paragraphs
 
 from . import calibrated, crossed, jumps, laws
+
+sensitivity, stress = (load_module(TREE / name, "study") for name in ("sensitivity", "stress"))
+limits = load_module(TREE / "stress", "limits")
 
 ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "docs" / "measured"
@@ -143,7 +144,7 @@ def _bench(scene: str, options: str = "") -> Measure:
         f"bench inputs/{scene}.yaml {options}".strip(),
         lambda: case_keys({}, scene=scene),
         _bench_rows,
-        lambda data: page.page(dict(data)).partition("\n\n")[2].strip(),
+        lambda data: paragraphs(*page.page(dict(data))[1:]).strip(),
         partial(_draw_bench, scene),
     )
 
@@ -175,7 +176,7 @@ def _speed(scene: str, more: str = "") -> Measure:
         f"bench inputs/{scene}.yaml --speed{more}",
         lambda: case_keys({}, scene=scene),
         lambda folder: {name: json.loads((folder / "speed.json").read_text())[name] for name in ("rows", "agreement")},
-        lambda data: timing.speed_page(dict(data), RUNS),
+        lambda data: paragraphs(*timing.speed_page(dict(data), RUNS)),
     )
 
 
@@ -283,7 +284,7 @@ def _stability_table(data: Data) -> str:
 
 
 def _draw_stability(data: Data, place: Path) -> dict[str, Path]:
-    return {"limits of the step against restitution": draw_map(data["rows"], place / "stress_map.png")}
+    return {"limits of the step against restitution": stress.draw_map(data["rows"], place / "stress_map.png")}
 
 
 def _stability_keys() -> Keys:

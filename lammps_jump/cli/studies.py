@@ -162,9 +162,7 @@ def validate(
     list_: Annotated[bool, typer.Option("--list", help="List the laws; run nothing.")] = False,
     quick: Annotated[bool, typer.Option("--quick", help="Fewer and shorter runs: seconds a law.")] = False,
     jobs: options.Jobs = None,
-    place: Annotated[
-        Path | None, typer.Option("--laws", help="Folder of the laws (default: validation/ of the source tree).")
-    ] = None,
+    place: options.Laws = None,
     keep_dumps: Annotated[bool, typer.Option("--keep-dumps", help="Leave the dumps in the run folders.")] = False,
     fresh: options.Fresh = False,
     quiet: options.QuietStudy = False,
@@ -240,15 +238,15 @@ def stress(
     ] = False,
     random: Annotated[int | None, typer.Option(min=0, help="Number of random scenes (default 200, quick 10).")] = None,
     seed: Annotated[int, typer.Option(min=0, help="Seed of the first random scene.")] = 0,
+    place: options.Laws = None,
     fresh: options.Fresh = False,
     quiet: options.QuietStudy = False,
 ) -> None:
     """Test stability: limits of the step, hard and random scenes. Exit status 1 if a scene fails the test."""
-    found = studies.stress.stress(
-        out, quick=quick, long=long, random=random, seed=seed, fresh=fresh, say=options.sayer(quiet)
-    )
-    if found:
-        print("\n".join(["ended badly:", *found]))
+    given: dict[str, Any] = {"quick": quick, "long": long, "random": random, "seed": seed}
+    found, _ = studies.points.run_named("stress", out, laws=place, fresh=fresh, say=options.sayer(quiet), **given)
+    if found["bad"]:
+        print("\n".join(["ended badly:", *found["bad"]]))
         raise typer.Exit(1)
     print(f"every scene ended properly; see {out or 'runs/stress'}/stress.md")
 
@@ -258,11 +256,13 @@ def sensitivity(
     out: Annotated[Path | None, options.results_place("Folder (default: runs/sensitivity).")] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Short, coarse flows: seconds.")] = False,
     only: Annotated[str | None, typer.Option(help="Of diameter,restitution,friction,stiffness,froude,sill.")] = None,
+    place: options.Laws = None,
     fresh: options.Fresh = False,
     quiet: options.QuietStudy = False,
 ) -> None:
     """The jump against disc size, restitution, friction, stiffness and Froude number."""
-    studies.table.show(studies.run_sensitivity(out, quick=quick, only=only, fresh=fresh, say=options.sayer(quiet)))
+    how: dict[str, Any] = {"laws": place, "fresh": fresh, "say": options.sayer(quiet), "quick": quick, "only": only}
+    studies.table.show(studies.points.run_named("sensitivity", out, **how)[1])
 
 
 @app.command()

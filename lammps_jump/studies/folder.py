@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from lammps_jump.files import STUDY_FILES, delete, read_json
+from lammps_jump.files import delete, read_json, study_files
 from lammps_jump.folders import MARKER_FILE, Marker, read_marker, writable, write_marker
 from lammps_jump.runs.folder import run_folder
 
@@ -27,7 +27,7 @@ def held_folder(folder: Path, command: str) -> Iterator[Path]:
     SetupError
         The folder holds files of those names and was not made by this program, holds something else, or is in use.
     """
-    marker, new = Marker(command, STUDY_FILES[command], {}), not folder.exists()
+    marker, new = Marker(command, study_files(command), {}), not folder.exists()
     if read_marker(folder) is None and _is_of_before(folder, command):
         with writable(folder):
             write_marker(folder, marker)
@@ -42,7 +42,7 @@ def held_folder(folder: Path, command: str) -> Iterator[Path]:
 
 def _is_of_before(folder: Path, command: str) -> bool:
     """Whether results stand there that a study of this program has written."""
-    for name in STUDY_FILES[command]:
+    for name in study_files(command):
         if name.endswith(".json") and (folder / name).is_file():
             try:
                 found = read_json(folder / name)

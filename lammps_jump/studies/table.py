@@ -60,6 +60,11 @@ def markdown(columns: Mapping[str, Column], rows: Iterable[Mapping[str, Any]]) -
     return "\n".join([first, f"|{'|'.join(rules)}|", *others])
 
 
+def paragraphs(*parts: str) -> str:
+    """Return the page of a study in Markdown: its paragraphs and tables, without those that are empty."""
+    return "\n\n".join(part for part in parts if part) + "\n"
+
+
 def show(text: str) -> None:
     """Print Markdown: drawn by rich on a terminal, as it is in a file or a pipe. Its own escape sequences are shown."""
     if not sys.stdout.isatty():

@@ -37,10 +37,10 @@ def on_a_terminal(tmp_path, monkeypatch):
     (tmp_path / "study.yaml").write_text(yaml.safe_dump(STUDY))
     (tmp_path / "box.yaml").write_text(yaml.safe_dump(BOX))
     for place, name in (
-        (studies.bench, "run_bench"), (studies.bench, "stored_table"), (studies, "run_sensitivity"),
-        (sweeps.page, "table_text"),
+        (studies.bench, "run_bench"), (studies.bench, "stored_table"), (sweeps.page, "table_text"),
     ):  # fmt: skip
         monkeypatch.setattr(place, name, lambda *_, **__: TABLE)
+    monkeypatch.setattr(studies.points, "run_named", lambda *_, **__: ({"bad": []}, TABLE))
     monkeypatch.setattr(sweeps.page, "doubts", lambda _: [])
     monkeypatch.setattr(sweeps.pool, "prepare_workers", lambda: None)
     unrun = SimpleNamespace(
@@ -91,7 +91,6 @@ def test_other_commands_send_no_code_to_the_terminal(on_a_terminal, tmp_path, mo
     (tmp_path / "a\x1b[31m" / "report.html").touch()
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
-    monkeypatch.setattr(studies.stress, "stress", lambda *_, **__: [])
     study = studies.cross_validation
     monkeypatch.setattr(study, "cross_validate", lambda *_, **__: {"passed": True, "name": "box"})
     monkeypatch.setattr(study, "verdict_text", lambda _: TABLE)

@@ -9,11 +9,7 @@ from made_up import INPUTS
 from lammps_jump.case import load_case
 from lammps_jump.studies.bench import skips as bench_skips
 from lammps_jump.studies.bench.command import run_bench, stored_table
-from lammps_jump.studies.sensitivity import run_sensitivity
-from lammps_jump.studies.stress import limits as stress_limits
-from lammps_jump.studies.stress.study import Stress
-from lammps_jump.sweeps import Pool
-from lammps_jump.sweeps.store import Store
+from lammps_jump.studies.points import load_module, run_named
 
 pytestmark = pytest.mark.lammps
 
@@ -75,22 +71,24 @@ def test_skips_change_no_trajectory(skip, column, box):
 
 
 def test_periodic_crystal_brackets_the_limit():
+    stress_limits = load_module(INPUTS.parent / "validation" / "stress", "limits")
     assert stress_limits.crystal_growth(0.2, 0.280, steps=8000)["stable"]
     assert stress_limits.crystal_growth(0.2, 0.285, steps=8000)["growth"] > 1e3
 
 
 @pytest.mark.long
 def test_stress_quick(tmp_path):
-    with Pool(2) as pool:
-        study = Stress(Store(tmp_path / "stress.json"), pool, ["stock", "native"], silent, quick=True)
-        rows = study.limits()
-        packings = [row for row in rows if row["engine"] == "stock" and row["arrangement"] in ("square", "hexagonal")]
-        assert packings and all(abs(row["deviation"]) < 0.03 for row in packings)
-        assert study.random_scenes(3, 40)["bad"] == []
-        assert all(bed["right"] for bed in study.beds(5000))
+    data, page = run_named("stress", tmp_path, quick=True, random=3, seed=40, say=silent)
+    packings = [r for r in data["limits"] if r["engine"] == "stock" and r["arrangement"] in ("square", "hexagonal")]
+    assert packings and all(abs(row["deviation"]) < 0.03 for row in packings)
+    assert data["bad"] == [] and "## What ended badly\n\nNothing." in page
+    assert (tmp_path / "stress_map.png").stat().st_size > 5000 and (tmp_path / "stress.md").read_text() == page
 
 
 @pytest.mark.long
 def test_sensitivity_smoke(tmp_path):
-    text = run_sensitivity(tmp_path, quick=True, only="friction", say=silent)
+    data, text = run_named("sensitivity", tmp_path, quick=True, only="friction", say=silent)
     assert "friction coefficient" in text and (tmp_path / "sensitivity_friction.png").exists()
+    said = []
+    again, _ = run_named("sensitivity", tmp_path, quick=True, only="friction", say=said.append)
+    assert again["studies"] == data["studies"] and not said, "it was stored"

@@ -29,7 +29,7 @@ def test_ratios_are_those_within_a_round():
     assert (row["least"], row["ratio"], row["most"]) == (3.0, 4.0, 6.0) and row["rate"] == 12.0
     broken = make_row("broken", [None], [3.0])
     assert broken["rate"] is None and broken["ratio"] is None
-    table = speed_page({"rows": [row, broken], "agreement": {"a and b": 1e-12}}, Path())
+    table = "\n".join(speed_page({"rows": [row, broken], "agreement": {"a and b": 1e-12}}, Path()))
     assert "| quick | 0.0 | 4.00 (3.00 to 6.00) |" in table and "| broken | failed | - |" in table
     assert "a and b: 1.0e-12 d" in table
 

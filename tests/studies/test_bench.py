@@ -161,7 +161,7 @@ def test_table_names_choices():
         ],
         "quantities": {"q": {"cheapest": {"0.01": "compiled f=0.1", "0.05": "compiled f=0.1"}, "pareto": []}},
     }  # fmt: skip
-    text = bench_page.page(data)
+    text = "\n".join(bench_page.page(data))
     assert "compiled f=0.1: 1.00 s, 4.0x (0.80 %)" in text
     assert "| compiled f=0.1 (1 failed) | 1.00 | 5.0 | 0.80 % |" in text
 

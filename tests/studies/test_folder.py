@@ -7,19 +7,20 @@ import pytest
 from made_up import INPUTS, call, files
 
 from lammps_jump.errors import SetupError
-from lammps_jump.files import STUDY_FILES
+from lammps_jump.files import STUDY_FILES, study_files
 from lammps_jump.folders import locked, read_marker
 from lammps_jump.studies.folder import held_folder
 
+COMMANDS = sorted({*STUDY_FILES, "fluid", "sensitivity", "stress"})
 OF_A_CASE = {"bench", "fluid", "cross-validate"}
 OF_A_STUDY = {"calibrate": [INPUTS.parent / "validation" / "calibrate" / "like_water.yaml"]}
 
 
 def standing_names(command):
-    return [name.replace("*", "one") for name in STUDY_FILES[command]]
+    return [name.replace("*", "one") for name in study_files(command)]
 
 
-@pytest.mark.parametrize("command", STUDY_FILES)
+@pytest.mark.parametrize("command", COMMANDS)
 def test_a_study_starts_in_no_folder_with_files_of_a_person(command, tmp_path, monkeypatch, capsys):
     given = [INPUTS / "quick_jump.yaml"] if command in OF_A_CASE else OF_A_STUDY.get(command, [])
     words = [command, *given, "--out", tmp_path / "out"]
@@ -33,11 +34,11 @@ def test_a_study_starts_in_no_folder_with_files_of_a_person(command, tmp_path, m
         own.unlink()
 
 
-@pytest.mark.parametrize("command", sorted(STUDY_FILES.keys() - OF_A_STUDY.keys()))
+@pytest.mark.parametrize("command", [name for name in COMMANDS if name not in OF_A_STUDY])
 def test_results_of_before_are_gone_on_with(command, tmp_path):
     """Studies had no marker at first; the names of another study of ours are not theirs."""
     told = {"fluid": {"zones": {}}, "cross-validate": {"disc_by_disc": []}}.get(command, {"pieces": {}})
-    (tmp_path / STUDY_FILES[command][0]).write_text(json.dumps(told))
+    (tmp_path / study_files(command)[0]).write_text(json.dumps(told))
     for _ in range(2):
         with held_folder(tmp_path, command):
             assert read_marker(tmp_path).kind == command

@@ -10,7 +10,7 @@ from made_up import INPUTS
 
 from lammps_jump import load_case
 from lammps_jump.studies import validation
-from lammps_jump.studies.validation.find import load_module
+from lammps_jump.studies.points import load_module
 
 LAWS = INPUTS.parent / "validation"
 NAMES = sorted(path.parent.name for path in LAWS.glob("*/law.py"))

@@ -5,10 +5,10 @@ from types import SimpleNamespace
 
 import pytest
 
-from lammps_jump.studies.stress import limits as stress_limits
-from lammps_jump.studies.stress import scenes as stress_scenes
-from lammps_jump.sweeps.pool import CallOutcome
+from lammps_jump.studies.points import FAILED, load_module, study_named
+from lammps_jump.studies.points.find import TREE
 
+stress_limits, stress_scenes, stress = (load_module(TREE / "stress", name) for name in ("limits", "scenes", "study"))
 NATIVE = ("native velocity_verlet", "native leapfrog_extrapolated")
 
 
@@ -103,10 +103,40 @@ def test_heating_is_an_outcome_of_its_own():
 
 
 @pytest.mark.parametrize(
-    ("kind", "outcome"), [("hang", "hang"), ("crash", "crash"), ("bug", "bug"), ("OSError", "bug")]
-)
-def test_a_process_that_does_not_answer_is_an_outcome(kind, outcome):
-    assert stress_scenes.ended(CallOutcome(kind, "why")) == stress_scenes.Outcome(outcome, "why")
+    ("reason", "outcome"),
+    [("hang: why", ("hang", "why")), ("crash: why", ("crash", "why")), ("bug: a: b", ("bug", "a: b")),
+     ("the dump: ends", ("bug", "the dump: ends"))],
+)  # fmt: skip
+def test_a_process_that_does_not_answer_is_an_outcome(reason, outcome):
+    assert stress_scenes.ended(reason) == stress_scenes.Outcome(*outcome)
+    assert stress.outcome_of({FAILED: reason})["outcome"] == outcome[0]
+
+
+def made_up(point):
+    """What a point of the study might have found; a bed that drifts, a scene that hangs, the others as is right."""
+    part, options = point.name.split()[0], point.options
+    if part == "limits":
+        row = {"friction": 0.0, "rotation": False, "predicted": 0.5, "stable": 0.5, "unstable": 0.51}
+        return {**row, "measured": 0.505, "deviation": 0.01, **options}
+    if part in ("growth", "bed", "periodic"):
+        return {"mean": 0.0, "scatter": 0.0, "discs": 9, "right": False, "message": "drifts", "growth": 1.0, **options}
+    if "corner" in point.name:
+        return {FAILED: "hang: no answer in time"}
+    return vars(stress_scenes.Outcome("stopped", "an overlap"))
+
+
+def test_results_and_page_hold_what_ended_badly():
+    study, _ = study_named("stress", quick=True, random=2, seed=5)
+    found = {point.name: [made_up(point)] for point in study.points}
+    results = study.results(found, {})
+    assert results["random"]["count"] == 2 and all(row["seed"] in (5, 6) for row in results["random"]["bad"])
+    hung = [text for text in results["bad"] if "a disc in a corner" in text]
+    assert hung and hung[0].endswith("hang: no answer in time")
+    assert any(text.startswith("resting bed (native") for text in results["bad"])
+    page = "\n".join(study.page(results))
+    assert "| a disc in a corner |" in page and "deviation" in page and f"- {hung[0]}" in page
+    lines = study.ending(results)
+    assert "  a disc in a corner: hang" in lines and lines[-1].startswith("  2 random scenes: ")
 
 
 def test_limit_reports_its_deviation(monkeypatch):

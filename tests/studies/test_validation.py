@@ -7,16 +7,17 @@ import sys
 from math import inf, nan
 
 import pytest
+from made_up import Here
 
 from lammps_jump.case import parse_case
 from lammps_jump.cli.app import main
 from lammps_jump.errors import CaseError, SetupError
 from lammps_jump.files import plain
 from lammps_jump.studies import validation
-from lammps_jump.studies.validation import LOOKED_UP, Row, around, mean_of, work
+from lammps_jump.studies.points import find, work
+from lammps_jump.studies.validation import LOOKED_UP, Row, around, mean_of
 from lammps_jump.studies.validation.page import explained
 from lammps_jump.sweeps.members import Member, drop_dumps
-from lammps_jump.sweeps.pool import CallOutcome
 
 MEASURE = """
 import numpy as np
@@ -85,26 +86,6 @@ def command(monkeypatch, *words):
     return stop.value.code or 0
 
 
-class Here:
-    """A pool without processes."""
-
-    def __init__(self, jobs):
-        pass
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        pass
-
-    def run(self, calls, *, done, **_):
-        for number, call in enumerate(calls):
-            try:
-                done(number, CallOutcome("done", call()))
-            except RuntimeError as error:
-                done(number, CallOutcome("bug", f"RuntimeError: {error}"))
-
-
 NUMBERS = LAW.replace("[case, ", "[").replace(
     'found["disc"]', '[{"depth": [0.0, 4.905], "time": [0.0, 1.0]}, {"depth": [0.0, 4.91], "time": [0.0, 1.0]}]'
 )
@@ -137,7 +118,7 @@ def test_a_law_is_run_once_and_shown(laws, tmp_path, monkeypatch, capsys):
     assert not [*out.glob("runs/*/dump.*")]
     page = (out / "report.html").read_text()
     assert "Free fall" in page and "A note." in page and "data:image/png" in page
-    monkeypatch.setattr("lammps_jump.studies.validation.work.run_member", None)  # nothing is run again
+    monkeypatch.setattr("lammps_jump.studies.points.work.run_member", None)  # nothing is run again
     assert validation.validate(["fall"], out, laws=laws, quick=True)["laws"] == stored["laws"]
     (tmp_path / "mine").mkdir()
     shutil.rmtree(out / "figures")
@@ -167,7 +148,7 @@ def test_laws_are_listed_and_what_is_not_there_is_named(laws, tmp_path, monkeypa
     with pytest.raises(CaseError, match="holds no law"):
         validation.laws_folder(tmp_path)
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(validation.find, "TREE", tmp_path / "site" / "validation")
+    monkeypatch.setattr(find, "TREE", tmp_path / "site" / "validation")
     with pytest.raises(SetupError, match="validation/ of the source of lammps-jump"):
         validation.laws_folder()
     assert command(monkeypatch) == 2
@@ -180,7 +161,7 @@ def test_no_law_of_the_current_folder_is_run(tmp_path, monkeypatch, tree):
         (place / "validation" / "x").mkdir(parents=True)
         (place / "validation" / "x" / "law.py").write_text("open('PWNED', 'w')")
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(validation.find, "TREE", tmp_path / ("none" if tree == "no tree" else "site") / "validation")
+    monkeypatch.setattr(find, "TREE", tmp_path / ("none" if tree == "no tree" else "site") / "validation")
     with pytest.raises(SetupError, match="validation/ of the source of lammps-jump"):
         validation.study.listing()
     assert not (tmp_path / "PWNED").exists()

@@ -6,7 +6,7 @@ All pairs of one run are independent: pair i starts so that first touch falls at
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from itertools import product
 from pathlib import Path
@@ -19,10 +19,12 @@ from lammps_jump.analysis.draw.style import drawing, save
 from lammps_jump.case.to_scene import TOUCH_STEPS
 from lammps_jump.engines import usable_kernels
 from lammps_jump.physics import contact
+from lammps_jump.provenance import machine
 from lammps_jump.scene import Scene, handmade_scene
+from lammps_jump.studies.points import Found, Point, PointStudy
 from lammps_jump.studies.runs import run_frames
-from lammps_jump.studies.table import markdown
-from lammps_jump.sweeps import Results, Say, Store
+from lammps_jump.studies.table import Column, markdown
+from lammps_jump.sweeps import Results
 
 DIAMETER, DENSITY, SPEED, OVERLAP = 0.2, 1000.0, 16.0, 0.1
 PHASES = 64
@@ -77,7 +79,7 @@ def expected(restitution: float, speed: float = SPEED) -> dict[str, float]:
     }
 
 
-def collision_row(way: str, kernel: str, restitution: float, fraction: float, **options) -> Results:
+def collision_row(way: str, kernel: str, restitution: float, fraction: float, **options: Any) -> Results:
     """Return errors of the mean over all entry phases, and the scatter among them, relative to the closed forms."""
     exact = expected(restitution)
     scene = collision_scene(fraction, restitution, **options)
@@ -88,8 +90,8 @@ def collision_row(way: str, kernel: str, restitution: float, fraction: float, **
     return row
 
 
-def compare_collisions(case: None, store: Store, *, quick: bool, say: Say) -> Results:
-    """Measure collisions for each restitution, way and stable step (``lammps-jump bench collision``)."""
+def collision_study(*, quick: bool = False) -> PointStudy:
+    """Return the study of collisions for each restitution, way and stable step (``lammps-jump bench collision``)."""
     kernels, notes = usable_kernels()
     fast = "compiled" if "compiled" in kernels else "native"
     ways: dict[str, tuple[str, dict[str, Any]]] = {
@@ -99,24 +101,33 @@ def compare_collisions(case: None, store: Store, *, quick: bool, say: Say) -> Re
         f"{fast}, smooth touch": (fast, {"touch": "smooth"}),
     }
     fractions = (0.05, 0.2) if quick else (0.01, 0.02, 0.05, 0.1, 0.2, 0.4)
-    rows = []
+    points = []
     for restitution, (way, (kernel, options)) in product((0.2, 1.0) if quick else (0.2, 0.6, 1.0), ways.items()):
         xi, scheme = contact.damping_ratio(restitution), options.get("integrator", "velocity_verlet")
         steps = [f for f in fractions if f <= contact.stable_fraction(xi, scheme, "pair")]
         if kernel in kernels and (restitution < 1 or "correct" not in options):
-            rows += [collision_row(way, kernel, restitution, f, **options) for f in steps]
-    return {"rows": rows, "notes": notes}
+            for f in steps:
+                given = {"way": way, "kernel": kernel, "restitution": restitution, "fraction": f, **options}
+                points.append(Point(f"{way}, e {restitution:zg}, f {f:zg}", collision_row, options=given))
+
+    def results(found: Found, stored: Results) -> Results:
+        rows = [found[point.name][0] for point in points]
+        return {"rows": rows, "notes": notes, "case": "collision", "machine": machine()}
+
+    def draw(results: Results, folder: Path) -> None:
+        draw_collisions(results["rows"], folder / "bench_collision.png")
+
+    return PointStudy("collision", points, results, lambda results: [collision_table(results["rows"])], draw)
 
 
-def collision_page(data: Results, folder: Path) -> str:
-    """Return the Markdown table (error of the mean and scatter over entry phases, per cent); draws the figure."""
-    draw_collisions(data["rows"], folder / "bench_collision.png")
+def collision_table(rows: Iterable[Mapping[str, Any]]) -> str:
+    """Return the table: error of the mean and scatter over entry phases, per cent."""
 
-    def error(row: Results, name: str) -> str:
+    def error(row: Mapping[str, Any], name: str) -> str:
         return f"{100 * row[f'{name}_error']:+z.2f} ± {100 * row[f'{name}_scatter']:z.2f} %"
 
-    columns = {"e:": "{restitution:zg}", "way": "", "f:": "{fraction:zg}"}
-    return markdown(columns | {f"{name}:": partial(error, name=name) for name in QUANTITIES}, data["rows"]) + "\n"
+    columns: dict[str, Column] = {"e:": "{restitution:zg}", "way": "", "f:": "{fraction:zg}"}
+    return markdown(columns | {f"{name}:": partial(error, name=name) for name in QUANTITIES}, rows)
 
 
 def draw_collisions(rows: Sequence[Results], path: Path) -> None:

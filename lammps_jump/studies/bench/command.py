@@ -1,24 +1,24 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The ``bench`` command: each benchmark measures rows, keeps them in a JSON file, and makes its page from that."""
+"""The ``bench`` command: the study of the settings of a case, that of two discs, and benchmarks of time."""
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
-from typing import Any
 
 from lammps_jump import Case, load_case
 from lammps_jump.errors import CaseError
 from lammps_jump.files import plain
 from lammps_jump.provenance import machine
 from lammps_jump.studies.folder import held_folder
+from lammps_jump.studies.points import run_study
 from lammps_jump.studies.settings import Axes
+from lammps_jump.studies.table import paragraphs
 from lammps_jump.sweeps import Say, Store
 
-from .collision import collision_page, compare_collisions
-from .page import draw_quantity, page
+from .collision import collision_study
+from .page import page
 from .skips import measure_skips, skip_page
-from .study import measure_settings
+from .study import settings_study
 from .timing import cell_page, overhead_page, speed_page, time_cells, time_commands, time_kernels
 
 FOLDER = Path("runs") / "bench"
@@ -27,9 +27,8 @@ PARTS = {
     "skips": (measure_skips, skip_page),
     "speed": (time_kernels, speed_page),
     "overhead": (time_commands, overhead_page),
-    "collision": (compare_collisions, collision_page),
 }
-"""Benchmarks beside that of the settings by the stem of their JSON file: what measures, and what makes the page."""
+"""Benchmarks of time by the stem of their JSON file: what measures rows in turn, and what makes the page."""
 
 
 def run_bench(
@@ -64,22 +63,18 @@ def run_bench(
     CaseError
         No such axis or number.
     """
+    folder = out or FOLDER / (case.name if case else "collision")
     if case is None:
-        part, fresh = "collision", True
-    name = case.name if case else part
-    measure, show = PARTS.get(part) or (partial(measure_settings, axes=axes, fresh=fresh), settings_page)
-    with held_folder(out or FOLDER / name, "bench") as folder:
+        return run_study(collision_study(quick=quick), folder, command="bench", fresh=True, say=say)[1]
+    if part not in PARTS:
+        study = settings_study(case, folder, axes, quick=quick)
+        return run_study(study, folder, command="bench", fresh=fresh, say=say)[1]
+    measure, show = PARTS[part]
+    with held_folder(folder, "bench"):
         store = Store(folder / f"{part}.json", fresh=fresh)
-        store.data |= plain(measure(case, store, quick=quick, say=say)) | {"case": name, "machine": machine()}
+        store.data |= plain(measure(case, store, quick=quick, say=say)) | {"case": case.name, "machine": machine()}
         store.save()
-        return store.finish(show(store.data, folder))
-
-
-def settings_page(data: dict[str, Any], folder: Path) -> str:
-    """Return the page of a benchmark of settings; draws its figures."""
-    for name in data["quantities"]:
-        draw_quantity(data, name, folder)
-    return page(data)
+        return store.finish(paragraphs(*show(store.data, folder)))
 
 
 def stored_table(path: Path, out: Path | None = None) -> str:
@@ -94,4 +89,4 @@ def stored_table(path: Path, out: Path | None = None) -> str:
     data = Store(file).data
     if "rows" not in data:
         raise CaseError(f"{file}: no finished benchmark is stored there; run `lammps-jump bench {path}` first")
-    return page(data)
+    return paragraphs(*page(data))

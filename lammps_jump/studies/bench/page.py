@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import partial
 from itertools import product
 from pathlib import Path
@@ -24,8 +25,8 @@ MARKS = {
 COLUMNS = ("label", "family", "plain", "seconds", "error")
 
 
-def page(data: dict[str, Any]) -> str:
-    """Return one benchmark as a page: cheapest settings, then every row.
+def page(data: Mapping[str, Any]) -> list[str]:
+    """Return the paragraphs of a benchmark's page: cheapest settings, then every row.
 
     Parameters
     ----------
@@ -42,10 +43,10 @@ def page(data: dict[str, Any]) -> str:
         f"{data['duration']:zg} s of flow, {data['members']} starts a setting, reference: {data['reference']}; "
         f"{data['machine']['processor']}, one core. Time: {data['time']}."
     )
-    return "\n\n".join([f"### {data['case']}", about, short_table(data), markdown(columns, data["rows"])]) + "\n"
+    return [f"### {data['case']}", about, short_table(data), markdown(columns, data["rows"])]
 
 
-def short_table(data: dict[str, Any]) -> str:
+def short_table(data: Mapping[str, Any]) -> str:
     """Return the cheapest setting for 5 % and 1 % of each quantity, beside stock LAMMPS at f = 0.05."""
     rows = {row["label"]: row for row in data["rows"]}
     base, targets = rows.get("stock f=0.05"), {"0.05": "5 %", "0.01": "1 %"}
@@ -57,14 +58,14 @@ def short_table(data: dict[str, Any]) -> str:
     return markdown(dict.fromkeys(lines[0] if lines else (), ""), lines)
 
 
-def _error(row: dict[str, Any], name: str) -> str:
+def _error(row: Mapping[str, Any], name: str) -> str:
     entry = row["errors"].get(name)
     if not entry or entry["error"] is None:
         return "-"
     return percent(entry["error"]) + (f" ({percent(entry['floor'])})" if entry["floor"] else "")
 
 
-def _cell(row: dict[str, Any] | None, name: str, base: dict[str, Any] | None) -> str:
+def _cell(row: Mapping[str, Any] | None, name: str, base: Mapping[str, Any] | None) -> str:
     if row is None or row["seconds"] is None:
         return "none shown"
     text = f"{row['label']}: {row['seconds']:z.2f} s" if base is not None else f"{row['seconds']:z.2f} s"
@@ -73,7 +74,13 @@ def _cell(row: dict[str, Any] | None, name: str, base: dict[str, Any] | None) ->
     return f"{text} ({_error(row, name)})"
 
 
-def draw_quantity(data: dict[str, Any], name: str, folder: Path) -> Path:
+def draw_settings(data: Mapping[str, Any], folder: Path) -> None:
+    """Draw the figure of each quantity."""
+    for name in data["quantities"]:
+        draw_quantity(data, name, folder)
+
+
+def draw_quantity(data: Mapping[str, Any], name: str, folder: Path) -> Path:
     """Draw run time (s, log) against error (%, log): families by mark, Pareto front as a line, floor as a band.
 
     A setting without any error has no place on a logarithmic axis.

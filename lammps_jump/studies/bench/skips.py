@@ -154,8 +154,8 @@ def _row(scene: Scene, skip: Skip, rounds: int) -> Results:
     return {"name": skip.name, "verdict": verdict, "ratio": ratio, "difference": difference, "exact": skip.exact}
 
 
-def skip_page(data: Results, folder: Path) -> str:
-    """Return the Markdown table."""
+def skip_page(data: Results, folder: Path) -> list[str]:
+    """Return the table."""
     formats = data["formats"]
     dumps = (
         {"name": f"dump as {name} instead of text", "ratio": formats[name] / formats["text"], "same": "-"}
@@ -167,7 +167,7 @@ def skip_page(data: Results, folder: Path) -> str:
         "time with it:": lambda row: "-" if row["ratio"] is None else f"{100 * (row['ratio'] - 1):+z.1f} %",
         "largest change of the trajectory:": lambda row: row.get("same") or _change(row),
     }
-    return markdown(columns, [*data["rows"], *dumps]) + "\n"
+    return [markdown(columns, [*data["rows"], *dumps])]
 
 
 def _change(row: Results) -> str:

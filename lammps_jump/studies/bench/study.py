@@ -10,26 +10,31 @@ the largest deviation, and its floor is 0.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from itertools import chain
 from math import inf
+from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 from pydantic import Field, TypeAdapter, ValidationError
 
-from lammps_jump import Case
+from lammps_jump import Case, Run
 from lammps_jump.dump import read_forces
 from lammps_jump.engines import usable_kernels
 from lammps_jump.errors import CaseError, RunError
 from lammps_jump.files import plain
+from lammps_jump.provenance import machine
 from lammps_jump.quoting import echoed
 from lammps_jump.runs.summary import results_in
-from lammps_jump.studies.runs import KERNELS, in_turn, middle
+from lammps_jump.studies.points import FAILED, Found, Point, PointStudy
+from lammps_jump.studies.runs import KERNELS, middle
 from lammps_jump.studies.settings import AXES, QUICK, Axes, StudySetting, listed, make_settings, reference_setting
-from lammps_jump.sweeps import MemberRun, Pool, Results, Say, Start, Store, run_starts
+from lammps_jump.sweeps import Results
+
+from .page import draw_settings, page
 
 EXACT = {"energy deviation": 0.0}
 """Quantities whose true value is known."""
@@ -92,10 +97,21 @@ def _root_mean_square(values: np.ndarray) -> float:
 CURVE_POINTS = 20
 
 
-def measure(run: MemberRun) -> Measures:
-    """Return the numbers and curves of a run that its case asks for; none of a run that is not complete."""
+def measure(run: Run) -> Results:
+    """Return what a run took, and the numbers and curves that its case asks for."""
+    found = run.summary
+    taken = {
+        "seconds": found["cpu_seconds"],
+        "wall_seconds": found["wall_seconds"]["run"],
+        "disc_steps": found["disc_steps"],
+        "breakdown": found["breakdown_seconds"] or {},
+    }
+    return {**taken, "measures": measures_of(found, run.folder)}
+
+
+def measures_of(summary: Mapping[str, Any], folder: Path) -> Measures:
+    """Return the numbers and curves of a run that is complete."""
     found: Measures = {}
-    summary, folder = run.summary, run.folder
     results = results_in(folder, summary)
     if energy := summary.get("energy"):
         found["energy deviation"] = energy["max_deviation"]
@@ -163,90 +179,76 @@ def _numbers(option: str, text: str | None) -> tuple[float, ...]:
         ) from None
 
 
-def measure_settings(
-    case: Case, store: Store, *, axes: Axes | None, quick: bool = False, fresh: bool = False, say: Say
-) -> Results:
-    """Run every setting from several starts; returns rows, Pareto fronts and choices.
+def settings_study(case: Case, folder: Path, axes: Axes | None = None, *, quick: bool = False) -> PointStudy:
+    """Return the study of all settings of a case, each from several starts; its results have rows, fronts and choices.
 
     Raises
     ------
     CaseError
         The case or an axis cannot be used.
-    RunError
-        No setting came to its end.
     """
     axes, (usable, notes) = axes or read_axes(quick), usable_kernels()
     axes = axes._replace(kernels=tuple(kernel for kernel in usable if kernel in axes.kernels) or tuple(usable))
     fields, rounds = case.fields, axes.members
     reference = reference_setting(axes.finest, axes.kernels)
     chosen = list(dict.fromkeys([reference, *make_settings(axes, fields.contact.restitution)]))
-    for note in notes:
-        say(f"note: {note}")
-    say(f"{case.name}: {len(chosen)} settings x {rounds} starts -> {store.path.parent}")
+    points = [
+        Point(setting.label, measure, case, setting.changes(fields.discs.diameter), rounds,
+              seed=fields.run.seed, dump=False, judged=True)
+        for setting in chosen
+    ]  # fmt: skip
 
-    changes = [setting.changes(fields.discs.diameter) for setting in chosen]
-    starts: list[Start] = []
-    in_turn(range(len(chosen)), rounds, lambda n, turn: starts.append(Start(n, changes[n], fields.run.seed + turn)))
-    seconds = "{cpu_seconds:z.2f} s"
+    def told(point: Point, start: int, found: Results) -> str:
+        return f"{point.name}, start {start} of {rounds}: {found.get(FAILED) or '{seconds:z.2f} s'.format_map(found)}"
 
-    def said(made: MemberRun) -> None:
-        label, member = chosen[made.start.point].label, made.start.seed - fields.run.seed + 1
-        say(f"  {label}, start {member} of {rounds}: {made.message or seconds.format_map(made.summary)}")
+    def results(found: Found, stored: Results) -> Results:
+        complete = [[run for run in found[point.name] if FAILED not in run] for point in points]
+        if not any(complete):
+            reason = found[points[0].name][0][FAILED]
+            raise RunError(f"no setting of {case.name} came to its end; the first one says: {reason}")
+        measures = [[run["measures"] for run in group] for group in complete]
+        rows = [make_row(setting, found[setting.label], measures[0], setting == reference) for setting in chosen]
+        return {
+            "case": case.name,
+            "case_hash": case.hash,
+            "restitution": fields.contact.restitution,
+            "friction": fields.contact.friction,
+            "duration": fields.run.duration,
+            "members": rounds,
+            "reference": reference.label,
+            "notes": notes,
+            "time": "median processor seconds of the engine, output included, analysis not",
+            "rows": rows,
+            "quantities": {name: summarise_quantity(rows, name) for name in names_of(chain.from_iterable(measures))},
+            "machine": machine(),
+        }
 
-    with Pool(1) as pool:  # one at a time: they are timed
-        made = run_starts(case, starts, store.path.parent, pool, fresh=fresh, said=said)
-    if not any(run.summary for run in made):
-        raise RunError(f"no setting of {case.name} came to its end; the first one says: {made[0].message}")
-    groups = [[run for run in made if run.start.point == point] for point in range(len(chosen))]
-    measures = [[measure(run) for run in group if run.summary] for group in groups]
-    rows = [
-        make_row(setting, group, found, measures[0], setting == reference)
-        for setting, group, found in zip(chosen, groups, measures, strict=True)
-    ]
-    return {
-        "case_hash": case.hash,
-        "restitution": fields.contact.restitution,
-        "friction": fields.contact.friction,
-        "duration": fields.run.duration,
-        "members": rounds,
-        "reference": reference.label,
-        "notes": notes,
-        "time": "median processor seconds of the engine, output included, analysis not",
-        "rows": rows,
-        "quantities": {name: summarise_quantity(rows, name) for name in names_of(chain.from_iterable(measures))},
-    }
+    opening = [f"note: {note}" for note in notes]
+    opening += [f"{case.name}: {len(chosen)} settings x {rounds} starts -> {folder}"]
+    return PointStudy("bench", points, results, page, draw_settings, told, opening, timed=True)
 
 
 def make_row(
-    setting: StudySetting,
-    runs: list[MemberRun],
-    measures: list[Measures],
-    reference: list[Measures],
-    is_reference: bool,
+    setting: StudySetting, runs: Sequence[Mapping[str, Any]], reference: list[Measures], is_reference: bool
 ) -> Results:
     """Return what is stored of a setting: medians over its complete runs, messages of the others, errors."""
-    complete = [run.summary for run in runs if run.summary]
-    errors = setting_errors(measures, reference) if complete else {}
+    complete = [run for run in runs if FAILED not in run]
+    errors = setting_errors([run["measures"] for run in complete], reference) if complete else {}
     if is_reference:  # its distance from itself says nothing
         errors = {n: e if n in EXACT else e._replace(error=None, floor=None) for n, e in errors.items()}
-    seconds = [found["cpu_seconds"] for found in complete]
-    kinds = sorted({kind for found in complete for kind in found["breakdown_seconds"] or {}})
+    kinds = sorted({kind for run in complete for kind in run["breakdown"]})
     return {
         "label": setting.label,
         "family": setting.family,
         "setting": asdict(setting),
         "plain": setting.plain,
         "runs": len(complete),
-        "failed": [run.message for run in runs if not run.summary],
-        "seconds": middle(seconds),
-        "seconds_all": seconds,
-        "wall_seconds": middle(found["wall_seconds"]["run"] for found in complete),
-        "disc_steps_per_second": middle(
-            found["disc_steps"] / spent for found, spent in zip(complete, seconds, strict=True) if spent
-        ),
-        "breakdown": {
-            kind: middle((found["breakdown_seconds"] or {}).get(kind) for found in complete) for kind in kinds
-        },
+        "failed": [run[FAILED] for run in runs if FAILED in run],
+        "seconds": middle(run["seconds"] for run in complete),
+        "seconds_all": [run["seconds"] for run in complete],
+        "wall_seconds": middle(run["wall_seconds"] for run in complete),
+        "disc_steps_per_second": middle(run["disc_steps"] / run["seconds"] for run in complete if run["seconds"]),
+        "breakdown": {kind: middle(run["breakdown"].get(kind) for run in complete) for kind in kinds},
         "reference": is_reference,
         "errors": {name: entry._asdict() for name, entry in errors.items()},
     }

@@ -107,8 +107,8 @@ def time_cells(case: Case, store: Store, *, quick: bool, say: Say) -> Results:
     return {"rows": rows, "rounds": rounds}
 
 
-def cell_page(data: Results, folder: Path) -> str:
-    """Return the Markdown table; draws CPU time against cell size, the neighbour list as a line."""
+def cell_page(data: Results, folder: Path) -> list[str]:
+    """Return the table; draws CPU time against cell size, the neighbour list as a line."""
     table = pd.DataFrame(data["rows"]).astype(float)
     cells, lists = table.dropna(subset="size"), table[table["size"].isna()]
     line, levels = Trace("cells", cells["size"], cells.seconds, "measured"), {search_name(None): lists.seconds.min()}
@@ -121,7 +121,7 @@ def cell_page(data: Results, folder: Path) -> str:
         "over the best cells:": lambda row: f"{row['seconds'] / cells.seconds.min():z.2f}",
         "M disc-steps/s:": lambda row: f"{row['rate'] / 1e6:z.1f}",
     }
-    return markdown(columns, data["rows"]) + "\n"
+    return [markdown(columns, data["rows"])]
 
 
 def make_variants(
@@ -202,8 +202,8 @@ def _agreement(developed: Scene, scenes: Mapping[str, Scene]) -> dict[str, float
     return found
 
 
-def speed_page(data: Results, folder: Path) -> str:
-    """Return the Markdown table and a line for each agreement."""
+def speed_page(data: Results, folder: Path) -> list[str]:
+    """Return the table and a line for each agreement."""
     ratio = "{ratio:z.2f} ({least:z.2f} to {most:z.2f})"
     columns = {
         "": "{name}",
@@ -214,7 +214,7 @@ def speed_page(data: Results, folder: Path) -> str:
         f"Largest difference of positions after {CONTACT_STEPS} steps, {name}: {inf if d is None else d:z.1e} d."
         for name, d in data["agreement"].items()
     ]
-    return "\n".join([markdown(columns, data["rows"]), "", *notes]).rstrip() + "\n"
+    return [markdown(columns, data["rows"]), "\n".join(notes)]
 
 
 def command_time(case: Case) -> dict[str, float]:
@@ -250,12 +250,12 @@ def time_commands(case: Case, store: Store, *, quick: bool, say: Say) -> Results
     return {"rows": rows, "engine": engine, "rounds": len(runs), "ratio": ratio}
 
 
-def overhead_page(data: Results, folder: Path) -> str:
-    """Return the Markdown table."""
+def overhead_page(data: Results, folder: Path) -> list[str]:
+    """Return the table, and what it holds."""
     columns = {
         data["case"]: lambda row: PHASES.get(row["phase"], "**whole command**"),
         "wall time (s):": "{seconds:z.2f}",
         "over the engine:": lambda row: f"{row['seconds'] / data['engine']:z.2f}",
     }
-    table = markdown(columns, data["rows"])
-    return f"{table}\n\nMedians of {data['rounds']}; whole over engine within a run: {data['ratio']:z.2f}.\n"
+    told = f"Medians of {data['rounds']}; whole over engine within a run: {data['ratio']:z.2f}."
+    return [markdown(columns, data["rows"]), told]

@@ -1,8 +1,4 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-from . import find as find
-from .find import find_laws as find_laws
-from .find import laws_folder as laws_folder
-from .find import load_law as load_law
 from .law import DERIVED as DERIVED
 from .law import LOOKED_UP as LOOKED_UP
 from .law import MEASURED as MEASURED
@@ -12,6 +8,9 @@ from .law import Law as Law
 from .law import Point as Point
 from .law import Row as Row
 from .law import around as around
+from .law import find_laws as find_laws
+from .law import laws_folder as laws_folder
+from .law import load_law as load_law
 from .law import mean_of as mean_of
 from .page import number as number
 from .page import ours_text as ours_text

@@ -3,14 +3,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from math import isfinite, nan
-from typing import Any, Literal
+from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from matplotlib.figure import Figure
 
+from lammps_jump.errors import CaseError
+from lammps_jump.studies.points import Found as Found
+from lammps_jump.studies.points import Point as Point
+from lammps_jump.studies.points.find import LAW_FILE, load_module, source_of
 from lammps_jump.sweeps.table import statistics
 
 LOOKED_UP, SECOND_HAND, DERIVED, MEASURED = "looked up", "second hand", "derived here", "measured by us"
@@ -18,40 +23,6 @@ KINDS = (LOOKED_UP, SECOND_HAND, DERIVED, MEASURED)
 """Where a published value comes from: read at its source, quoted by another text, derived in our documents, measured
 with this program before."""
 Verdict = Literal["met", "near", "not met", "fit"]
-Found = Mapping[str, Sequence[Mapping[str, Any]]]
-"""What was measured: by the name of a point, what the measuring function returned for each of its starts."""
-
-
-@dataclass(frozen=True)
-class Point:
-    """One set of values, at which a law is measured.
-
-    Attributes
-    ----------
-    name : str
-        Unique in its law.
-    measure : str
-        Name of a function in ``measure.py`` of the law's folder. With a case it is called ``measure(run, **options)``,
-        else ``measure(**options)``. It returns a dict of plain data.
-    case : str or None
-        Case file, relative to the law's folder; None for a function without a run.
-    changes : mapping
-        Values of the case that this point changes, as ``--set``.
-    starts : int
-        Runs with their discs moved by 1e-6 diameters, seeds 1 and up; 1 for a function.
-    options : mapping
-        Plain data, handed to the function by name.
-    seconds : float
-        Processor time of one start, about; weighs the line of progress.
-    """
-
-    name: str
-    measure: str
-    case: str | None = None
-    changes: Mapping[str, Any] = field(default_factory=dict)
-    starts: int = 1
-    options: Mapping[str, Any] = field(default_factory=dict)
-    seconds: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -158,3 +129,31 @@ def around(value: float, share: float = 0.0, *, by: float = 0.0) -> tuple[float,
     """Limits around a value: a share of its size, and `by` in its unit."""
     half = abs(value) * share + by
     return value - half, value + half
+
+
+def laws_folder(given: Path | None = None) -> Path:
+    """Return the folder of the laws: the given one, else that of the source tree; errors as of `source_of`."""
+    return source_of("the laws", f"*/{LAW_FILE}", given)
+
+
+def find_laws(folder: Path, names: Sequence[str] | None = None) -> dict[str, Law]:
+    """Return the laws of a folder by name, those that are named or all.
+
+    Raises
+    ------
+    CaseError
+        A name that is not known.
+    """
+    known = sorted(path.parent.name for path in folder.glob(f"*/{LAW_FILE}"))
+    for name in names or ():
+        if name not in known:
+            raise CaseError(f"there is no law '{name}'; laws in {folder}: {', '.join(known)}")
+    return {name: load_law(folder / name) for name in dict.fromkeys(names or known)}
+
+
+def load_law(folder: Path) -> Law:
+    """Return the law of a folder; CaseError where its ``law.py`` names none."""
+    law = getattr(load_module(folder, "law"), "LAW", None)
+    if not isinstance(law, Law):
+        raise CaseError(f"{folder / LAW_FILE}: has no LAW; docs/validation.md says how a law is written")
+    return law

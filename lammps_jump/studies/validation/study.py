@@ -5,35 +5,23 @@ from __future__ import annotations
 
 import subprocess
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from itertools import chain
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
-from lammps_jump import load_case
 from lammps_jump.analysis.draw.style import save
-from lammps_jump.files import plain, text_of, write_json
+from lammps_jump.files import plain, write_json
 from lammps_jump.folders import require_no_link
-from lammps_jump.identity import short_hash
 from lammps_jump.provenance import machine, usable_cores
 from lammps_jump.studies.folder import held_folder
-from lammps_jump.sweeps import Pool, Start, Store, SweepProgress, all_versions, plan
-from lammps_jump.sweeps.pool import CallOutcome
+from lammps_jump.studies.points.pieces import Piece, failures_of, forget, found_of, measure, pieces_of
+from lammps_jump.studies.points.point import FAILED, Found
+from lammps_jump.sweeps import Pool, Results, Store, SweepProgress, all_versions
 
-from .find import MEASURE_FILE, find_laws, laws_folder
-from .law import Found, Law, Point, Row
+from .law import Law, Row, find_laws, laws_folder
 from .page import write_page
-from .work import FAILED, Task, work
 
 RESULTS_FILE, PAGE_FILE = "validation.json", "report.html"
-
-
-class Piece(NamedTuple):
-    """One start of a point of a law: the key of its result, and what makes it."""
-
-    law: str
-    point: Point
-    key: str
-    task: Task
 
 
 def default_folder(quick: bool) -> Path:
@@ -84,48 +72,23 @@ def validate(
     known = find_laws(place, list(names))
     folder = Path(out) if out else default_folder(quick)
     with held_folder(folder, "validate"):
-        pieces = [piece for name, law in known.items() for piece in pieces_of(place / name, law, quick, folder)]
-        store = Store(folder / RESULTS_FILE, fresh=fresh)
-        for piece in pieces:
-            if FAILED in store.pieces.get(piece.key, ()):
-                del store.pieces[piece.key]  # it is tried again
-        board = LawsBoard(pieces, store, progress)
-        with Pool(jobs or usable_cores()) as pool:
-            calls = [partial(work, piece.task._replace(keep_dump=keep_dumps)) for piece in pieces]
-            store.call(calls, pool, keys=[piece.key for piece in pieces], watch=board, otherwise=lost)
-        report = {"quick": quick, "commit": commit(place), "versions": all_versions(), "machine": machine()}
-        figures = folder / "figures"
-        report["laws"] = {
-            name: outcome(law, [piece for piece in pieces if piece.law == name], store, figures / f"{name}.png")
+        planned = {
+            name: pieces_of(name, law.points(quick), folder, place / name, keep_dumps=keep_dumps)
             for name, law in known.items()
+        }
+        pieces = list(chain.from_iterable(planned.values()))
+        store = Store(folder / RESULTS_FILE, fresh=fresh)
+        forget(pieces, store)
+        with Pool(jobs or usable_cores()) as pool:
+            measure(pieces, store, pool, LawsBoard(pieces, store, progress))
+        report: Results = {"quick": quick, "commit": commit(place), "versions": all_versions(), "machine": machine()}
+        report["laws"] = {
+            name: outcome(law, planned[name], store, folder / "figures" / f"{name}.png") for name, law in known.items()
         }
         store.data |= plain(report)
         write_json(store.path, store.data, indent=2)
         write_page(store.data, folder / PAGE_FILE)
         return store.data
-
-
-def lost(outcome: CallOutcome) -> dict[str, str]:
-    """Return the measurement of a call that did not return: the reason alone."""
-    return {FAILED: f"{outcome.kind}: {outcome.value}"}
-
-
-def pieces_of(folder: Path, law: Law, quick: bool, store: Path) -> list[Piece]:
-    """Return the pieces of a law. The key holds the run, what measures it, and the text of ``measure.py``."""
-    text = text_of(folder / MEASURE_FILE)
-    found = []
-    for point in law.points(quick):
-        about = {"measure": point.measure, "options": plain(point.options), "text": text}
-        members: list[Any] = [None]
-        if point.case is not None:
-            case = load_case(folder / point.case)
-            starts = [Start(0, point.changes, seed + 1) for seed in range(point.starts)]
-            members = plan(case, starts, {"analysis.figures": "none"})
-        for member in members:
-            key = short_hash(about) if member is None else f"{member.key}-{short_hash(about)}"
-            task = Task(folder, point.measure, point.options, member, store)
-            found.append(Piece(folder.name, point, f"{folder.name} {key}", task))
-    return found
 
 
 class LawsBoard:
@@ -161,14 +124,7 @@ class LawsBoard:
 
 def outcome(law: Law, pieces: Sequence[Piece], store: Store, figure: Path) -> dict[str, Any]:
     """Return rows, measurements and failures of a law, as they stand in ``validation.json``; draw its figure."""
-    found: dict[str, list[Any]] = {piece.point.name: [] for piece in pieces}
-    failures = []
-    for piece in pieces:
-        measured = store.pieces[piece.key]
-        if FAILED in measured:
-            failures.append(f"{piece.point.name}: {measured[FAILED]}")
-        else:
-            found[piece.point.name].append(measured)
+    found, failures = found_of(pieces, store), failures_of(pieces, store)
     rows: list[Row] = []
     if all(found.values()):
         rows = list(law.rows(found))
@@ -192,8 +148,8 @@ def with_keys(found: Found, pieces: Sequence[Piece]) -> dict[str, Any]:
     about: dict[str, Any] = {}
     for piece in pieces:
         one = about.setdefault(piece.point.name, {"case": piece.point.case, "changes": dict(piece.point.changes)})
-        if piece.task.member is not None:
-            one.setdefault("runs", []).append(piece.task.member.key)
+        if piece.member is not None:
+            one.setdefault("runs", []).append(piece.member.key)
     return {name: {**one, "found": found[name]} for name, one in about.items()}
 
 

@@ -30,7 +30,6 @@ from lammps_jump.files import plain, text_of
 from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.scene import Box, Scene, handmade_scene
 from lammps_jump.studies.runs import KERNELS, execute
-from lammps_jump.sweeps import pool
 
 HARD = yaml.safe_load(text_of(Path(__file__).with_name("scenes.yaml")))
 """Scenes by hand: ``base``, and what each of ``scenes`` changes in it."""
@@ -78,9 +77,10 @@ class Outcome:
     gain: float | None = None
 
 
-def ended(outcome: pool.CallOutcome) -> Outcome:
+def ended(reason: str) -> Outcome:
     """Return the outcome of a scene whose process hung, crashed, or met an error that is none of its own."""
-    return Outcome(outcome.kind if outcome.kind in ("hang", "crash") else "bug", str(outcome.value))
+    kind, _, message = reason.partition(": ")
+    return Outcome(kind, message) if kind in ("hang", "crash", "bug") else Outcome("bug", reason)
 
 
 def base_case(**changes: object) -> dict[str, Any]:
@@ -186,6 +186,12 @@ def _random_run(random: np.random.Generator, omega: float) -> dict[str, Any]:
         "seed": random.integers(1, 10**6),
         "allow_unstable": random.random() < 0.1,
     }
+
+
+def may_heat(case: dict[str, Any]) -> bool:
+    """Return whether the step is forced, or heats hard elastic contacts although it is stable."""
+    run = case["run"]
+    return run["allow_unstable"] or (case["contact"]["restitution"] > 0.9 and run["time_step_fraction"] >= 0.2)
 
 
 def judge(case: dict[str, Any], engine: str) -> Outcome:

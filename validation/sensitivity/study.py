@@ -9,7 +9,7 @@ starts. The runs are kept: an interrupted study continues. The tables are in ``s
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import sqrt
 from pathlib import Path
@@ -22,13 +22,13 @@ from lammps_jump.case.templates import scene_folder
 from lammps_jump.engines import usable_kernels
 from lammps_jump.files import plain
 from lammps_jump.physics import jump
-from lammps_jump.provenance import usable_cores
-from lammps_jump.studies.folder import held_folder
-from lammps_jump.sweeps import MemberRun, Pool, Say, Start, Store, run_starts
+from lammps_jump.studies.points import FAILED, Found, Point, PointStudy
+from lammps_jump.studies.runs import middle
+from lammps_jump.studies.settings import StudySetting, listed, reference_setting, stable
+from lammps_jump.studies.table import markdown, with_error
+from lammps_jump.sweeps import Results
 
-from .runs import middle
-from .settings import StudySetting, listed, reference_setting, stable
-from .table import markdown, with_error
+from .measure import NUMBERS
 
 DEPTH, GRAVITY = 0.6, 9.81
 BASE_FROUDE = jump.froude(10.0, DEPTH, GRAVITY)
@@ -59,14 +59,6 @@ class ParameterStudy:
     base: float
     costly: float = float("inf")
     logarithmic: bool = False
-
-
-Row = dict[str, float | dict[str, int] | None]
-"""A value of the parameter with what was found: each of `NUMBERS`, ``ratio`` (y2/y1), ``expected`` (that by Bélanger),
-means over the starts that found a jump, with their standard errors ``<number>_error``; ``value``, ``verdicts`` (starts
-by verdict), ``seconds`` (median processor time), ``usbr`` (length of that curve over Bélanger's y2). None: no number.
-"""
-NUMBERS = ("froude", "y1", "y2", "belanger_y2", "belanger_deviation", "length_over_y2", "length_usbr", "speed")
 
 
 def _froude(froude: float) -> dict[str, object]:
@@ -118,70 +110,79 @@ JUMP_CASE = scene_folder() / "quick_jump.yaml"
 """Base case of the studies of the jump."""
 
 
-def run_sensitivity(
-    out: Path | None = None, *, quick: bool = False, only: str | None = None, fresh: bool = False, say: Say = print
-) -> str:
-    """Run all studies, or those named in `only`; returns their tables as Markdown.
+def study(*, quick: bool = False, only: str | None = None) -> PointStudy:
+    """Return the study of all parameters, or of those named in `only`, comma-separated.
 
-    Parameters
-    ----------
-    out : Path, optional
-        Default ``runs/sensitivity``.
-    quick : bool
-        One value a study, one start in place of four, coarse discs.
-    only : str, optional
-        Names of `STUDIES`, comma-separated.
-    fresh : bool
-        Run again what is stored.
-    say : callable
+    Quick: one value a parameter, one start in place of four, coarse discs.
 
     Raises
     ------
     CaseError
-        An unknown study.
+        An unknown parameter.
     """
     names = listed("--only", only, list(STUDIES)) or tuple(STUDIES)
-    folder = Path(out) if out else Path("runs") / "sensitivity"
-    heading, rows = "### {0.label} (base {0.base:z.3g})\n\n", {}
-    with held_folder(folder, "sensitivity"), Pool(usable_cores()) as pool:
-        store = Store(folder / "sensitivity.json")
+    base = load_case(JUMP_CASE, QUICK_CHANGES if quick else {})
+    parts = {name: points_of(name, base, quick) for name in names}
+    labels = {
+        point.name: f"{STUDIES[name].label} = {value:zg}" for name in names for value, point in parts[name].items()
+    }
+
+    def results(found: Found, stored: Results) -> Results:
+        rows = {name: [row_of(value, found[point.name]) for value, point in parts[name].items()] for name in names}
+        return {"studies": {**stored.get("studies", {}), **rows}}
+
+    def page(results: Results) -> list[str]:
+        heading, rows = "### {0.label} (base {0.base:z.3g})", results["studies"]
+        return [text for name in names for text in (heading.format(STUDIES[name]), markdown(COLUMNS, rows[name]))]
+
+    def draw(results: Results, folder: Path) -> None:
         for name in names:
-            rows[name] = run_study(STUDIES[name], folder, pool, quick=quick, fresh=fresh, say=say)
-            draw_study(STUDIES[name], rows[name], folder / f"sensitivity_{name}.png")
-        tables = (heading.format(STUDIES[name]) + markdown(COLUMNS, found) + "\n" for name, found in rows.items())
-        return store.finish("\n".join(tables), studies={**store.data.get("studies", {}), **rows})
+            draw_study(STUDIES[name], results["studies"][name], folder / f"sensitivity_{name}.png")
+
+    def told(point: Point, start: int, measured: Results) -> str:
+        return f"{labels[point.name]}, start {start}: {measured.get(FAILED) or measured['outcome']}"
+
+    points = [point for part in parts.values() for point in part.values()]
+    return PointStudy("sensitivity", points, results, page, draw, told)
 
 
-def run_study(study: ParameterStudy, folder: Path, pool: Pool, *, quick: bool, fresh: bool, say: Say) -> list[Row]:
-    """Return a row for each value of the parameter."""
-    base, values = load_case(JUMP_CASE, QUICK_CHANGES if quick else {}), study.quick if quick else study.values
+def points_of(name: str, base: Case, quick: bool) -> dict[float, Point]:
+    """Return the point of each value of a parameter; runs of minutes are made twice, many discs scatter less."""
+    found, parameter = {}, STUDIES[name]
+    for value in parameter.quick if quick else parameter.values:
+        changes = settled(base, parameter.changes(value))
+        starts = 1 if quick else (2 if value >= parameter.costly else 4)
+        found[value] = Point(
+            f"{name} {value:zg}",
+            "jump_found",
+            base,
+            changes,
+            starts,
+            seed=base.fields.run.seed,
+            dump=False,
+            judged=True,
+        )
+    return found
 
-    def said(made: MemberRun) -> None:
-        value, member = values[made.start.point], made.start.seed - base.fields.run.seed
-        say(f"  {study.label} = {value:zg}, start {member + 1}: {made.message or made.outcome}")
 
-    starts: list[Start] = []
-    for point, value in enumerate(values):  # runs of minutes are made twice; large numbers of discs scatter less
-        members = 1 if quick else (2 if value >= study.costly else 4)
-        starts += starts_of(base, study.changes(value), members, point)
-    made = run_starts(base, starts, folder, pool, fresh=fresh, said=said)
-    return [summarise_runs(v, [one for one in made if one.start.point == point]) for point, v in enumerate(values)]
-
-
-def starts_of(base: Case, changes: Mapping[str, object], members: int, point: int = 0) -> list[Start]:
-    """Return starts of a changed case on the quickest kernel at f = 0.1, or less where that is not stable."""
+def settled(base: Case, changes: Mapping[str, object]) -> dict[str, object]:
+    """Return the changes with the quickest kernel at f = 0.1, or less where that is not stable."""
     restitution = base.replace(changes).fields.contact.restitution
     kernel = reference_setting(0.1, [name for name in usable_kernels()[0] if name != "stock"]).kernel
     fast = next(s for s in (StudySetting(kernel, f) for f in (0.1, 0.05, 0.02)) if stable(s, restitution))
-    seed = base.fields.run.seed
-    return [Start(point, {**fast.changes(1.0), **changes}, seed + member) for member in range(members)]
+    return {**fast.changes(1.0), **changes}
 
 
-def summarise_runs(value: float, runs: list[MemberRun]) -> Row:
-    """Return the row of one value of the parameter."""
-    table = pd.DataFrame([run.jump for run in runs if run.jump], columns=NUMBERS, dtype=float)
-    row: Row = {"value": value, "verdicts": dict(Counter(run.outcome for run in runs))}
-    row["seconds"] = middle(run.summary.get("cpu_seconds", 0.0) for run in runs)
+def row_of(value: float, starts: Sequence[Results]) -> Results:
+    """Return the row of one value: means over the starts that found a jump, with standard errors ``<number>_error``.
+
+    It holds each of `NUMBERS`, ``ratio`` (y2/y1), ``expected`` (that by Bélanger), ``value``, ``verdicts`` (starts by
+    verdict), ``seconds`` (median processor time), and ``usbr`` (length of that curve over Bélanger's y2). None: no
+    number.
+    """
+    table = pd.DataFrame([one["jump"] for one in starts if one.get("jump")], columns=NUMBERS, dtype=float)
+    row: Results = {"value": value, "verdicts": dict(Counter(one.get("outcome", FAILED) for one in starts))}
+    row["seconds"] = middle(one.get("seconds", 0.0) for one in starts)
     table["ratio"], table["expected"] = table.y2 / table.y1, table.belanger_y2 / table.y1
     row |= plain({**table.mean(), **table.sem().add_suffix("_error")})
     row["usbr"] = plain((table.length_usbr / table.belanger_y2).mean())
@@ -208,7 +209,7 @@ COLUMNS = {
 }
 
 
-def draw_study(study: ParameterStudy, rows: list[Row], path: Path) -> None:
+def draw_study(study: ParameterStudy, rows: Sequence[Results], path: Path) -> None:
     """Draw three panels with one abscissa; theory for the same (measured) Froude number beside each measurement."""
     table = pd.DataFrame(rows).drop(columns="verdicts").astype(float)
     none = table.value[table.ratio.isna()]

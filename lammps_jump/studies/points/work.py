@@ -13,9 +13,7 @@ from lammps_jump.files import DUMP_NAMES, plain
 from lammps_jump.sweeps.members import Member, drop_dumps, require_no_links, run_member, state_of
 
 from .find import MEASURE_FILE, load_module
-
-FAILED = "failed"
-"""Key of a measurement that there is not, with the reason."""
+from .point import FAILED, Measure
 
 
 class Task(NamedTuple):
@@ -24,45 +22,65 @@ class Task(NamedTuple):
     Attributes
     ----------
     folder : Path
-        Of the law.
-    measure : str
-        Function in its ``measure.py``.
+        Of the study.
+    measure : str or callable
     options : mapping
         Of that function.
     member : Member or None
         What is run; None for a function without a run.
     store : Path
         Holds ``runs/``.
+    dump : bool
+        Whether the function reads the dump.
+    again : bool
+        Run again what is there.
     keep_dump : bool
     """
 
     folder: Path
-    measure: str
+    measure: str | Measure
     options: Mapping[str, Any]
     member: Member | None
     store: Path
+    dump: bool = True
+    again: bool = False
     keep_dump: bool = False
 
 
-def work(task: Task) -> dict[str, Any]:
-    """Return what the measuring function finds; a run that failed is a measurement with the reason alone."""
-    function = getattr(load_module(task.folder, "measure"), task.measure, None)
-    if function is None:
+def function_of(task: Task) -> Measure:
+    """Return the measuring function; CaseError where the folder has none of this name."""
+    if not isinstance(task.measure, str):
+        return task.measure
+    found: Measure | None = getattr(load_module(task.folder, "measure"), task.measure, None)
+    if found is None:
         raise CaseError(f"{task.folder / MEASURE_FILE}: has no function {task.measure}")
+    return found
+
+
+def work(task: Task) -> Any:
+    """Return what the measuring function finds; a run that failed is a measurement with the reason alone."""
+    function = function_of(task)
     try:
         return plain(function(**task.options) if task.member is None else _measured(task, task.member, function))
     except RunInterrupted:
         raise
     except JumpError as error:
-        return {FAILED: str(error)}
+        return failed(str(error))
 
 
-def _measured(task: Task, member: Member, function: Any) -> dict[str, Any]:
+def failed(reason: str) -> dict[str, str]:
+    """Return the measurement that there is not."""
+    return {FAILED: reason}
+
+
+def _measured(task: Task, member: Member, function: Measure) -> object:
     require_no_links([member], task.store)
     folder = member.folder(task.store)
     stage = state_of(member, task.store).stage
-    dumps = [folder / name for name in DUMP_NAMES.values()]
-    if stage != "done" or not any(path.exists() for path in dumps):
+    there = stage == "done" and not task.again
+    if there and task.dump:
+        there = any((folder / name).exists() for name in DUMP_NAMES.values())
+    if not there:
         run_member(member, task.store, stage in ("done", "failed"), True)
     found = function(open_run(folder), **task.options)
     if not task.keep_dump:
