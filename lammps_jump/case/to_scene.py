@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,7 +15,6 @@ from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.scene import (
     Beginning,
     InletRow,
-    Interval,
     MovingWall,
     Outlet,
     Pour,
@@ -22,14 +22,13 @@ from lammps_jump.scene import (
     Sizes,
     Stations,
 )
-from lammps_jump.scene.motion import largest_speed, way
 from lammps_jump.scene.schedule import Schedule, fitted_step, plan_stations, plan_steps
 
 from . import checks, walls
 from .bodies.checks import check_bodies
 from .derived import skipped
 from .design import tailgate
-from .fields import CaseFields, Column
+from .fields import CaseFields
 from .foresight import speeds, ways_out
 from .foresight.asked import in_vain, light, radians_given
 from .foresight.doubts import doubts, held_deep, jump_doubts
@@ -37,6 +36,7 @@ from .foresight.grains import heap_doubts
 from .packing import TooSoft, arrange, disc_sizes
 from .parts import channel, places
 from .parts.beds import beds_of
+from .parts.domain import Rectangle, domain_of, implied_speed, outlets_of
 from .parts.earlier import EarlierRun
 from .parts.inflow import PourInflow, RowsInflow
 from .parts.rows import Inlet, inlet_back, inlet_of
@@ -45,9 +45,6 @@ from .text import Runs
 
 INTEGRATORS = {"lammps": "velocity_verlet"} | dict.fromkeys(("native", "twin"), "leapfrog_extrapolated")
 """What ``run.integrator: auto`` means, by engine."""
-MAX_SPEED_MARGIN = 2.0
-"""Ratio of the speed at which a disc could jump over an outlet to the largest speed that the case implies."""
-
 POUR_RASTER = 100
 """Steps at whose multiples poured discs get their own diameter. To set diameters is free at every 100 steps; at every 8
 it takes 30 % of a run with stock styles (measured)."""
@@ -120,8 +117,83 @@ def build_scene(case: CaseFields, runs: Runs) -> Scene:
 def _scene(case: CaseFields, runs: Runs) -> Scene:
     """`build_scene`, without the notes that need the whole scene."""
     begun, warnings = _beginning(case, runs)
+    around = _around(case, begun)
+    notes = around.notes + _check_together(case, begun, around)
+    seen = _seen(case, begun, around)
+    notes += ways_out.unguarded(case, begun, around.inlet.rows, around.walls, around.domain, around.outlets)
+    notes += ways_out.unused(around.walls, seen.reached, list(around.fields))
+    notes += in_vain(case, around.walls) + radians_given(case) + light(case)
+    touch = _touch(case, begun, around.laws)
+    standing = (*seen.kept, *around.gates)
+    pour = case.inflow if isinstance(case.inflow, PourInflow) else None
+    changed = {
+        "overlap_limit": begun.overlap_limit * walls.own_overlap(begun, around.laws),
+        "earlier": for_walls(begun.earlier, standing, remembers=touch["springs"] is not None),
+    }
+    scene = Scene(
+        **(vars(begun) | changed | touch),
+        name=case.name,
+        description=case.description,
+        density=case.discs.density,
+        gravity=case.acceleration,
+        integrator=_integrator(case),
+        domain=around.domain,
+        walls=standing,
+        own_laws=around.laws,
+        inlets=around.inlet.rows,
+        hydrograph=around.inlet.hydrograph,
+        pours=(Pour(**pour.model_dump(exclude={"kind"})),) if pour else (),
+        outlets=around.outlets,
+        probes=seen.probes,
+        groups=seen.groups,
+        stations=_stations(case, begun, around.inlet.rows, around.outlets),
+        gauges=places.gauges(case, around.domain[0]),
+        seed=case.run.seed,
+        skin=case.engine.skin or 0.3 * begun.diameter,
+        periodic=case.seam is not None,
+        size_steps=around.inlet.raster if around.inlet.rows else POUR_RASTER,
+        skipped=skipped(
+            case, tuple(wall for wall, _ in around.walls), [wall for wall, _ in seen.kept], begun, around.laws.values()
+        ),
+        warnings=(
+            *warnings, *checks.check_stop(case), *doubts(case, _stiffness(case)[1], around.inlet.rows), *notes,
+        ),
+        adapted=checks.adapted(case, begun, around.inlet.rows),
+    )  # fmt: skip
+    checks.check_time(case, scene)
+    return replace(scene, warnings=(*scene.warnings, *told)) if (told := held_deep(scene)) else scene
+
+
+class _Around(NamedTuple):
+    """What stands around the discs of a scene, and what to beware of in it.
+
+    Attributes
+    ----------
+    walls : list of MovingWall
+        Of the case, with what raises beds, and the wall behind an inlet.
+    gates : tuple of MovingWall
+        Those that hold columns until t = 0.
+    fields : dict of str to str
+        Places in the case of walls that it names, by name.
+    names : set of str
+        Names that are taken.
+    """
+
+    inlet: Inlet
+    laws: dict[str, contact.WallLaw]
+    walls: list[MovingWall]
+    gates: tuple[MovingWall, ...]
+    domain: Rectangle
+    outlets: tuple[Outlet, ...]
+    fields: dict[str, str]
+    names: set[str]
+    notes: list[str]
+
+
+def _around(case: CaseFields, begun: Beginning) -> _Around:
+    """Inlet, walls with their contacts and motions, domain and outlets; each is checked by itself."""
     rows = case.inflow if isinstance(case.inflow, RowsInflow) else None
-    inlets, raster, hydrograph = inlet_of(rows, begun, case.run.seed) if rows else Inlet()
+    inlet = inlet_of(rows, begun, case.run.seed) if rows else Inlet()
     theirs = walls.joined(case)
     given = theirs + walls.lifted(case)
     walls.check_bends(given, begun.largest)
@@ -129,75 +201,67 @@ def _scene(case: CaseFields, runs: Runs) -> Scene:
     notes = walls.check_own_laws(case, begun, laws, given, _integrator(case))
     moving = [walls.moving(item, case, begun, laws) for item in given]
     notes += speeds.softness(case, begun)
-    notes += walls.wall_doubts(moving, begun, laws, inlets) + heap_doubts(case, begun, moving)
-    ways = [way(one, *walls.span(begun)) for one in moving]
-    speed = max([_largest_speed(case, begun, inlets), *(largest_speed(one, *walls.span(begun)) for one in moving)])
-    domain = _domain(case, begun, inlets, speed, ways)
-    outlets = _outlets(case, begun, domain, speed)
+    notes += walls.wall_doubts(moving, begun, laws, inlet.rows) + heap_doubts(case, begun, moving)
+    speed = implied_speed(case, begun, inlet.rows, moving, _stiffness(case)[1])
+    domain = domain_of(case, begun, inlet.rows, moving, speed)
+    outlets = outlets_of(case, begun, domain, speed)
     fields = {item.wall.name: item.field for item in theirs}
-    moving = tailgate.with_holdings(case, begun, moving, fields, domain, inlets)
+    moving = tailgate.with_holdings(case, begun, moving, fields, domain, inlet.rows)
     gates = walls.shut_gates(case, begun, domain)
     moving += map(MovingWall, inlet_back(case.inflow, begun.largest))
-    own_names = checks.check_names(case, [wall for wall, _ in (*moving[len(theirs) :], *gates)])
-    places.check_in_domain(case, begun.positions, inlets, domain)
-    places.check_places(case, begun, inlets, (*moving, *gates), fields, case.seam)
+    names = checks.check_names(case, [wall for wall, _ in (*moving[len(theirs) :], *gates)])
+    return _Around(inlet, laws, moving, gates, domain, outlets, fields, names, notes)
+
+
+def _check_together(case: CaseFields, begun: Beginning, around: _Around) -> list[str]:
+    """Refuse what does not go together: discs, inlets and walls in each other's place; what to beware of there."""
+    standing, rows, notes = (*around.walls, *around.gates), around.inlet.rows, []
+    places.check_in_domain(case, begun.positions, rows, around.domain)
+    places.check_places(case, begun, rows, standing, around.fields, case.seam)
     if case.seam:
-        channel.check_walls(begun, moving, fields, domain)
-        notes += channel.lid_doubts(moving, domain, begun.largest)
+        channel.check_walls(begun, around.walls, around.fields, around.domain)
+        notes += channel.lid_doubts(around.walls, around.domain, begun.largest)
     notes += check_bodies(
-        begun, (*moving, *gates), fields, laws, _integrator(case),
+        begun, standing, around.fields, around.laws, _integrator(case),
         unstable=case.run.allow_unstable, ground=speeds.lowest_ground(case) if case.bodies else math.inf,
     )  # fmt: skip
-    checks.check_pour(case, domain, begun.largest)
-    names = [wall.name for wall, _ in moving]
-    probes, groups = _probes(case, names), walls.groups(case, moving, own_names)
+    checks.check_pour(case, around.domain, begun.largest)
+    return notes
+
+
+class _Seen(NamedTuple):
+    """Walls that the scene keeps: those that discs reach, and those whose forces are asked for."""
+
+    reached: list[MovingWall]
+    kept: list[MovingWall]
+    probes: tuple[str, ...]
+    groups: tuple[tuple[str, tuple[str, ...]], ...]
+
+
+def _seen(case: CaseFields, begun: Beginning, around: _Around) -> _Seen:
+    """The walls that matter, and the forces that are asked for."""
+    probes = _probes(case, [wall.name for wall, _ in around.walls])
+    groups = walls.groups(case, around.walls, around.names)
     asked = {*probes, *(name for _, members in groups for name in members)}
-    reached = [one for one in moving if walls.reachable(one, begun, domain)]
-    kept = [one for one in moving if one in reached or one.wall.name in asked]
-    notes += ways_out.unguarded(case, begun, inlets, moving, domain, outlets)
-    notes += ways_out.unused(moving, reached, [item.wall.name for item in theirs])
-    notes += in_vain(case, moving) + radians_given(case) + light(case)
-    law, pour = case.contact, case.inflow if isinstance(case.inflow, PourInflow) else None
+    reached = [one for one in around.walls if walls.reachable(one, begun, around.domain)]
+    return _Seen(reached, [one for one in around.walls if one in reached or one.wall.name in asked], probes, groups)
+
+
+def _touch(case: CaseFields, begun: Beginning, laws: dict[str, contact.WallLaw]) -> dict[str, Any]:
+    """How discs touch: fields of `Scene` beside the coefficients."""
+    law = case.contact
     rubs = law.friction > 0 or any(own.friction for own in laws.values())
     springs = law.springs if rubs else None
-    sharp = law.touch == "sharp"
-    _, impact_speed, _ = _stiffness(case)
-    earlier = for_walls(begun.earlier, (*kept, *gates), remembers=springs is not None)
-    scene = Scene(
-        **(vars(begun) | {"overlap_limit": begun.overlap_limit * walls.own_overlap(begun, laws), "earlier": earlier}),
-        name=case.name,
-        description=case.description,
-        density=case.discs.density,
-        gravity=case.acceleration,
-        friction_law=law.friction_law,
-        springs=springs,
-        contact_output=springs is not None and (case.engine.name != "lammps" or case.analysis.looks_at_contacts),
-        rotation=law.rotation and rubs,
-        integrator=_integrator(case),
-        domain=domain,
-        walls=(*kept, *gates),
-        own_laws=laws,
-        inlets=inlets,
-        hydrograph=hydrograph,
-        pours=(Pour(**pour.model_dump(exclude={"kind"})),) if pour else (),
-        outlets=outlets,
-        probes=probes,
-        groups=groups,
-        stations=_stations(case, begun, inlets, outlets),
-        gauges=places.gauges(case, domain[0]),
-        seed=case.run.seed,
-        skin=case.engine.skin or 0.3 * begun.diameter,
-        touch=law.touch,
-        touch_width=0.0 if sharp else law.touch_width or TOUCH_STEPS * impact_speed * begun.time_step,
-        cohesion=law.attraction(begun.coefficients.mass, case.gravity),
-        periodic=case.seam is not None,
-        size_steps=raster if inlets else POUR_RASTER,
-        skipped=skipped(case, tuple(wall for wall, _ in moving), [wall for wall, _ in kept], begun, laws.values()),
-        warnings=(*warnings, *checks.check_stop(case), *doubts(case, impact_speed, inlets), *notes),
-        adapted=checks.adapted(case, begun, inlets),
-    )
-    checks.check_time(case, scene)
-    return replace(scene, warnings=(*scene.warnings, *told)) if (told := held_deep(scene)) else scene
+    width = law.touch_width or TOUCH_STEPS * _stiffness(case)[1] * begun.time_step
+    return {
+        "friction_law": law.friction_law,
+        "springs": springs,
+        "contact_output": springs is not None and (case.engine.name != "lammps" or case.analysis.looks_at_contacts),
+        "rotation": law.rotation and rubs,
+        "touch": law.touch,
+        "touch_width": 0.0 if law.touch == "sharp" else width,
+        "cohesion": law.attraction(begun.coefficients.mass, case.gravity),
+    }
 
 
 def _own_laws(case: CaseFields, begun: Beginning, given: tuple[walls.CaseWall, ...]) -> dict[str, contact.WallLaw]:
@@ -250,14 +314,6 @@ def _beginning(case: CaseFields, runs: Runs) -> tuple[Beginning, list[str]]:
     ), warnings
 
 
-def _largest_speed(case: CaseFields, begun: Beginning, inlets: tuple[InletRow, ...]) -> float:
-    """Largest speed that the case implies, m/s: at the start, at the inlet, of an impact, of a column's fall."""
-    columns = [item.y[1] - item.y[0] for item in case.initial if isinstance(item, Column)]
-    falls = [math.sqrt(2 * case.gravity * height) for height in columns]
-    start = float(np.hypot(*begun.velocities.T).max(initial=0.0))
-    return max([*(row.vx for row in inlets), _stiffness(case)[1], start, *falls])
-
-
 def _frozen(array: np.ndarray) -> np.ndarray:
     array = np.ascontiguousarray(array, float)
     array.setflags(write=False)
@@ -308,57 +364,6 @@ def _discs(
         positions.append(place)
         velocities.append(speed)
     return np.concatenate(positions), np.concatenate(velocities)
-
-
-Rectangle = tuple[Interval, Interval]
-
-
-def _domain(
-    case: CaseFields, begun: Beginning, inlets: tuple[InletRow, ...], speed: float,
-    ways: list[Rectangle],
-) -> Rectangle:  # fmt: skip
-    """The given domain, or one around all that the case names, and the ways of walls."""
-    if case.domain is not None:
-        domain = case.domain.x, case.domain.y
-    else:
-        closed = any(wall.hollow for wall in case.walls)
-        margin = 2 * begun.largest if closed else 10 * begun.largest + speed * min(case.run.duration, 3.0)
-        x, y = ((min(e) - margin, max(e) + margin) for e in (_ends(case, axis, begun, inlets, ways) for axis in "xy"))
-        domain = x, y
-    checks.check_domain(case, domain)
-    return domain
-
-
-def _ends(
-    case: CaseFields, axis: str, begun: Beginning, inlets: tuple[InletRow, ...], ways: list[Rectangle]
-) -> list[float]:
-    """Coordinates that a domain must hold, m."""
-    index = "xy".index(axis)
-    values = [*begun.positions[:, index], *(getattr(row, axis) for row in inlets)]
-    if isinstance(case.inflow, PourInflow):
-        values += getattr(case.inflow, axis)
-    values += [end for box in ways for end in box[index] if math.isfinite(end)]
-    outlets = (pair for item in case.outflow for pair in item.model_dump(exclude_none=True).items())
-    return values + [at for name, at in outlets if name.startswith(axis)]
-
-
-def _outlets(case: CaseFields, begun: Beginning, domain: tuple[Interval, Interval], speed: float) -> tuple[Outlet, ...]:
-    outlets = []
-    for index, item in enumerate(case.outflow):
-        ((field, at),) = item.model_dump(exclude_none=True).items()
-        axis = field[0]
-        side = "above" if field in ("x_beyond", "y_above") else "below"
-        low, high = domain[0 if axis == "x" else 1]
-        room = high - at if side == "above" else at - low
-        if room <= begun.largest:
-            raise FieldError(
-                f"outflow.{index}.{field}",
-                f"{at:zg} m leaves no room before the edge of the domain ([{low:zg}, "
-                f"{high:zg}]); discs need a few metres to be taken out in: widen domain or move the outlet",
-            )
-        every = max(1, min(begun.output_steps, int(room / (MAX_SPEED_MARGIN * speed * begun.time_step))))
-        outlets.append(Outlet(axis, at, side, every))
-    return tuple(outlets)
 
 
 def _probes(case: CaseFields, names: list[str]) -> tuple[str, ...]:
