@@ -96,6 +96,7 @@ FixJumpStep::FixJumpStep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
   window.assign(columns * probed.size(), 0.0);
   mean.assign(columns * probed.size(), 0.0);
   size_vector = (int) window.size() + places;
+  if (!pieces.empty()) create_attribute = 1;
   vector_flag = size_vector > 0;
   extscalar = extvector = 0;
 }
@@ -127,6 +128,7 @@ void FixJumpStep::init()
   if (domain->dimension != 2) error->all(FLERR, "fix jump/step needs dimension 2");
   if (!pieces.empty() && !pair->sizes) error->all(FLERR, "fix jump/step sizes needs the sizes of pair_style jump/disc");
   sized = known;
+  newcomers = true;    // of a state that is read
   const bool many = std::any_of(walls.begin(), walls.end(), [](const Wall &w) { return w.faces.size() > jump::FEW; });
   near_margin = (many ? NEAR_MARGIN_OF_MANY : NEAR_MARGIN) * pair->diameter;
   for (auto &wall : walls) {
@@ -221,7 +223,13 @@ bool FixJumpStep::is_seen_at_end() const
 {
   const bigint step = update->ntimestep;
   if (others_look || step == output->next || step == update->laststep) return true;
-  return std::any_of(ending.begin(), ending.end(), [&](Fix *fix) { return step % fix->nevery == 0; });
+  return std::any_of(ending.begin(), ending.end(), [&](Fix *fix) { return step % fix->nevery == 0 && (fix != this || waits()); });
+}
+
+/** Whether discs may wait for their own size. On several ranks one may have come from another rank. */
+bool FixJumpStep::waits() const
+{
+  return newcomers || comm->nprocs > 1;
 }
 
 /** Spin that a torque of 1 gives to a disc, of inertia m R^2/2, in half a step. */
@@ -349,6 +357,8 @@ double FixJumpStep::diameter_of(tagint id) const
     gravity among the forces (`fix set` in LAMMPS) that is gravity of the inserted mass: the velocity gets the rest. */
 void FixJumpStep::end_of_step()
 {
+  if (!waits()) return;
+  newcomers = false;
   tagint highest = sized;
   for (int i = 0; i < atom->nlocal; i++) {
     if (atom->tag[i] <= sized || pair->is_fixed(i)) continue;

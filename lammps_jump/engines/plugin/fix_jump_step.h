@@ -154,6 +154,7 @@ class FixJumpStep : public Fix {
   std::vector<SizePiece> pieces;
   tagint known = 0;           // discs up to this id begin with their own size
   tagint sized = 0;           // discs up to this id have their own size
+  bool newcomers = true;      // discs have come since the sizes were last looked at
   bigint near_order = -1;
   bool others_push = false;     // other fixes add forces: fix gravity, which pours need
   bool others_look = false;     // other fixes act on the discs in each step
@@ -212,6 +213,7 @@ class FixJumpStep : public Fix {
   void watch_others();
   bool is_seen_before_forces() const;
   bool is_seen_at_end() const;
+  bool waits() const;
   void end_steps();
   void kick(int, int);
   void turn_discs(const int *, int, int);

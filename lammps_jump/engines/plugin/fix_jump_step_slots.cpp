@@ -79,10 +79,11 @@ void FixJumpStep::copy_arrays(int from, int to, int)
   std::copy_n(array_atom[from], size_peratom_cols, array_atom[to]);
 }
 
-/** A new disc has no contacts. */
+/** A new disc has no contacts, and waits for its own size. */
 void FixJumpStep::set_arrays(int i)
 {
-  std::fill_n(array_atom[i], size_peratom_cols, 0.0);
+  newcomers = true;
+  if (array_atom) std::fill_n(array_atom[i], size_peratom_cols, 0.0);
 }
 
 int FixJumpStep::pack_exchange(int i, double *to)
