@@ -74,7 +74,7 @@ def script_text(scene: Scene, **options: Any) -> str:
     begin = -scene.settle_steps * scene.time_step
     sections = [
         ("settings", how.style.settings(scene, how.ranks)),
-        ("box and discs", stock.box_and_discs(scene)),
+        ("box and discs", [*stock.box_and_discs(scene), *how.style.molecule(scene)]),
         ("simulated time before the gate opens", [f"reset_timestep  0 time {number(begin)}"] if begin else []),
         *how.style.law(scene),
         ("outlets", stock.outlets(scene)),
@@ -82,7 +82,7 @@ def script_text(scene: Scene, **options: Any) -> str:
         *control(scene, how),
         ("output", stock.output(scene, how.dump_format)),
         ("log", stock.thermo(scene)),
-        ("run", stock.schedule(scene, how.style.gates(scene), how.style.own_sizes(scene), how.kernel)),
+        ("run", stock.schedule(scene, how.style.gates(scene), how.style.inlets(scene), how.kernel)),
     ]
     return joined(title, SCRIPTS[how.kernel], how, sections)
 

@@ -42,6 +42,24 @@ def own_sizes(scene: Scene) -> list[str]:
     return []
 
 
+def molecule(scene: Scene) -> list[str]:
+    """The disc that pours insert; rows of inflow need none."""
+    return stock.molecule(scene) if scene.pours else []
+
+
+def inlets(scene: Scene) -> list[str]:
+    """One fix for all rows: it inserts what ``fix deposit`` of LAMMPS inserts, in less time."""
+    if not scene.inlets:
+        return []
+    disc = numbers(scene.largest, float(scene.masses(scene.largest)))
+    rows = [
+        f"row {row.first_step} {row.every_steps} {row.limit or 0} "
+        f"{numbers(row.clearance, row.x, row.y, row.vx, row.vy)}"
+        for row in scene.inlets
+    ]
+    return [JOIN.join([f"fix             inlets all jump/inlet {disc}", *rows])]
+
+
 def contact_law(scene: Scene) -> list[str]:
     """The plugin's pair style; what the scene lacks (friction, spin, sizes, soft touch) is left out, not computed."""
     c, springs = scene.coefficients, scene.springs

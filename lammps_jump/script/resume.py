@@ -42,22 +42,25 @@ def continuation_text(scene: Scene, *, step: int, removed: tuple[int, ...], pour
     """
     how = Options(**options)
     first = stock.first_step(scene)
-    sizes = how.style.own_sizes(scene)  # the last poured discs may still wait for theirs
-    schedule = stock.schedule(scene, how.style.gates(scene), sizes, how.kernel)
+    inlets = how.style.inlets(scene)
+    schedule = stock.schedule(scene, how.style.gates(scene), inlets, how.kernel)
     if step <= first:  # gates are still closed, or inlets wait
         at = schedule.index(f"run             {first}")
         gates, run = schedule[:at], [f"run             {first} upto pre no", *schedule[at + 1 :]]
     else:
         # gates that wait in a scene with inlets are gone by now; those without go on moving out of the way
         gates = [] if scene.inlets else how.style.gates(scene)
-        gates += stock.inlets(scene, sizes)
+        gates += inlets
         run = [*_pours(scene, step, poured, how.kernel), f"run             {scene.steps} upto pre no"]
     sections = [
         ("settings", ["log             log.lammps append", *how.style.settings(scene, how.ranks)]),
-        ("state", [f"read_restart    {STATE.format(step=step)}", *stock.size_variables(scene), *stock.molecule(scene)]),
+        (
+            "state",
+            [f"read_restart    {STATE.format(step=step)}", *stock.size_variables(scene), *how.style.molecule(scene)],
+        ),
         *how.style.law(scene),
         ("outlets", stock.outlets(scene)),
-        ("pour", sizes if scene.pours else []),
+        ("pour", how.style.own_sizes(scene) if scene.pours else []),  # the last discs may still wait for theirs
         *control(scene, how),
         ("output", _output(scene, how.dump_format)),
         ("log", stock.thermo(scene, removed)),

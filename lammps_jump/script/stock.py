@@ -98,7 +98,7 @@ def box_and_discs(scene: Scene) -> list[str]:
             f"group           bed id {scene.fixed.first}:{scene.fixed.last}",
             "group           free subtract all bed",
         ]
-    return lines + molecule(scene)
+    return lines
 
 
 def half_depth(scene: Scene) -> float:
@@ -216,10 +216,10 @@ def outlets(scene: Scene) -> list[str]:
     return lines
 
 
-def inlets(scene: Scene, sizes: list[str]) -> list[str]:
+def inlets(scene: Scene) -> list[str]:
     """One ``fix deposit`` for each row: a point as region (flat in z too), a disc as molecule, ids in turn.
 
-    A molecule has one diameter, the largest. Where discs are not equal, the commands `sizes` give them their own.
+    A molecule has one diameter, the largest. Where discs are not equal, `own_sizes` gives them their own.
     """
     lines = []
     for index, row in enumerate(scene.inlets, 1):
@@ -231,7 +231,7 @@ def inlets(scene: Scene, sizes: list[str]) -> list[str]:
             f"region inlet_{index} mol disk id max near {number(row.clearance)} attempt 1 "
             f"vx {numbers(row.vx, row.vx)}{fall}",
         ]
-    return [*lines, *sizes] if lines else []
+    return [*lines, *own_sizes(scene)] if lines else []
 
 
 def own_sizes(scene: Scene) -> list[str]:
@@ -322,7 +322,7 @@ def thermo(scene: Scene, removed: tuple[int, ...] = ()) -> list[str]:
     ]
 
 
-def schedule(scene: Scene, gates: list[str], sizes: list[str], kernel: str) -> list[str]:
+def schedule(scene: Scene, gates: list[str], inlets: list[str], kernel: str) -> list[str]:
     """Gates and the run; inlets that begin later need a second run, which begins without the gates' fixes.
 
     Inlets wait for gates. Where discs are not equal they also wait for a step of the raster on which ``fix set`` acts.
@@ -330,8 +330,8 @@ def schedule(scene: Scene, gates: list[str], sizes: list[str], kernel: str) -> l
     """
     first = first_step(scene)
     if not first:
-        return [*gates, *inlets(scene, sizes), f"run             {scene.steps}"]
-    change = [*(f"unfix           {name}" for name in fix_names(gates)), *inlets(scene, sizes)]
+        return [*gates, *inlets, f"run             {scene.steps}"]
+    change = [*(f"unfix           {name}" for name in fix_names(gates)), *inlets]
     rest = f"run             {scene.steps - first}"
     if len(scene.positions):
         return [*gates, f"run             {first}", *between_runs(scene, kernel, change), f"{rest} pre no"]

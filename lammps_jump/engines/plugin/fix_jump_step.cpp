@@ -96,7 +96,6 @@ FixJumpStep::FixJumpStep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
   window.assign(columns * probed.size(), 0.0);
   mean.assign(columns * probed.size(), 0.0);
   size_vector = (int) window.size() + places;
-  if (!pieces.empty()) create_attribute = 1;
   vector_flag = size_vector > 0;
   extscalar = extvector = 0;
 }
@@ -113,6 +112,7 @@ int FixJumpStep::add_pieces(int a, int narg, char **arg)
   if (nevery < 1 || !(density > 0.0) || n < 1 || a + 4 * n > narg)
     error->all(FLERR, "fix jump/step: sizes needs EVERY and DENSITY above 0, and N pieces of four numbers");
   for (int p = 0; p < n; p++) pieces.push_back({next(), next(), next(), next()});
+  create_attribute = 1;    // set_arrays() tells of new discs
   return a;
 }
 

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-/* Registers pair_style jump/disc and fix jump/step with LAMMPS (`plugin load`).
+/* Registers pair_style jump/disc, fix jump/step and fix jump/inlet with LAMMPS (`plugin load`).
 
    The structure is the interface that LAMMPS' plugin command documents (developer guide, "Writing plugins"); the
    wheel ships no header for it. Everything else is hidden (-fvisibility=hidden): two builds of the plugin in one
    process must not take each other's code. */
 
+#include "fix_jump_inlet.h"
 #include "fix_jump_step.h"
 #include "lammps.h"
 #include "pair_jump_disc.h"
@@ -29,7 +30,7 @@ using Register = void (*)(Registration *, void *);
 
 void *make_pair(void *lmp) { return new PairJumpDisc(static_cast<LAMMPS *>(lmp)); }
 
-void *make_fix(void *lmp, int narg, char **arg) { return new FixJumpStep(static_cast<LAMMPS *>(lmp), narg, arg); }
+template <class Fix> void *make_fix(void *lmp, int narg, char **arg) { return new Fix(static_cast<LAMMPS *>(lmp), narg, arg); }
 
 }    // namespace
 
@@ -53,6 +54,11 @@ extern "C" __attribute__((visibility("default"))) void lammpsplugin_init(void *l
   plugin.style = "fix";
   plugin.name = "jump/step";
   plugin.info = "velocity Verlet, gravity and walls for discs in one pass";
-  plugin.creator.with_arguments = make_fix;
+  plugin.creator.with_arguments = make_fix<FixJumpStep>;
+  add(&plugin, lmp);
+
+  plugin.name = "jump/inlet";
+  plugin.info = "rows of discs that flow in";
+  plugin.creator.with_arguments = make_fix<FixJumpInlet>;
   add(&plugin, lmp);
 }
