@@ -13,7 +13,7 @@ import numpy as np
 from numpy.ctypeslib import ndpointer
 
 from lammps_jump.core.law import jump_law
-from lammps_jump.core.library import INTEGER, INTEGERS, REAL, REALS, function
+from lammps_jump.core.library import INTEGER, INTEGERS, REAL, REALS, entry, function
 from lammps_jump.dump.frame import Frame
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.chains import FACE, records_of
@@ -25,17 +25,21 @@ from .beds.images import fixed_discs
 from .cell_grid import close_pairs
 from .flow import Flow
 
-_touch_wall = function(
-    "jump_touch_wall", INTEGER, REALS, REALS, REALS, ndpointer(FACE), INTEGER, REALS, INTEGERS, INTEGERS, INTEGERS,
-    INTEGERS, REALS, INTEGER, result=INTEGER,
+_touch_wall = entry(
+    "jump_touch_wall", INTEGER, n=INTEGER, x=REALS, y=REALS, radius=REALS, faces=ndpointer(FACE), deep=INTEGER,
+    place=REALS, cells=INTEGERS, start=INTEGERS, listed=INTEGERS, index=INTEGERS, found=REALS, room=INTEGER,
 )  # fmt: skip
 LAWS = POINTER(jump_law)
 _normal_forces = function("jump_normal_forces", INTEGER, LAWS, INTEGERS, REALS, REALS, REALS, REALS)
 _elastic_sum = function("jump_elastic_sum", INTEGER, LAWS, INTEGERS, REALS, result=REAL)
-_whole_forces = function(
-    "jump_whole_forces", INTEGER, LAWS, *[INTEGERS] * 3, REALS, INTEGER, REALS, INTEGER, REAL, REALS, REALS
-)
-_thrust = function("jump_thrust", INTEGER, REALS, INTEGERS, INTEGERS, REALS, REAL, REAL, INTEGER, REALS)
+_whole_forces = entry(
+    "jump_whole_forces", n=INTEGER, laws=LAWS, which=INTEGERS, first=INTEGERS, second=INTEGERS, state=REALS,
+    discs=INTEGER, contact=REALS, rubs=INTEGER, slope=REAL, fx=REALS, fy=REALS,
+)  # fmt: skip
+_thrust = entry(
+    "jump_thrust", n=INTEGER, x=REALS, first=INTEGERS, second=INTEGERS, fx=REALS, low=REAL, width=REAL, bins=INTEGER,
+    thrust=REALS,
+)  # fmt: skip
 
 Asked = ParamSpec("Asked")
 Answer = TypeVar("Answer")
@@ -139,8 +143,8 @@ def wall_contacts(frame: Frame, wall: Wall, flow: Flow) -> Touching:
         room = max(count, 2 * frame.n)
         index, found = np.empty(room, np.int64), np.empty((room, 3))
         count = _touch_wall(
-            frame.n, x, y, radius, wall_faces, body.faces.deep[0], grid.place[0], grid.cells[0], grid.start, grid.faces,
-            index, found, room,
+            n=frame.n, x=x, y=y, radius=radius, faces=wall_faces, deep=body.faces.deep[0], place=grid.place[0],
+            cells=grid.cells[0], start=grid.start, listed=grid.faces, index=index, found=found, room=room,
         )  # fmt: skip
     index, (distance, nx, ny), rate = index[:count], found[:count].T, (np.zeros(count), np.zeros(count))
     if moving:
@@ -280,11 +284,14 @@ def whole_forces(
     if rubs and scene.rotation and "omegaz" in frame.columns:
         rim = np.append(frame.column("omegaz") * flow.radii(frame), 0.0)
     slope = 1.0 / max(flow.laws[0].sign_ramp * float(np.sqrt(np.max(u**2 + v**2))), 1e-300)
-    ends = (contacts.first.astype(np.int64), contacts.second.astype(np.int64))
+    first, second = contacts.first.astype(np.int64), contacts.second.astype(np.int64)
     numbers = np.array([*contacts[2:7], wall_u, wall_v], float)
     computed = np.empty_like(still), np.empty_like(still)
-    laws, state = _laws(flow, contacts), np.array([u, v, rim])
-    _whole_forces(len(still), *laws, *ends, state, len(u), numbers, rubs, slope, *computed)
+    laws, which = _laws(flow, contacts)
+    _whole_forces(
+        n=len(still), laws=laws, which=which, first=first, second=second, state=np.array([u, v, rim]), discs=len(u),
+        contact=numbers, rubs=rubs, slope=slope, fx=computed[0], fy=computed[1],
+    )  # fmt: skip
     if flow.written is None or not velocity:
         return computed
     written = flow.written.forces(frame.step, frame.ids[contacts.second], contacts.partner)
@@ -308,8 +315,10 @@ def thrust_of(x: np.ndarray, contacts: Touching, fx: np.ndarray, edges: np.ndarr
     """
     thrust = np.zeros(len(edges) - 1)
     low, width = float(edges[0]), float(edges[-1] - edges[0]) / len(thrust)
-    ends = contacts.first.astype(np.int64), contacts.second.astype(np.int64)
-    _thrust(len(fx), np.array(x, float), *ends, np.ascontiguousarray(fx), low, width, len(thrust), thrust)
+    _thrust(
+        n=len(fx), x=np.array(x, float), first=contacts.first.astype(np.int64), second=contacts.second.astype(np.int64),
+        fx=np.ascontiguousarray(fx), low=low, width=width, bins=len(thrust), thrust=thrust,
+    )  # fmt: skip
     return thrust
 
 

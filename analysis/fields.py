@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from lammps_jump.core.library import INTEGER, REAL, REALS, core, function
+from lammps_jump.core.library import INTEGER, REAL, REALS, core, entry
 from lammps_jump.dump.exports import write_netcdf
 from lammps_jump.dump.frame import Frame
 from lammps_jump.dump.read import Dump
@@ -47,9 +47,10 @@ MOST_CELLS = 50_000_000
 BALANCING_ROUNDS = 12
 """Each round about halves the error of the balance: 12 leave some 1e-4."""
 
-_spread = function(
-    "jump_spread", INTEGER, REALS, REALS, INTEGER, REALS, INTEGER, INTEGER, REAL, REAL, REAL, REAL, REALS
-)
+_spread = entry(
+    "jump_spread", n=INTEGER, points=REALS, weights=REALS, quantities=INTEGER, cell_weight=REALS, rows=INTEGER,
+    columns=INTEGER, low_x=REAL, low_y=REAL, spacing=REAL, reach=REAL, sums=REALS,
+)  # fmt: skip
 
 LONG_NAMES = {
     "density": ("kg m-3", "bulk density"),
@@ -343,11 +344,14 @@ def spread(
     reach gives nothing. `geometry` holds the low ends of the grid, spacing and reach, m.
     """
     points, weights = np.ascontiguousarray(points, float), np.ascontiguousarray(weights, float)
-    if core() is not None:
-        _spread(len(points), points, weights, weights.shape[1], cell_weight, *cell_weight.shape, *geometry, sums)
-        return
     low_x, low_y, spacing, reach = geometry
     rows, columns = cell_weight.shape
+    if core() is not None:
+        _spread(
+            n=len(points), points=points, weights=weights, quantities=weights.shape[1], cell_weight=cell_weight,
+            rows=rows, columns=columns, low_x=low_x, low_y=low_y, spacing=spacing, reach=reach, sums=sums,
+        )  # fmt: skip
+        return
     area = spacing * spacing
     for i in range(len(points)):
         px, py = points[i, 0], points[i, 1]

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from lammps_jump.core.library import BYTES, INTEGER, INTEGERS, REAL, REALS, core, function
+from lammps_jump.core.library import BYTES, INTEGER, INTEGERS, REAL, REALS, core, entry, function
 from lammps_jump.dump.frame import Frame
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.schedule import MOST_BINS
@@ -40,11 +40,15 @@ LINES_PER_DIAMETER = 8
 REACH = 2.0
 """Centres up to this many diameters apart are neighbours: a whole disc would fit between two that are not."""
 
-_bin_frame = function(
-    "jump_bin_frame", INTEGER, REALS, REALS, REALS, REALS, REALS, REALS, REAL, REAL, INTEGER, REALS, REALS
-)
+_bin_frame = entry(
+    "jump_bin_frame", n=INTEGER, x=REALS, y=REALS, vx=REALS, vy=REALS, radius=REALS, mass=REALS, low=REAL, width=REAL,
+    bins=INTEGER, sums=REALS, beyond=REALS,
+)  # fmt: skip
 _connected = function("jump_connected", INTEGER, REALS, REALS, REALS, REALS, REAL, REAL, BYTES)
-_top_discs = function("jump_top_discs", INTEGER, REALS, REALS, REALS, BYTES, REAL, REAL, INTEGER, INTEGERS)
+_top_discs = entry(
+    "jump_top_discs", n=INTEGER, x=REALS, y=REALS, radius=REALS, joined=BYTES, low=REAL, spacing=REAL, lines=INTEGER,
+    top=INTEGERS,
+)  # fmt: skip
 
 
 def bin_edges(x_range: Interval, bin_width: float) -> np.ndarray:
@@ -319,10 +323,13 @@ def bin_discs(discs: FrameDiscs, low: float, width: float, bins: int) -> tuple[n
         Mass left and right of the bins.
     """
     sums, beyond = np.zeros((6, bins)), np.zeros(2)
-    if core() is not None:
-        _bin_frame(len(discs.x), *discs, low, width, bins, sums, beyond)
-        return sums, beyond
     x, y, u, v, radius, mass = discs
+    if core() is not None:
+        _bin_frame(
+            n=len(x), x=x, y=y, vx=u, vy=v, radius=radius, mass=mass, low=low, width=width, bins=bins, sums=sums,
+            beyond=beyond,
+        )  # fmt: skip
+        return sums, beyond
     place, share = shares(x, radius, low, width, bins)
     part, energy = share * mass, 0.5 * (u * u + v * v)
     for row, weight in enumerate((part, part * u, part * u * u, part * u * energy, part * y, share)):
@@ -398,7 +405,7 @@ def surface_of(
     spacing = width / each
     if core() is not None:
         top = np.empty(lines, np.int64)
-        _top_discs(len(x), x, y, radius, joined, low, spacing, lines, top)
+        _top_discs(n=len(x), x=x, y=y, radius=radius, joined=joined, low=low, spacing=spacing, lines=lines, top=top)
     else:
         top = _top_of_lines(discs, joined, low, spacing, lines)
     cut = top >= 0

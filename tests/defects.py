@@ -135,7 +135,7 @@ DEFECTS = [
     Defect("off by one", "lammps_jump/engines/lammps/log.py", "0.5 * (previous[1] + summary.discs)",
            "0.5 * (summary.discs + summary.discs)", "runs/test_while_running.py"),
     Defect("factor", CORE_LAW, "root(0.75 * overlap", "root(0.5 * overlap", PLUGIN_TESTS),
-    Defect("sign", CORE_CONTACT, "- vx * ny - rim;", "- vx * ny + rim;", PLUGIN_TESTS),
+    Defect("sign", CORE_CONTACT, "- vx * ny - at.rim;", "- vx * ny + at.rim;", PLUGIN_TESTS),
     Defect("sign", CORE_CONTACT, "at.radius - at.gap, at.nx", "at.radius - magnitude(at.gap), at.nx", PLUGIN_TESTS),
     Defect("off by one", WALLS_CPP, "update->ntimestep < wall.until;", "update->ntimestep <= wall.until;",
            PLUGIN_TESTS),

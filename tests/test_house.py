@@ -54,9 +54,7 @@ LONG_FUNCTIONS: dict[str, int] = {}
 """Functions over `LONGEST`, with their lines today."""
 LONG_COMPILED: dict[str, int] = {
     "analysis/report/curves.js:drawPanel": 75,
-    "lammps_jump/core/contacts.cpp:jump_contact_fields": 57,
     "lammps_jump/core/pair_forces.cpp:compute": 51,
-    "lammps_jump/core/shear.cpp:jump_shear": 54,
     "lammps_jump/engines/plugin/fix_jump_step.cpp:FixJumpStep::FixJumpStep": 66,
     "lammps_jump/engines/plugin/pair_jump_disc.cpp:PairJumpDisc::settings": 54,
     "lammps_jump/engines/plugin/pair_jump_disc_forces.cpp:PairJumpDisc::evaluate_list": 150,
@@ -64,23 +62,10 @@ LONG_COMPILED: dict[str, int] = {
 }
 """Functions of C++ and JavaScript over `LONGEST`, with their lines today."""
 LONG_C_CALLS: dict[str, int] = {
-    "lammps_jump/core/contact.h:contact_force": 10,
-    "lammps_jump/core/contacts.cpp:jump_contact_fields": 14,
-    "lammps_jump/core/contacts.cpp:jump_thrust": 9,
-    "lammps_jump/core/contacts.cpp:jump_touch_wall": 13,
-    "lammps_jump/core/contacts.cpp:jump_whole_forces": 12,
-    "lammps_jump/core/fields.cpp:jump_spread": 12,
     "lammps_jump/core/kinds.h:pair_of": 9,
-    "lammps_jump/core/layers.cpp:jump_layers_contacts": 10,
-    "lammps_jump/core/layers.cpp:jump_layers_discs": 10,
     "lammps_jump/core/lists.cpp:jump_image_rows": 11,
     "lammps_jump/core/lists.cpp:jump_list_near": 10,
     "lammps_jump/core/lists.cpp:jump_pair_list": 11,
-    "lammps_jump/core/painter.cpp:jump_paint_discs": 9,
-    "lammps_jump/core/profiles.cpp:jump_bin_frame": 12,
-    "lammps_jump/core/profiles.cpp:jump_top_discs": 9,
-    "lammps_jump/core/rows.cpp:jump_parse_rows": 9,
-    "lammps_jump/core/shear.cpp:jump_shear": 11,
     "lammps_jump/core/sums.cpp:contact_of": 10,
 }
 """Functions of C++ over `MOST_PARAMETERS`, with their parameters today: entries of the core take arrays one by one."""

@@ -20,7 +20,7 @@ from lammps_jump.analysis.jump.frame import along_stream, growth_rate, move_alon
 from lammps_jump.analysis.profiles import bin_edges
 from lammps_jump.analysis.statistics import Mean, as_fields, mean_of
 from lammps_jump.core.law import jump_law
-from lammps_jump.core.library import INTEGER, INTEGERS, REAL, REALS, function
+from lammps_jump.core.library import INTEGER, INTEGERS, REAL, REALS, entry
 from lammps_jump.dump.frame import Frame
 
 ROUNDS = 4
@@ -31,9 +31,9 @@ ODD = ("discharge", "flux", "power", "elastic_flux")
 """Those that change their sign with the direction of x."""
 
 
-_contact_fields = function(
-    "jump_contact_fields", INTEGER, POINTER(jump_law), *[INTEGERS] * 3, REALS, REALS, INTEGER, REALS, INTEGER, REAL,
-    REAL, INTEGER, REALS,
+_contact_fields = entry(
+    "jump_contact_fields", n=INTEGER, laws=POINTER(jump_law), which=INTEGERS, first=INTEGERS, second=INTEGERS, x=REALS,
+    state=REALS, discs=INTEGER, contact=REALS, rounds=INTEGER, low=REAL, width=REAL, bins=INTEGER, fields=REALS,
 )  # fmt: skip
 """Adds power, thrust, elastic energy, its flux and dissipation of contacts to rows 5 to 9 of the fields."""
 
@@ -73,10 +73,10 @@ class EnergyFluxes:
         weight = np.multiply.outer(flow.scene.gravity, mass)
         state = np.pad([u, v, 0.5 * flow.time_step / mass, *weight], [(0, 0), (0, 1)])
         found = touching(frame, flow)
-        which = (part.astype(np.int64) for part in (found.law, found.first, found.second))
+        which, first, second = (part.astype(np.int64) for part in (found.law, found.first, found.second))
         _contact_fields(
-            len(found.first), flow.laws, *which, x, state, frame.n + 1, np.array(found[2:6], float), self.rounds, low,
-            width, bins, fields,
+            n=len(first), laws=flow.laws, which=which, first=first, second=second, x=x, state=state, discs=frame.n + 1,
+            contact=np.array(found[2:6], float), rounds=self.rounds, low=low, width=width, bins=bins, fields=fields,
         )  # fmt: skip
         self._times.append(time)
         self._kept.append(fields / (width * flow.scene.density))

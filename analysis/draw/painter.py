@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lammps_jump.analysis.flow import Flow
-from lammps_jump.core.library import BYTES, INTEGER, REAL, REALS, core, function
+from lammps_jump.core.library import BYTES, INTEGER, REAL, REALS, core, entry
 from lammps_jump.dump.frame import Frame
 from lammps_jump.scene.walls import Interval, Wall, parts_of, thin
 
@@ -28,7 +28,10 @@ EDGE = (70, 70, 70)
 BAR = 5.0
 """Width of what has no thickness, pixels."""
 
-_paint_discs = function("jump_paint_discs", BYTES, INTEGER, INTEGER, INTEGER, REALS, REALS, REALS, REAL, BYTES)
+_paint_discs = entry(
+    "jump_paint_discs", picture=BYTES, height=INTEGER, width=INTEGER, n=INTEGER, column=REALS, row=REALS, radius=REALS,
+    scale=REAL, colours=BYTES,
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -180,7 +183,10 @@ def paint_discs(
         _paint_each(picture, column, row, sizes, view.scale, colours)
     else:
         whole = np.ascontiguousarray(picture)
-        _paint_discs(whole, *picture.shape[:2], len(column), column, row, sizes, view.scale, colours)
+        _paint_discs(
+            picture=whole, height=len(whole), width=whole.shape[1], n=len(column), column=column, row=row, radius=sizes,
+            scale=view.scale, colours=colours,
+        )  # fmt: skip
         if whole is not picture:  # a part of a larger one
             picture[...] = whole
 

@@ -23,7 +23,7 @@ from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.profiles import FrameDiscs, shares, window_of, within
 from lammps_jump.analysis.quantity import Quantity, Wanted
 from lammps_jump.analysis.report.page import Section, Table, described
-from lammps_jump.core.library import INTEGER, INTEGERS, REALS, core, function
+from lammps_jump.core.library import INTEGER, INTEGERS, REALS, core, entry
 from lammps_jump.dump.frame import Frame
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.walls import Interval
@@ -37,10 +37,14 @@ THIN = 0.1
 AREA, MASS, U, V, Y, UU, VV, UV, UY, VY, YY, FXX, FXY, FYX, FYY = range(15)
 """Rows of the sums of a layer: area of discs (m^2); mass (kg/m), alone and times velocities and places; F l (N)."""
 
-_add_discs = function("jump_layers_discs", INTEGER, REALS, REALS, REALS, REALS, REALS, REALS, REALS, INTEGER, REALS)
-_add_contacts = function(
-    "jump_layers_contacts", INTEGER, REALS, REALS, INTEGER, INTEGERS, INTEGERS, REALS, REALS, INTEGER, REALS
-)
+_add_discs = entry(
+    "jump_layers_discs", n=INTEGER, x=REALS, y=REALS, u=REALS, v=REALS, radius=REALS, mass=REALS, numbers=REALS,
+    layers=INTEGER, sums=REALS,
+)  # fmt: skip
+_add_contacts = entry(
+    "jump_layers_contacts", n=INTEGER, x=REALS, y=REALS, count=INTEGER, first=INTEGERS, second=INTEGERS, contact=REALS,
+    numbers=REALS, layers=INTEGER, sums=REALS,
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -165,8 +169,11 @@ class LayerSums:
                 fx, fy = whole_forces(frame, flow, found)
                 reach = discs.radius[found.second] - found.overlap
                 contacts = np.column_stack([found.nx, found.ny, reach, fx, fy])
-                ends = (part.astype(np.int64) for part in (found.first, found.second))
-                _add_contacts(frame.n, discs.x, discs.y, len(contacts), *ends, contacts, where, sums.shape[1], sums)
+                first, second = found.first.astype(np.int64), found.second.astype(np.int64)
+                _add_contacts(
+                    n=frame.n, x=discs.x, y=discs.y, count=len(contacts), first=first, second=second, contact=contacts,
+                    numbers=where, layers=sums.shape[1], sums=sums,
+                )  # fmt: skip
         self._times.append(time)
         self._sums.append(sums)
 
@@ -183,11 +190,11 @@ def add_discs(discs: FrameDiscs, where: np.ndarray, sums: np.ndarray) -> None:
     At the ends of the stretch the share in x times that in y stands for the share of the area in both. The mass of
     `discs` is in kg/m.
     """
-    layers = sums.shape[1]
+    layers, (x, y, u, v, radius, mass) = sums.shape[1], discs
     if core() is not None:
-        _add_discs(len(discs.x), *discs, where, layers, sums)
+        _add_discs(n=len(x), x=x, y=y, u=u, v=v, radius=radius, mass=mass, numbers=where, layers=layers, sums=sums)
         return
-    (begin, end, low, height), (x, y, u, v, radius, mass) = where, discs
+    begin, end, low, height = where
     place, share = shares(x, radius, begin, end - begin, 1)
     across = np.where(place == 1, share, 0.0).sum(axis=0)
     place, up = shares(y, radius, low, height, layers)

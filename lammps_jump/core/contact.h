@@ -57,15 +57,21 @@ inline Number taken(const ContactForce<Number> &of, const Number &nx, const Numb
   return -of.dashpot * (nx * vx + ny * vy) - of.rub * (nx * vy - ny * vx);
 }
 
-/** The force of a contact on a disc. Friction is bounded by what presses the two together (`pressing`).
+/** How a disc meets what it touches. */
+template <class Number> struct Meeting {
+  Number overlap;    // m
+  Number nx, ny;     // unit vector to the disc from what it touches
+  Number vx, vy;     // velocity of its centre against that of its partner, m/s
+  Number rim;        // speed of the rims, R_i omega_i + R_j omega_j, m/s
+  Number turn;       // speed of rolling, m/s
+};
 
-    nx, ny: unit vector to the disc from what it touches; vx, vy: velocity of its centre against that of its partner;
-    rim: speed of the rims, R_i omega_i + R_j omega_j; turn: speed of rolling; m/s. */
+/** The force of a contact on a disc. Friction is bounded by what presses the two together (`pressing`). */
 template <class Law, class Number>
-inline ContactForce<Number> contact_force(const Law &law, const Numbers<Number> &of, const Number &overlap, const Number &nx,
-                                   const Number &ny, const Number &vx, const Number &vy, const Number &rim,
-                                   const Number &turn, Stretch<Number> &held)
+inline ContactForce<Number> contact_force(const Law &law, const Numbers<Number> &of, const Meeting<Number> &at,
+                                          Stretch<Number> &held)
 {
+  const Number &overlap = at.overlap, &nx = at.nx, &ny = at.ny, &vx = at.vx, &vy = at.vy;
   ContactForce<Number> out;
   const Push<Number> push = normal_force(law, of, overlap, vx * nx + vy * ny);
   out.dashpot = push.dashpot;
@@ -73,12 +79,12 @@ inline ContactForce<Number> contact_force(const Law &law, const Numbers<Number> 
   out.fy = push.whole * ny;
   out.rub = out.resist = spread(0.0, overlap);
   if constexpr (Law::Friction::RUBS) {
-    const Number slip = vy * nx - vx * ny - rim;
+    const Number slip = vy * nx - vx * ny - at.rim;
     if constexpr (Law::Friction::REMEMBERS) {
       const Number whole = out.fx * nx + out.fy * ny;    // as the components have it, to the last bit
       const Number normal = law.normal.pressing(of.law, whole);
       out.rub = law.tangential.force(of, normal, slip, held);
-      out.resist = law.tangential.against_rolling(of.law, normal, turn, held);
+      out.resist = law.tangential.against_rolling(of.law, normal, at.turn, held);
     } else {
       out.rub = law.tangential.force(of, law.normal.pressing(of.law, push.whole), slip);
     }
@@ -131,7 +137,7 @@ inline PairForce<Number> pair_contact(const Law &law, const Numbers<Number> &of,
     turn = arm * (pair.spin_a - pair.spin_b);
   }
   static_cast<ContactForce<Number> &>(out) =
-      contact_force(law, own, out.overlap, out.nx, out.ny, pair.vx, pair.vy, rim, turn, held);
+      contact_force(law, own, Meeting<Number>{out.overlap, out.nx, out.ny, pair.vx, pair.vy, rim, turn}, held);
   if constexpr (SPIN) {
     out.lever_a = SIZES || MEMORY ? way_to_middle(pair.a, out.overlap) : pair.a;
     out.lever_b = SIZES || MEMORY ? way_to_middle(pair.b, out.overlap) : pair.b;
@@ -174,7 +180,7 @@ inline WallForce<Number> wall_contact(const Law &law, const Numbers<Number> &of,
   Stretch<Number> held{};
   if constexpr (Law::Friction::REMEMBERS) held = memory.begin(at.vy * at.nx - at.vx * at.ny - rim);
   static_cast<ContactForce<Number> &>(out) =
-      contact_force(law, own, at.radius - at.gap, at.nx, at.ny, at.vx, at.vy, rim, turn, held);
+      contact_force(law, own, Meeting<Number>{at.radius - at.gap, at.nx, at.ny, at.vx, at.vy, rim, turn}, held);
   if constexpr (Law::Friction::REMEMBERS) memory.end(held);
   out.torque = at.radius * (out.resist - out.rub);
   return out;

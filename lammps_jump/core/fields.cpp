@@ -6,13 +6,18 @@
 
 #include "api.h"
 
+#define JUMP_SPREAD(FIELD) \
+  FIELD(int64_t, n) FIELD(const double *, points) FIELD(const double *, weights) FIELD(int64_t, quantities) \
+  FIELD(const double *, cell_weight) FIELD(int64_t, rows) FIELD(int64_t, columns) FIELD(double, low_x) FIELD(double, low_y) \
+  FIELD(double, spacing) FIELD(double, reach) FIELD(double *, sums)
+JUMP_INPUT(jump_spread, JUMP_SPREAD)
+
 // Adds the weights of each point to sums[quantity, row, column], per area, over the open cells in reach; cell_weight is
 // zero in walls, and the shares of a point add up to one. A point without an open cell in reach gives all to the cell
 // that it lies in; one off the grid with nothing in reach gives nothing.
-JUMP_API void jump_spread(int64_t n, const double *points, const double *weights, int64_t quantities,
-                          const double *cell_weight, int64_t rows, int64_t columns, double low_x, double low_y,
-                          double spacing, double reach, double *sums)
+JUMP_API void jump_spread(const jump_spread_input *input)
 {
+  JUMP_SPREAD(JUMP_LOCAL)
   const double area = spacing * spacing;
   const auto bound = [](double value, int64_t least, int64_t most) {
     return static_cast<int64_t>(std::min(std::max(value, static_cast<double>(least)), static_cast<double>(most)));

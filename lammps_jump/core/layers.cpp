@@ -42,11 +42,16 @@ void cut(double start, double way, double least, double most, double &since, dou
 
 }    // namespace
 
+#define JUMP_LAYERS_DISCS(FIELD) \
+  FIELD(int64_t, n) FIELD(const double *, x) FIELD(const double *, y) FIELD(const double *, u) FIELD(const double *, v) \
+  FIELD(const double *, radius) FIELD(const double *, mass) FIELD(const double *, numbers) FIELD(int64_t, layers) \
+  FIELD(double *, sums)
+JUMP_INPUT(jump_layers_discs, JUMP_LAYERS_DISCS)
+
 // Adds discs; at the ends of the stretch the share in x times that in y stands for the share of the area in both.
-JUMP_API void jump_layers_discs(int64_t n, const double *x, const double *y, const double *u, const double *v,
-                                const double *radius, const double *mass, const double *numbers, int64_t layers,
-                                double *sums)
+JUMP_API void jump_layers_discs(const jump_layers_discs_input *input)
 {
+  JUMP_LAYERS_DISCS(JUMP_LOCAL)
   const Where where = where_of(numbers);
   const auto below = [](double place, double r, double edge) { return jump::left_share((edge - place) / r); };
   for (int64_t i = 0; i < n; i++) {
@@ -71,12 +76,17 @@ JUMP_API void jump_layers_discs(int64_t n, const double *x, const double *y, con
   }
 }
 
+#define JUMP_LAYERS_CONTACTS(FIELD) \
+  FIELD(int64_t, n) FIELD(const double *, x) FIELD(const double *, y) FIELD(int64_t, count) FIELD(const int64_t *, first) \
+  FIELD(const int64_t *, second) FIELD(const double *, contact) FIELD(const double *, numbers) FIELD(int64_t, layers) \
+  FIELD(double *, sums)
+JUMP_INPUT(jump_layers_contacts, JUMP_LAYERS_CONTACTS)
+
 // Adds force times branch of each contact with the part of the branch in each layer; contact[c] holds the normal towards
 // the second disc, the distance of the wall's surface from its centre, and the force on it.
-JUMP_API void jump_layers_contacts(int64_t n, const double *x, const double *y, int64_t count, const int64_t *first,
-                                   const int64_t *second, const double *contact, const double *numbers, int64_t layers,
-                                   double *sums)
+JUMP_API void jump_layers_contacts(const jump_layers_contacts_input *input)
 {
+  JUMP_LAYERS_CONTACTS(JUMP_LOCAL)
   const Where where = where_of(numbers);
   for (int64_t c = 0; c < count; c++) {
     const double *const found = contact + 5 * c, fx = found[3], fy = found[4];

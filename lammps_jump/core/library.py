@@ -17,7 +17,7 @@ from lammps_jump.errors import SetupError
 
 from .columns import require_columns
 
-VERSION = 3
+VERSION = 4
 """Of the interface, as in ``api.h``."""
 
 CORE = Product(
@@ -50,6 +50,7 @@ class Struct(ctypes.Structure):
             if names != [name for name, *_ in cls._fields_]:
                 raise SetupError(f"{cls.__name__} has other fields in the core than in Python: {', '.join(names)}")
         for _, kind, *_ in cls._fields_:
+            kind = getattr(kind, "_type_", kind)  # what a pointer leads to
             if isinstance(kind, type) and issubclass(kind, Struct):
                 kind.check(library)
 
@@ -115,3 +116,35 @@ def function(name: str, *kinds: Any, result: Any = None) -> Callable[..., Any]:
         return found
 
     return lambda *arguments: bound()(*arguments)
+
+
+def entry(name: str, result: Any = None, **kinds: Any) -> Callable[..., Any]:
+    """A function of the core that takes one struct, called with the fields of that struct by their names.
+
+    Parameters
+    ----------
+    name : str
+    result : ctypes type, optional
+    **kinds : ctypes types
+        Fields of ``<name>_input`` in their order: as the arguments of `function`.
+
+    Raises
+    ------
+    SetupError
+        At the first call, where the fields of the core are others.
+    TypeError
+        A field is missing or unknown, or an array is not of the kind of its field.
+    """
+    arrays = {key for key, kind in kinds.items() if hasattr(kind, "_dtype_")}
+    fields = [(key, ctypes.c_void_p if key in arrays else kind) for key, kind in kinds.items()]
+    struct = type(f"{name}_input", (Struct,), {"_fields_": fields})
+    call = function(name, ctypes.POINTER(struct), result=result)
+
+    def called(**given: Any) -> Any:
+        if given.keys() != kinds.keys():
+            raise TypeError(f"{name} takes {', '.join(kinds)}; not the same as {', '.join(given)}")
+        for key in arrays:
+            kinds[key].from_param(given[key])
+        return call(ctypes.byref(struct(*(given[key].ctypes.data if key in arrays else given[key] for key in kinds))))
+
+    return called

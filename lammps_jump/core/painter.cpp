@@ -5,11 +5,16 @@
 
 #include "api.h"
 
+#define JUMP_PAINT_DISCS(FIELD) \
+  FIELD(uint8_t *, picture) FIELD(int64_t, height) FIELD(int64_t, width) FIELD(int64_t, n) FIELD(const double *, column) \
+  FIELD(const double *, row) FIELD(const double *, radius) FIELD(double, scale) FIELD(const uint8_t *, colours)
+JUMP_INPUT(jump_paint_discs, JUMP_PAINT_DISCS)
+
 // Paints discs as anti-aliased circles into picture[row, column, colour]; column and row are in pixels, radii times
 // `scale` too. A disc below a pixel keeps its share of the pixel's ink.
-JUMP_API void jump_paint_discs(uint8_t *picture, int64_t height, int64_t width, int64_t n, const double *column,
-                               const double *row, const double *radius, double scale, const uint8_t *colours)
+JUMP_API void jump_paint_discs(const jump_paint_discs_input *input)
 {
+  JUMP_PAINT_DISCS(JUMP_LOCAL)
   for (int64_t i = 0; i < n; i++) {
     const double c = column[i], r = row[i];
     double rim = radius[i] * scale, ink = 1.0;

@@ -9,12 +9,17 @@
 #include "cells.h"
 #include "shares.h"
 
+#define JUMP_BIN_FRAME(FIELD) \
+  FIELD(int64_t, n) FIELD(const double *, x) FIELD(const double *, y) FIELD(const double *, vx) FIELD(const double *, vy) \
+  FIELD(const double *, radius) FIELD(const double *, mass) FIELD(double, low) FIELD(double, width) FIELD(int64_t, bins) \
+  FIELD(double *, sums) FIELD(double *, beyond)
+JUMP_INPUT(jump_bin_frame, JUMP_BIN_FRAME)
+
 // Adds discs to sums[quantity * bins + bin], and the mass beyond the bins to beyond (left, right), in shares of area.
 // Quantities: mass; sum of u, of u^2, of u |v|^2 / 2 and of y, each times the mass; number.
-JUMP_API void jump_bin_frame(int64_t n, const double *x, const double *y, const double *vx, const double *vy,
-                             const double *radius, const double *mass, double low, double width, int64_t bins,
-                             double *sums, double *beyond)
+JUMP_API void jump_bin_frame(const jump_bin_frame_input *input)
 {
+  JUMP_BIN_FRAME(JUMP_LOCAL)
   for (int64_t i = 0; i < n; i++) {
     const double r = radius[i], m = mass[i], left = (x[i] - r - low) / width;
     if (left >= static_cast<double>(bins)) {
@@ -82,11 +87,16 @@ JUMP_API void jump_connected(int64_t n, const double *x, const double *y, const 
   }
 }
 
+#define JUMP_TOP_DISCS(FIELD) \
+  FIELD(int64_t, n) FIELD(const double *, x) FIELD(const double *, y) FIELD(const double *, radius) \
+  FIELD(const uint8_t *, joined) FIELD(double, low) FIELD(double, spacing) FIELD(int64_t, lines) FIELD(int64_t *, top)
+JUMP_INPUT(jump_top_discs, JUMP_TOP_DISCS)
+
 // The disc with the highest top edge at each of `lines` vertical lines, -1 where none cuts it; line k stands at
 // low + (k + 1/2) spacing. Discs count that are joined.
-JUMP_API void jump_top_discs(int64_t n, const double *x, const double *y, const double *radius, const uint8_t *joined,
-                             double low, double spacing, int64_t lines, int64_t *top)
+JUMP_API void jump_top_discs(const jump_top_discs_input *input)
 {
+  JUMP_TOP_DISCS(JUMP_LOCAL)
   std::vector<double> height(lines, -std::numeric_limits<double>::infinity()), size(lines, 0.0);
   std::fill(top, top + lines, -1);
   for (int64_t i = 0; i < n; i++) {

@@ -98,11 +98,16 @@ int number(TextReader &text, const double *high, const double *low, double &valu
 
 }    // namespace
 
+#define JUMP_PARSE_ROWS(FIELD) \
+  FIELD(const uint8_t *, data) FIELD(int64_t, end) FIELD(int64_t *, at) FIELD(double *, out) FIELD(int64_t, columns) \
+  FIELD(int64_t, rows) FIELD(const uint8_t *, is_text) FIELD(const double *, high) FIELD(const double *, low)
+JUMP_INPUT(jump_parse_rows, JUMP_PARSE_ROWS)
+
 // Parses rows into out[column * rows + row] from the text on. `at` holds the first row that is wanted and where it
 // starts, and takes how far the reading came. A row counts only with its newline.
-JUMP_API int64_t jump_parse_rows(const uint8_t *data, int64_t end, int64_t *at, double *out, int64_t columns,
-                                 int64_t rows, const uint8_t *is_text, const double *high, const double *low)
+JUMP_API int64_t jump_parse_rows(const jump_parse_rows_input *input)
 {
+  JUMP_PARSE_ROWS(JUMP_LOCAL)
   for (; at[0] < rows; at[0]++) {
     TextReader text{data, at[1], end};
     for (int64_t column = 0; column < columns; column++) {

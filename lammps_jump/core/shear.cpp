@@ -209,60 +209,94 @@ jump_state state_of(const Swarm &s, const LawNumbers &law, const jump_springs *s
   return state;
 }
 
+/** The discs in their box, step by step, with the list of pairs. */
+struct Shearing {
+  const Swarm &s;
+  ShearBox &box;
+  const Control &c;
+  const jump_state &state;
+  const jump_springs *springs;
+  ListedPair *pairs;
+  int64_t room;
+  double widest;                          // diameter and skin, m
+  double bent = HUGE_VAL, grown = 0.0;    // strains since the list was made; the first step makes one
+  int64_t count = 0;
+
+  /** Part by which the box grows in a step under the pressure that is held. */
+  double growth() const
+  {
+    if (!(c.gain > 0.0)) return 0.0;
+    return least(most(c.gain * (box.pressure - c.pressure) / state.pair.stiffness, -c.cap), c.cap) * c.time_step;
+  }
+
+  /** Shear the box by a step, and let it grow. */
+  void deform(double grow)
+  {
+    box.strain += c.rate * c.time_step;
+    box.offset += c.rate * box.ly * c.time_step;
+    bent += c.rate * c.time_step;
+    grown += grow;
+    if (grow == 0.0) return;
+    for (int64_t i = 0; i < s.n; i++) {
+      s.x[i] *= 1.0 + grow;
+      s.y[i] *= 1.0 + grow;
+    }
+    box.lx *= 1.0 + grow;
+    box.ly *= 1.0 + grow;
+    box.offset *= 1.0 + grow;
+  }
+
+  /** A step: energy of the motion against the shear, and the stress times the area; false where there is no room. */
+  bool step(double &kinetic, StressSums &sums)
+  {
+    const double grow = growth(), far = move(s, box, c, sums);
+    kinetic = 0.5 * (sums.xx + sums.yy);
+    deform(grow);
+    if (!(2.0 * std::sqrt(far) + (std::fabs(bent) + std::fabs(grown)) * widest <= c.skin)) {
+      wrap(s, box, c.rate);
+      count = list(s, box, c.skin, pairs, room);
+      if (count < 0) return false;
+      bent = grown = 0.0;
+    }
+    forces(s, box, c, state, pairs, count, sums);
+    if (springs) end_step(*springs, s.n);
+    box.pressure = 0.5 * (sums.xx + sums.yy) / (box.lx * box.ly);
+    return true;
+  }
+};
+
 }    // namespace
 }    // namespace jump
 
 using namespace jump;
+
+#define JUMP_SHEAR(FIELD) \
+  FIELD(int64_t, n) FIELD(double *const *, discs) FIELD(double *, box_numbers) FIELD(const double *, control) \
+  FIELD(const LawNumbers *, law) FIELD(const jump_springs *, springs) FIELD(int32_t *, listed) FIELD(int64_t, room) \
+  FIELD(double *, record) FIELD(int64_t, rows) FIELD(int64_t, every)
+JUMP_INPUT(jump_shear, JUMP_SHEAR)
 
 /** Steps of kick, drift and forces, `every` for each row of `record`, which takes their means: stress (Pa), area (m^2),
     energy of the motion against the shear (J per m), and the height of the first mode at its end (m/s).
 
     discs: ten arrays of n, the last of 2 n, in the order of `Swarm`. law: that of two discs, of a size of 1 m.
     Returns 0 where there is no room for the pairs. */
-JUMP_API int64_t jump_shear(int64_t n, double *const *discs, double *box_numbers, const double *control,
-                            const LawNumbers *law, const jump_springs *springs, int32_t *listed, int64_t room, double *record, int64_t rows,
-                            int64_t every)
+JUMP_API int64_t jump_shear(const jump_shear_input *input)
 {
+  JUMP_SHEAR(JUMP_LOCAL)
   const Swarm s{n, discs[0], discs[1], discs[2], discs[3], discs[4], discs[5], discs[6], discs[7], discs[8], discs[9]};
   ShearBox &box = *reinterpret_cast<ShearBox *>(box_numbers);
   const Control &c = *reinterpret_cast<const Control *>(control);
   ListedPair *const pairs = reinterpret_cast<ListedPair *>(listed);
   const jump_state state = state_of(s, *law, springs);
-  const double dt = c.time_step, widest = 2.0 * *std::max_element(s.radius, s.radius + n) + c.skin;
-  double bent = HUGE_VAL, grown = 0.0;    // the first step lists
-  int64_t count = 0;
+  Shearing run{s, box, c, state, springs, pairs, room, 2.0 * *std::max_element(s.radius, s.radius + n) + c.skin};
   for (double *row = record; row < record + 6 * rows; row += 6) {
     std::fill(row, row + 6, 0.0);
     for (int64_t step = 0; step < every; step++) {
-      const double ly = box.ly;
-      double grow = 0.0;
-      if (c.gain > 0.0) grow = least(most(c.gain * (box.pressure - c.pressure) / law->stiffness, -c.cap), c.cap) * dt;
+      double kinetic;
       StressSums sums;
-      const double far = move(s, box, c, sums);
-      const double kinetic = 0.5 * (sums.xx + sums.yy);
-      box.strain += c.rate * dt;
-      box.offset += c.rate * ly * dt;
-      bent += c.rate * dt;
-      grown += grow;
-      if (grow != 0.0) {
-        for (int64_t i = 0; i < n; i++) {
-          s.x[i] *= 1.0 + grow;
-          s.y[i] *= 1.0 + grow;
-        }
-        box.lx *= 1.0 + grow;
-        box.ly *= 1.0 + grow;
-        box.offset *= 1.0 + grow;
-      }
-      if (!(2.0 * std::sqrt(far) + (std::fabs(bent) + std::fabs(grown)) * widest <= c.skin)) {
-        wrap(s, box, c.rate);
-        count = list(s, box, c.skin, pairs, room);
-        if (count < 0) return 0;
-        bent = grown = 0.0;
-      }
-      forces(s, box, c, state, pairs, count, sums);
-      if (springs) end_step(*springs, n);
+      if (!run.step(kinetic, sums)) return 0;
       const double area = box.lx * box.ly, parts = area * (double) every;
-      box.pressure = 0.5 * (sums.xx + sums.yy) / area;
       row[0] += sums.xx / parts;
       row[1] += sums.yy / parts;
       row[2] += sums.xy / parts;

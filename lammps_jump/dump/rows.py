@@ -13,7 +13,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from lammps_jump.core.library import BYTES, INTEGER, INTEGERS, REALS, core, function
+from lammps_jump.core.library import BYTES, INTEGER, INTEGERS, REALS, core, entry
 
 ROWS_DONE, NEED_MORE, NOT_PLAIN, NEW_ITEM = range(4)
 LARGEST_EXPONENT = 290
@@ -35,9 +35,10 @@ def _powers_of_ten() -> tuple[np.ndarray, np.ndarray]:
 
 
 _POWERS = _powers_of_ten()
-_parse_rows = function(
-    "jump_parse_rows", BYTES, INTEGER, INTEGERS, REALS, INTEGER, INTEGER, BYTES, REALS, REALS, result=INTEGER
-)
+_parse_rows = entry(
+    "jump_parse_rows", INTEGER, data=BYTES, end=INTEGER, at=INTEGERS, out=REALS, columns=INTEGER, rows=INTEGER,
+    is_text=BYTES, high=REALS, low=REALS,
+)  # fmt: skip
 
 
 def parse_rows(data: np.ndarray, place: tuple[int, int], out: np.ndarray, row: int, is_text: np.ndarray) -> Reached:
@@ -62,7 +63,11 @@ def parse_rows(data: np.ndarray, place: tuple[int, int], out: np.ndarray, row: i
     if core() is None:
         return _parse_lines(data, place, out, row, is_text)
     reached = np.array([row, place[0]])
-    status = _parse_rows(data, place[1], reached, out, *out.shape, is_text.view(np.uint8), *_POWERS)
+    (columns, rows), (high, low) = out.shape, _POWERS
+    status = _parse_rows(
+        data=data, end=place[1], at=reached, out=out, columns=columns, rows=rows, is_text=is_text.view(np.uint8),
+        high=high, low=low,
+    )  # fmt: skip
     return int(reached[0]), int(reached[1]), status
 
 

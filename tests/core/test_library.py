@@ -68,3 +68,21 @@ def test_its_sources_include_nothing_of_lammps_or_python():
     for path in (*CORE.folder.glob("*.cpp"), *CORE.folder.glob("*.h")):
         text = path.read_text()
         assert "lammps.h" not in text and "Python.h" not in text and "mpi.h" not in text, path.name
+
+
+def test_an_entry_takes_the_fields_of_its_struct_alone(compiled_core):
+    fields = {"n": library.INTEGER, "x": library.REALS, "y": library.REALS, "radius": library.REALS}
+    fields |= {"joined": library.BYTES, "low": library.REAL, "spacing": library.REAL, "lines": library.INTEGER}
+    x, top = np.array([0.5, 1.5]), np.empty(2, np.int64)
+    given = {"n": 2, "x": x, "y": 0 * x, "radius": 0.5 + 0 * x, "joined": np.ones(2, np.uint8)}
+    given |= {"low": 0.0, "spacing": 1.0, "lines": 2, "top": top}
+    top_discs = library.entry("jump_top_discs", **fields, top=library.INTEGERS)
+    top_discs(**given)
+    assert top.tolist() == [0, 1]
+    with pytest.raises(TypeError, match="jump_top_discs takes n, x, y"):
+        top_discs(**{**given, "more": 1})
+    with pytest.raises(TypeError):
+        top_discs(**{**given, "top": top.astype(np.int32)})
+    renamed = library.entry("jump_top_discs", **fields, bottom=library.INTEGERS)
+    with pytest.raises(SetupError, match="jump_top_discs_input has other fields in the core"):
+        renamed(**{key: value for key, value in given.items() if key != "top"}, bottom=top)

@@ -16,13 +16,13 @@ while velocities stay. The stress is, over the area A of the box (Irving & Kirkw
 
 from __future__ import annotations
 
-from ctypes import POINTER, byref, c_double, c_int64, c_void_p
+from ctypes import POINTER, c_double, c_int64, c_void_p, pointer
 from typing import ClassVar, NamedTuple
 
 import numpy as np
 
 from lammps_jump.core.law import LawNumbers, jump_law
-from lammps_jump.core.library import INTEGER, REALS, SHORTS, Struct, function
+from lammps_jump.core.library import INTEGER, REALS, SHORTS, Struct, entry
 from lammps_jump.engines.native.arrays import Memory
 
 LX, LY, OFFSET, STRAIN, PRESSURE = range(5)
@@ -84,9 +84,9 @@ class jump_springs(Struct):
     ]
 
 
-_shear = function(
-    "jump_shear", INTEGER, POINTER(c_void_p), REALS, REALS, POINTER(jump_law), POINTER(jump_springs), SHORTS, INTEGER,
-    REALS, INTEGER, INTEGER, result=INTEGER,
+_shear = entry(
+    "jump_shear", INTEGER, n=INTEGER, discs=POINTER(c_void_p), box_numbers=REALS, control=REALS, law=POINTER(jump_law),
+    springs=POINTER(jump_springs), listed=SHORTS, room=INTEGER, record=REALS, rows=INTEGER, every=INTEGER,
 )  # fmt: skip
 
 
@@ -130,7 +130,9 @@ def advance(
         False where `pairs` is short.
     """
     discs = (c_void_p * len(swarm))(*map(_at, swarm))
-    springs = None if memory is None else byref(_springs(memory))
-    number, rows = len(swarm.x), len(record)
-    imposed = np.array(control, float)
-    return bool(_shear(number, discs, box, imposed, jump_law(*law), springs, pairs, len(pairs), record, rows, every))
+    room_left = _shear(
+        n=len(swarm.x), discs=discs, box_numbers=box, control=np.array(control, float), law=pointer(jump_law(*law)),
+        springs=None if memory is None else pointer(_springs(memory)), listed=pairs, room=len(pairs), record=record,
+        rows=len(record), every=every,
+    )  # fmt: skip
+    return bool(room_left)
