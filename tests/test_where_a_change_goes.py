@@ -20,6 +20,7 @@ from typing import Annotated, Literal, get_args
 
 import numpy as np
 import pytest
+import typer
 import yaml
 from made_up import Here, call
 from pydantic import Field
@@ -31,7 +32,9 @@ from lammps_jump.analysis.quantities import LISTED, ListedAnalysis, captions, re
 from lammps_jump.analysis.report.run import write_report
 from lammps_jump.analysis.tables.rows import main_numbers, rows_of
 from lammps_jump.case.fields import Analysis, CaseFields, Contact, asked_for
+from lammps_jump.cli import app as cli_app
 from lammps_jump.cli import studies as cli_studies
+from lammps_jump.cli.options import Commands
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.dump.write import DumpWriter
 from lammps_jump.engines.native import NativeSimulation
@@ -434,10 +437,11 @@ def test_a_new_study_is_a_folder_and_a_command(monkeypatch, capsys, tmp_path):
     fall = {**FALL, "initial": [{"kind": "list", "positions": [[0, 0.2]]}], "analysis": {}}
     (place / "fall.yaml").write_text(yaml.safe_dump({**fall, "run": {"duration": 0.02, "output_interval": 0.01}}))
     monkeypatch.setattr(points_study, "Pool", Here)
-    group = cli_studies.app
-    monkeypatch.setattr(group, "registered_commands", list(group.registered_commands))
+    more = typer.Typer(cls=Commands)
+    more.add_typer(cli_studies.app)
+    monkeypatch.setattr(cli_app, "app", more)  # the commands of studies, and one more
 
-    @group.command("made-up")
+    @more.command("made-up")
     def made_up(out: Path, laws: Path, top: float = 1.0, fresh: bool = False) -> None:
         studies.table.show(studies.points.run_named("made-up", out, laws=laws, fresh=fresh, top=top)[1])
 
