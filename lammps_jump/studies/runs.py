@@ -76,7 +76,7 @@ def run_frames(
         result = execute(scene, Path(folder), kernel, dump_format=dump_format, script=script)
         if check and result.status != "complete":
             raise RunError(f"{kernel}, {scene.name}: {result.message}")
-        frames = read_dump(Path(folder)) if result.status == "complete" else []
+        frames: Iterable[Frame] = read_dump(Path(folder)) if result.status == "complete" else ()
         return result, [frame.sorted() for frame in frames]
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator
 
 from lammps_jump.analysis.draw.style import RED, drawing, save
@@ -115,7 +116,7 @@ def draw_quantity(data: Mapping[str, Any], name: str, folder: Path) -> Path:
         return save(figure, folder / f"bench_{name.replace(' ', '_')}.png")
 
 
-def _name_choices(axes, cheapest: dict[str, str | None], table: pd.DataFrame) -> None:
+def _name_choices(axes: Axes, cheapest: dict[str, str | None], table: pd.DataFrame) -> None:
     """Ring and name the cheapest settings; where one serves both targets it is named once."""
     for index, label in enumerate(dict.fromkeys(label for label in cheapest.values() if label in table.index)):
         targets = " and ".join(f"{100 * float(target):zg} %" for target, one in cheapest.items() if one == label)

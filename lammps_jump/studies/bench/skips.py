@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, replace
+from functools import partial
 from math import inf
 from pathlib import Path
 
@@ -19,7 +20,7 @@ from lammps_jump import Case
 from lammps_jump.scene import Scene
 from lammps_jump.script import script_text
 from lammps_jump.studies.runs import KERNELS, in_turn, middle, run_frames
-from lammps_jump.studies.table import markdown
+from lammps_jump.studies.table import Column, markdown
 from lammps_jump.sweeps import Results, Say, Store, all_versions
 
 FULL_COLUMNS = "id type x y z vx vy vz fx fy fz omegax omegay omegaz radius mass"
@@ -116,9 +117,9 @@ def compare_skip(scene: Scene, skip: Skip) -> float | None:
     return max(float(np.abs(one.columns[c] - two.columns[c]).max(initial=0.0)) for c in ("x", "y", "vx", "vy"))
 
 
-def stock_time(scene: Scene, **options: str) -> float:
+def stock_time(scene: Scene, *, dump_format: str = "text", script: str | None = None) -> float:
     """Return the processor seconds of a stock run; keywords as of `run_frames`."""
-    return run_frames(scene, "stock", **options)[0].cpu_seconds
+    return run_frames(scene, "stock", dump_format=dump_format, script=script)[0].cpu_seconds
 
 
 def dump_formats(scene: Scene, rounds: int) -> dict[str, float | None]:
@@ -139,7 +140,7 @@ def measure_skips(case: Case, store: Store, *, quick: bool, say: Say) -> Results
     identity = f"{case.hash} {all_versions()} {rounds}"
     rows = []
     for skip in SKIPS:
-        rows.append(store.piece(f"{skip.name} {identity}", lambda s=skip: _row(scene, s, rounds)))
+        rows.append(store.piece(f"{skip.name} {identity}", partial(_row, scene, skip, rounds)))
         say(f"  {skip.name}: {rows[-1]['verdict']}")
     formats = store.piece(f"formats {identity}", lambda: dump_formats(scene, rounds))
     return {"rows": rows, "formats": formats, "rounds": rounds}
@@ -150,7 +151,8 @@ def _row(scene: Scene, skip: Skip, rounds: int) -> Results:
     if difference is not None:
         taken = in_turn(both_scripts(scene, skip), rounds, lambda text, _: stock_time(scene, script=text))
         ratio = middle(with_it / without for without, with_it in zip(*taken.values(), strict=True))
-        verdict = f"{100 * (ratio - 1):+z.1f} % time with it, trajectory differs by {difference:z.1e}"
+        more = "-" if ratio is None else f"{100 * (ratio - 1):+z.1f} %"
+        verdict = f"{more} time with it, trajectory differs by {difference:z.1e}"
     return {"name": skip.name, "verdict": verdict, "ratio": ratio, "difference": difference, "exact": skip.exact}
 
 
@@ -162,7 +164,7 @@ def skip_page(data: Results, folder: Path) -> list[str]:
         for name in ("gz", "binary")
         if formats.get("text") and formats.get(name)
     )
-    columns = {
+    columns: dict[str, Column] = {
         "put back in": "{name}",
         "time with it:": lambda row: "-" if row["ratio"] is None else f"{100 * (row['ratio'] - 1):+z.1f} %",
         "largest change of the trajectory:": lambda row: row.get("same") or _change(row),

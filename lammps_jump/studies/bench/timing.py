@@ -39,7 +39,7 @@ from lammps_jump.studies.cross_validation import trajectories
 from lammps_jump.studies.cross_validation.trajectories import CONTACT_STEPS
 from lammps_jump.studies.runs import KERNELS, in_turn, middle, run_frames
 from lammps_jump.studies.settings import SKINS
-from lammps_jump.studies.table import markdown
+from lammps_jump.studies.table import Column, markdown
 from lammps_jump.sweeps import Results, Say, Store, all_versions
 
 SIZES = (0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 8.0)
@@ -92,7 +92,8 @@ def cell_time(scene: Scene, size: float | None) -> tuple[float, float]:
 def time_cells(case: Case, store: Store, *, quick: bool, say: Say) -> Results:
     """Time every cell size. A row holds its median seconds and disc-steps per second."""
     case = case.replace({"engine.name": "native"})
-    scene, rounds, sizes = case.scene(), 3, (None, *SIZES)
+    scene, rounds = case.scene(), 3
+    sizes: tuple[float | None, ...] = (None, *SIZES)
     if quick:
         steps = min(scene.steps, 2000)
         scene, rounds, sizes = replace(scene, steps=steps, output_steps=steps), 1, (None, 1.0, 2.0, 4.0)
@@ -115,7 +116,7 @@ def cell_page(data: Results, folder: Path) -> list[str]:
     panel = Panel("CPU time (s)", [line], levels=levels, marks={"thesis": 2.0}, ylim=(0.0, None))
     title, x = "contact search of the native engine", "cell size over disc diameter"
     save(drawn(Chart(title, x, [panel], name=data["case"])), folder / "cells.png")
-    columns = {
+    columns: dict[str, Column] = {
         "contact search": lambda row: search_name(row["size"]),
         "CPU time (s):": "{seconds:z.2f}",
         "over the best cells:": lambda row: f"{row['seconds'] / cells.seconds.min():z.2f}",
@@ -194,8 +195,8 @@ def _agreement(developed: Scene, scenes: Mapping[str, Scene]) -> dict[str, float
     if "compiled" not in scenes:
         return {}
     short = started_from(developed, scenes["stock"], CONTACT_STEPS, 100)
-    paths = [trajectories.trajectory(short, kernel) for kernel in ("stock", "compiled")]
-    found = {"compiled and stock": trajectories.separation(*paths, developed.diameter).farthest}
+    stock, compiled = (trajectories.trajectory(short, kernel) for kernel in ("stock", "compiled"))
+    found = {"compiled and stock": trajectories.separation(stock, compiled, developed.diameter).farthest}
     if sign := scenes.get("compiled, law sign"):
         check = trajectories.check_scene(started_from(developed, sign, CONTACT_STEPS), kernel="compiled")
         found["compiled and native, law sign"] = check.worst
@@ -205,7 +206,7 @@ def _agreement(developed: Scene, scenes: Mapping[str, Scene]) -> dict[str, float
 def speed_page(data: Results, folder: Path) -> list[str]:
     """Return the table and a line for each agreement."""
     ratio = "{ratio:z.2f} ({least:z.2f} to {most:z.2f})"
-    columns = {
+    columns: dict[str, Column] = {
         "": "{name}",
         "M disc-steps/s:": lambda row: "failed" if row["rate"] is None else f"{row['rate'] / 1e6:z.1f}",
         "speed against stock (range):": lambda row: "-" if row["rate"] is None else ratio.format_map(row),
@@ -227,7 +228,17 @@ def command_time(case: Case) -> dict[str, float]:
     """
     with tempfile.TemporaryDirectory() as place:
         path, folder = write_text(Path(place) / "case.yaml", case.to_yaml()), Path(place) / "run"
-        command = [sys.executable, "-P", "-m", "lammps_jump", "build-and-run", path, "--out", folder, "--quiet"]
+        command = [
+            sys.executable,
+            "-P",
+            "-m",
+            "lammps_jump",
+            "build-and-run",
+            str(path),
+            "--out",
+            str(folder),
+            "--quiet",
+        ]
         begin = time.perf_counter()
         ended = subprocess.run(command, capture_output=True, text=True)
         whole = time.perf_counter() - begin
@@ -252,7 +263,7 @@ def time_commands(case: Case, store: Store, *, quick: bool, say: Say) -> Results
 
 def overhead_page(data: Results, folder: Path) -> list[str]:
     """Return the table, and what it holds."""
-    columns = {
+    columns: dict[str, Column] = {
         data["case"]: lambda row: PHASES.get(row["phase"], "**whole command**"),
         "wall time (s):": "{seconds:z.2f}",
         "over the engine:": lambda row: f"{row['seconds'] / data['engine']:z.2f}",

@@ -92,7 +92,7 @@ def _label(name: str, curve: MemberCurve) -> str:
 
 
 def band_chart(
-    title: str, found: Comparison, names: list[str], lines: Callable[[MemberCurve, Difference], list[Trace]]
+    title: str, found: Comparison, names: list[str], lines: Callable[[MemberCurve, Difference[np.ndarray]], list[Trace]]
 ) -> Chart:
     """Describe curves with `lines` of each and its difference."""
     panels = [Panel(_label(name, found.bands[name][0]), lines(*found.bands[name])) for name in names]
@@ -103,7 +103,7 @@ def means(title: str, found: Comparison, names: list[str]) -> Chart:
     """Describe the mean of each ensemble with a band of one standard deviation: two of a half."""
     one, two = (SHOWN.get(label, label) for label in found.ensembles)
 
-    def lines(curve: MemberCurve, band: Difference) -> list[Trace]:
+    def lines(curve: MemberCurve, band: Difference[np.ndarray]) -> list[Trace]:
         first = Trace(one, curve.at, band.mean_1, "first", 0.5 * band.deviation_1)
         return [first, Trace(two, curve.at, band.mean_2, "second", 0.5 * band.deviation_2)]
 
@@ -113,7 +113,7 @@ def means(title: str, found: Comparison, names: list[str]) -> Chart:
 def gaps(title: str, found: Comparison, names: list[str]) -> Chart:
     """Describe the difference of each curve with its interval, 95 % for all points at once."""
 
-    def lines(curve: MemberCurve, band: Difference) -> list[Trace]:
+    def lines(curve: MemberCurve, band: Difference[np.ndarray]) -> list[Trace]:
         return [Trace("", curve.at, band.difference, "sum", 0.5 * band.half_width)]
 
     return band_chart(f"{title}: native minus LAMMPS, 95 % for all at once", found, names, lines)

@@ -36,9 +36,9 @@ class MemberCurve(NamedTuple):
     """Curve of one member over 'x' (m) or 't' (s), at the places `at`; without an axis a number, its one value."""
 
     unit: str
-    values: Sequence[float | None]
+    values: np.ndarray | Sequence[float | None]
     axis: str = ""
-    at: Sequence[float] = ()
+    at: np.ndarray = np.zeros(0)
 
 
 JUMP_NUMBERS = {
@@ -169,7 +169,7 @@ class Comparison:
     ensembles: tuple[str, str]
     quantities: list[Results]
     jump_verdicts: tuple[dict[str, int], dict[str, int]]
-    bands: dict[str, tuple[MemberCurve, Difference]]
+    bands: dict[str, tuple[MemberCurve, Difference[np.ndarray]]]
 
     @property
     def agrees(self) -> bool:
@@ -222,7 +222,7 @@ def verdict(row: Results, family_error: float) -> tuple[str, int | None]:
 def compare(names: tuple[str, str], one: list[Quantities], two: list[Quantities], family_error: float) -> Comparison:
     """Compare each number (Welch), each curve (Welch, Bonferroni over its points), and all together (Holm)."""
     rows: list[Results] = []
-    bands: dict[str, tuple[MemberCurve, Difference]] = {}
+    bands: dict[str, tuple[MemberCurve, Difference[np.ndarray]]] = {}
     for name, curve in sorted(one[0].found.items(), key=lambda item: bool(item[1].axis)):
         if len({len(m.found[name].values) if name in m.found else 0 for m in (*one, *two)}) > 1:
             continue
@@ -239,8 +239,8 @@ def compare(names: tuple[str, str], one: list[Quantities], two: list[Quantities]
         row["p_adjusted"] = adjusted[row["name"]]
         row["verdict"], row["members_needed"] = verdict(row, family_error)
         row["text"] = _text(row)
-    words = (dict(Counter(member.verdict for member in side if member.verdict)) for side in (one, two))
-    return Comparison(names, rows, tuple(words), bands)
+    first, second = (dict(Counter(member.verdict for member in side if member.verdict)) for side in (one, two))
+    return Comparison(names, rows, (first, second), bands)
 
 
 def _number(one: np.ndarray, two: np.ndarray) -> Results:
@@ -248,14 +248,15 @@ def _number(one: np.ndarray, two: np.ndarray) -> Results:
     return {"kind": "scalar", "place": None, "points": None, "scale": None, "p_adjusted": found.p, **found._asdict()}
 
 
-def _worst_point(curve: MemberCurve, band: Difference, sides: list[np.ndarray]) -> Results:
+def _worst_point(curve: MemberCurve, band: Difference[np.ndarray], sides: list[np.ndarray]) -> Results:
     """Return the row of a curve, an empty one where no point can be compared."""
     points = int(np.isfinite(band.p).sum())
     if not points:
         return {}
     k = int(np.nanargmin(band.p))
     scale = float(np.nanmax(np.abs(band.mean_1), initial=0.0))
-    found = welch(*(side[:, k] for side in sides), scale)
+    one, two = sides
+    found = welch(one[:, k], two[:, k], scale)
     place = f"{curve.axis} = {curve.at[k]:z.3g} {'m' if curve.axis == 'x' else 's'}, worst of {points}"
     facts = {"kind": "curve", "place": place, "points": points, "scale": scale}
     return {**facts, "p_adjusted": min(1.0, band.p[k] * points), **found._asdict(), "half_width": band.half_width[k]}

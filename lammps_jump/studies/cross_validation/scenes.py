@@ -3,18 +3,29 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import ArrayLike
 
 from lammps_jump.physics.slip import Rolling, Springs
-from lammps_jump.scene import Block, Box, InletRow, Outlet, Plane, Scene, Sizes, gate, handmade_scene
+from lammps_jump.scene import Block, Box, InletRow, MovingWall, Outlet, Plane, Scene, Sizes, gate, handmade_scene
 from lammps_jump.scene.scene import Fixed
+from lammps_jump.scene.walls import Wall
 
 DIAMETER = 0.2
 DOMAIN = ((-5.0, 10.0), (-5.0, 10.0))
 FLOOR = Plane("floor", "y", 0.0, "above")
 
 
-def _scene(name: str, description: str, positions, velocities, walls=(), **others) -> Scene:
+def _scene(
+    name: str,
+    description: str,
+    positions: ArrayLike,
+    velocities: ArrayLike,
+    walls: tuple[Wall | MovingWall, ...] = (),
+    **others: Any,
+) -> Scene:
     settings = {"diameter": DIAMETER, "restitution": 0.5, "impact_speed": 6.0, "domain": DOMAIN, "steps": 3_000}
     settings |= {"skin": 0.3 * DIAMETER, "correct_restitution": True, "name": name, "description": description}
     return handmade_scene(positions, velocities, walls, **{**settings, **others})
@@ -35,7 +46,7 @@ def _ring() -> tuple[np.ndarray, np.ndarray]:
     return np.vstack([[0.0, 0.0], 0.62 * out]), np.vstack([[0.3, -0.2], -2.5 * out + 0.4 * along])
 
 
-def _sliding_heap(name: str, text: str, seed: int, slow: float, range_: float, **contact) -> Scene:
+def _sliding_heap(name: str, text: str, seed: int, slow: float, range_: float, **contact: Any) -> Scene:
     """Return a heap of twenty discs that slides against a step; speeds (m/s) rise from `slow` by `range_`."""
     velocities = np.column_stack([slow + range_ * np.arange(20) / 20, np.zeros(20)])
     return _scene(name, text, _heap(seed, 5), velocities, (FLOOR, Block("step", (2.0, 2.5), (-1.0, 0.3))), **contact)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from itertools import pairwise
 from math import comb, nan
-from typing import NamedTuple
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -21,9 +21,10 @@ RESOLUTION = 1e-6
 DECIDES = 0.1
 """Half width of an interval, as a share of the quantity, above which finding no difference decides nothing."""
 MOST_PERMUTATIONS = 20_000
+Value = TypeVar("Value")
 
 
-class Difference(NamedTuple):
+class Difference(NamedTuple, Generic[Value]):
     """Difference of two means: numbers, or arrays with an entry for each point of a curve.
 
     Attributes
@@ -41,19 +42,19 @@ class Difference(NamedTuple):
     n_1, n_2 : int or ndarray
     """
 
-    mean_1: float | np.ndarray
-    mean_2: float | np.ndarray
-    deviation_1: float | np.ndarray
-    deviation_2: float | np.ndarray
-    difference: float | np.ndarray
-    half_width: float | np.ndarray
-    p: float | np.ndarray
+    mean_1: Value
+    mean_2: Value
+    deviation_1: Value
+    deviation_2: Value
+    difference: Value
+    half_width: Value
+    p: Value
     p_permutation: float
-    n_1: int | np.ndarray
-    n_2: int | np.ndarray
+    n_1: Value
+    n_2: Value
 
 
-def welch(one: np.ndarray, two: np.ndarray, scale: float | None = None, points: int = 1) -> Difference:
+def welch(one: np.ndarray, two: np.ndarray, scale: float | None = None, points: int = 1) -> Difference[Any]:
     """Return the difference of the means of two samples of unequal variance.
 
     B. L. Welch, Biometrika 34 (1947) 28: t = (m2 - m1)/sqrt(s1^2/n1 + s2^2/n2) with the Welch-Satterthwaite degrees
@@ -114,7 +115,7 @@ def _gap(one: np.ndarray, two: np.ndarray, axis: int) -> np.ndarray:
     return np.abs(one.mean(axis=axis) - two.mean(axis=axis))
 
 
-def compare_curves(one: np.ndarray, two: np.ndarray) -> Difference:
+def compare_curves(one: np.ndarray, two: np.ndarray) -> Difference[np.ndarray]:
     """Compare point by point (Welch) with Bonferroni over the points.
 
     Parameters

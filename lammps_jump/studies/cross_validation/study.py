@@ -111,12 +111,15 @@ QUICK_DIVERGENCE_WORK = 5e6
 SEQUENT_LIMIT, SPEED_LIMIT = 0.03, 0.10
 """Between the engines: sequent depth and shock speed of a jump (shares)."""
 RESULT_FILE, REPORT_FILE = "cross_validation.json", "cross_validation.html"
-VERLET, VISCOUS = {"run.integrator": "velocity_verlet"}, {"contact.friction_law": "viscous"}
-WITHOUT_SPRINGS = {
+Changes = dict[str, object]
+VERLET: Changes = {"run.integrator": "velocity_verlet"}
+VISCOUS: Changes = {"contact.friction_law": "viscous"}
+WITHOUT_SPRINGS: Changes = {
     **VISCOUS, "contact.tangential_ratio": None, "contact.tangential_damping_ratio": None, "contact.rolling": None
 }  # fmt: skip
-LEAP_FROG, SIGN = {"run.integrator": "leapfrog_extrapolated"}, {"contact.friction_law": "sign"}
-LAWS: dict[str, tuple[str, dict[str, object]]] = {
+LEAP_FROG: Changes = {"run.integrator": "leapfrog_extrapolated"}
+SIGN: Changes = {"contact.friction_law": "sign"}
+LAWS: dict[str, tuple[str, Changes]] = {
     "sign": ("friction law: thesis' sign law in place of LAMMPS' ramp", SIGN),
     "leap-frog": ("integrator: thesis' extrapolated leap-frog in place of velocity Verlet", LEAP_FROG),
     "without springs": ("friction law: LAMMPS' ramp in place of springs with memory", WITHOUT_SPRINGS),
@@ -260,7 +263,7 @@ def _prepare(
     return study
 
 
-def law_of(case: Case) -> dict[str, object]:
+def law_of(case: Case) -> Changes:
     """Return the change of a case that gives it the friction law which all engines have."""
     return {} if FRICTION_LAWS[case.fields.contact.friction_law].remembers else VISCOUS
 
@@ -281,8 +284,8 @@ def _disc_by_disc(study: CrossValidation, work: float) -> Divergence:
         apart = f"{check.worst:z.1e} d over {CONTACT_STEPS} steps with contacts"
         study.say(f"disc by disc: {check.name} ({kernel}): {apart}, {word}")
     divergence = trajectories.measure_divergence(study.scene, kernels[0], work)
-    growth, own = (_per(divergence.found[name]) for name in ("growth", "twin_growth"))
-    study.say(f"divergence: grows by e every {growth} s, a perturbed native run every {own} s")
+    engines, native = (_per(divergence.found[name]) for name in ("growth", "twin_growth"))
+    study.say(f"divergence: grows by e every {engines} s, a perturbed native run every {native} s")
     return divergence
 
 

@@ -220,8 +220,8 @@ class DeterministicCheck:
 
 def perturbed_separation(scene: Scene, steps: int) -> float:
     """Return the largest separation (d) of a native run and a perturbed one; infinite where the discs differ."""
-    runs = [trajectory(plain_scene(one, steps, EVERY), "native") for one in (scene, perturbed(scene))]
-    return separation(*runs, scene.diameter).farthest
+    one, other = (trajectory(plain_scene(start, steps, EVERY), "native") for start in (scene, perturbed(scene)))
+    return separation(one, other, scene.diameter).farthest
 
 
 def plain_scene(scene: Scene, steps: int, output_steps: int) -> Scene:

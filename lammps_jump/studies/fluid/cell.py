@@ -63,8 +63,8 @@ class Cell:
         x, y = ((np.stack([cells % columns, cells // columns]) + 0.5).T * shape).T
         speed = AGITATED * discs.signal_speed
         vx, vy = random.normal(0.0, speed, (2, count))
-        empty = [np.zeros(count) for _ in range(4)]
-        self.swarm = loops.Swarm(x, y, vx, vy, *empty, radius, np.zeros((count, 2)))
+        omega, fx, fy, torque = (np.zeros(count) for _ in range(4))
+        self.swarm = loops.Swarm(x, y, vx, vy, omega, fx, fy, torque, radius, np.zeros((count, 2)))
         self.stop()
         self._pairs = np.empty((ROOM * count + count, 4), np.int32)
         self._memory = self._springs(count)
@@ -151,6 +151,7 @@ class Cell:
             return None
         room = slots_of(2.0 * self.swarm.radius.min(), 2.0 * self.swarm.radius.max())
         partner, used = np.zeros((count, room), np.int64), np.zeros((count, room), np.int8)
-        slots = Slots(partner, *np.zeros((3, count, room)), used)
+        sigma, spring, roll = np.zeros((3, count, room))
+        slots = Slots(partner, sigma, spring, roll, used)
         none, full = (np.zeros(0, np.int64), np.zeros(0)), np.zeros(1, np.int64)
         return Memory(slots, np.arange(1, count + 1), *none, full, self.discs.coefficients.time_step)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lammps_jump.engines.native import NativeSimulation
-from lammps_jump.scene import Plane, Scene
+from lammps_jump.scene import MovingWall, Plane, Scene
 
 from .cell import SKIN
 from .discs import FluidDiscs
@@ -96,7 +96,7 @@ def box_of(discs: FluidDiscs, depth: float, gravity: float, seed: int) -> Scene:
         domain=((-1.0 * discs.diameter, length + discs.diameter), (-discs.diameter, 4.0 * float(y.max()) + depth)),
         positions=np.column_stack([x, y]),
         velocities=np.zeros((count, 2)),
-        walls=walls,
+        walls=tuple(map(MovingWall, walls)),
         sizes=sizes,
         skin=2.0 * SKIN * discs.diameter,
     )

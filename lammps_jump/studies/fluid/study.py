@@ -151,7 +151,7 @@ def fluid(
         pressure, h = flow.pressure(discs.density), slosh_depth(discs, flow)
         seeds = range(1, (QUICK_STARTS if quick else STARTS) + 1)
         numbers = QUICK_NUMBERS if quick else shear.INERTIAL
-        calls = [partial(shear_start, discs, pressure, seed, numbers) for seed in seeds]
+        calls: list[partial[Any]] = [partial(shear_start, discs, pressure, seed, numbers) for seed in seeds]
         calls += [partial(slosh_start, discs, h, flow.gravity, seed) for seed in seeds]
         calls += [partial(sound_start, discs, pressure, seed) for seed in seeds]
         say(f"{case.name}: {len(calls)} small flows of its discs at {pressure / 1e3:z.3g} kPa, {h:z.3g} m deep")
@@ -164,7 +164,7 @@ def fluid(
             write_json(store.path, store.data)
         at = numbers_at(summary, discs, flow)
         zones = {name: numbers_at(summary, discs, zone) for name, zone in zones_of(case, flow).items()}
-        found = {
+        found: Numbers = {
             "case": case.name,
             "flow": at,
             "zones": zones,
