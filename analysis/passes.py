@@ -5,10 +5,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
-import xarray as xr
 
 from lammps_jump.dump.find import ForceHistory
 from lammps_jump.dump.frame import Frame, make_frame, require_finite
@@ -19,6 +18,9 @@ from .beds.images import moving, placed, with_images
 from .contacts import ContactSeries
 from .flow import Flow
 from .profiles import add_means, bin_frames
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Tables = dict[str, Mapping[str, np.ndarray]]
 """Columns of CSV files by the name of the file."""

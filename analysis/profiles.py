@@ -8,10 +8,9 @@ discharge and momentum over all bins and what lies outside add up to the discs' 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-import xarray as xr
 
 from lammps_jump.core.library import BYTES, INTEGER, INTEGERS, REAL, REALS, core, entry, function
 from lammps_jump.dump.frame import Frame
@@ -21,6 +20,9 @@ from lammps_jump.scene.walls import Interval
 
 from .flow import Flow
 from .statistics import LEAST_SAMPLES, block_average, known_mean
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 VARIABLES = {
     "surface_depth": ("m", "depth of the free surface above the bed"),
@@ -191,6 +193,8 @@ def _dataset(
         "mass_left": described(left, "kg m-1", "mass left of the first bin"),
         "mass_right": described(right, "kg m-1", "mass right of the last bin"),
     }
+    import xarray as xr  # 0.3 s
+
     return xr.Dataset(
         variables,
         coords={

@@ -10,10 +10,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import nan
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered
@@ -21,6 +20,9 @@ from lammps_jump.analysis.quantity import Quantity, Wanted
 from lammps_jump.analysis.report.page import Section, Table, Text, described
 from lammps_jump.errors import DumpError
 from lammps_jump.units import number, shown
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 PILED = 2.0
 """Depth of the surface from which on a bin counts, in largest diameters."""

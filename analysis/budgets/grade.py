@@ -12,10 +12,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import nan
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-import xarray as xr
 
 from lammps_jump.analysis.draw.chart import PLACE, Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
@@ -26,6 +25,9 @@ from lammps_jump.analysis.report.page import Section, Table, Text, cut, heading
 from lammps_jump.analysis.statistics import as_fields, mean_of
 from lammps_jump.analysis.verdicts.kinds import part
 from lammps_jump.units import Estimates, estimate, number, numbers_of
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 FLOWS = 0.2
 """Share of the largest discharge of the window that a bin has to carry."""

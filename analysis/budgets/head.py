@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from ctypes import POINTER
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 
 from lammps_jump.analysis.contacts import touching
 from lammps_jump.analysis.flow import Flow
@@ -22,6 +22,9 @@ from lammps_jump.analysis.statistics import Mean, as_fields, mean_of
 from lammps_jump.core.law import jump_law
 from lammps_jump.core.library import INTEGER, INTEGERS, REAL, REALS, entry
 from lammps_jump.dump.frame import Frame
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 ROUNDS = 4
 """Rounds in which the velocity of the half step is rebuilt: dashpots then equal the engine's ledger within 1e-4."""
@@ -85,13 +88,15 @@ class EnergyFluxes:
         """The fields of all frames; None where contacts are not known, or rub, which is not counted."""
         if not self.known:
             return None
+        import xarray as xr  # 0.3 s
+
         kept = np.reshape(self._kept, (len(self._kept), len(FIELDS), -1))
         middles = 0.5 * (self.edges[1:] + self.edges[:-1])
         data = {name: (("time", "x"), kept[:, k]) for k, name in enumerate(FIELDS)}
         return xr.Dataset(data, {"time": self._times, "x": middles})
 
 
-def energy_budget(fields: object, result: Jump) -> Budget | None:
+def energy_budget(fields: xr.Dataset | None, result: Jump) -> Budget | None:
     """Budget between the stations that the case names, else the middles of the stretches of the states of a jump.
 
     Parameters
@@ -100,7 +105,7 @@ def energy_budget(fields: object, result: Jump) -> Budget | None:
         Of `EnergyFluxes`; None where they are not known.
     result : Jump
     """
-    if not isinstance(fields, xr.Dataset) or result.upstream is None or result.downstream is None:
+    if fields is None or result.upstream is None or result.downstream is None:
         return None
     asked, time, sign = result.flow.scene.stations, result.track.time, result.direction
     if asked is None:

@@ -4,15 +4,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.scene.walls import Interval
 
 from .chart import PLACE, TIME, Chart, Map, Panel, Trace, shown_walls
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 def axis_label(quantity: xr.DataArray) -> str:

@@ -3,13 +3,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-import xarray as xr
 
 from lammps_jump.analysis.flow import Flow
 
 from .chart import PLACE, Chart, Map, Panel, Trace, edges_of, shown_walls
 from .depths import axis_label
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 def _ring(corners: np.ndarray) -> Trace:

@@ -6,10 +6,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from lammps_jump.analysis.budgets.inflow import Arrivals
 from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Map, Panel, Trace
@@ -24,6 +23,9 @@ from lammps_jump.units import numbers_of
 from .history import LOW_PASS, Force, Forces, analyse_forces
 from .impulse import Identity, MomentumHistory, MomentumLedger, with_inflow
 from .reflection import ReflectedWave
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 LEAST = 1e-6
 """Share of the largest component below which another one is round-off, and not drawn."""

@@ -10,10 +10,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import atan2, degrees, hypot, nan
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Tables
@@ -26,6 +25,9 @@ from lammps_jump.units import Estimates, as_summary, estimate, number
 
 from .impulse import Identity, MomentumHistory, identity_sentence, impulse_identity, window_lengths
 from .reflection import ReflectedWave, track_reflection
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 LOW_PASS = 0.05
 """Width of the centred moving mean behind which peaks are quoted, s."""

@@ -5,15 +5,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from math import nan
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.jump.track import straight_motion
 from lammps_jump.physics import waves
 from lammps_jump.scene.walls import Wall
 from lammps_jump.units import Estimates, estimate, number, shown
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 HALF = 0.5
 """The front stands where the velocity has fallen to this share of the highest velocity of the oncoming stream."""

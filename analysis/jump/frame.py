@@ -11,15 +11,17 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import nan, sqrt
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-import xarray as xr
 
 from lammps_jump.analysis.statistics import Mean, as_fields, known_mean, mean_of
 from lammps_jump.physics import jump as theory
 from lammps_jump.physics import waves
 from lammps_jump.units import number
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 TOE_SHARE, END_SHARE = 0.05, 0.95
 """Toe and end of the mean profile: where these shares of the rise are reached."""

@@ -10,9 +10,9 @@ import itertools
 from collections import Counter
 from dataclasses import replace
 from math import isfinite, nan, sqrt
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 
 from lammps_jump.analysis.contacts import ContactSeries
 from lammps_jump.analysis.flow import Flow
@@ -25,6 +25,9 @@ from .found import Jump, StandingHeap
 from .stream import compression_front, measure_stream
 from .tail import measure_tail
 from .track import TO_THE_END, FrontMotion, piece_speeds, straight_motion, track_jump
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Stretches = tuple[tuple[float, float], tuple[float, float]]
 

@@ -10,15 +10,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import isfinite, nan
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 
 from lammps_jump.analysis.statistics import mean_of
 from lammps_jump.physics import jump as theory
 from lammps_jump.units import number
 
 from .track import AlongStream, JumpTrack
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 STRETCH = 5.0
 """Length of the stretches of the table, in depths of the stream; a quarter of a stream shorter than four of them."""

@@ -6,14 +6,17 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from math import nan
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 
 from lammps_jump.analysis.statistics import Mean, as_fields, mean_of, propagated
 from lammps_jump.physics import jump as theory
 from lammps_jump.physics import waves
 from lammps_jump.units import Estimates, estimate, number
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 BEHIND_FRONT = 1.2
 """Distance from the front at which a jump of discs has ended, in depths of the tail water (measured)."""

@@ -9,12 +9,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import nan, sqrt
-from typing import Any, ClassVar, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
 import numpy as np
-import xarray as xr
 
 from lammps_jump.analysis.statistics import piece_bounds, piece_error
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 LEAST_RATIO = 1.5
 """A rise below this ratio of mass depths is taken for waves of the stream, not for a jump (Fr1 = 1.37)."""

@@ -10,11 +10,9 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd  # xarray needs it and brings it
-import xarray as xr
 
 from lammps_jump.errors import DumpError
 from lammps_jump.files import EXPORTS, MOST_TEXT, read_file, write_bytes, write_text, writes
@@ -25,6 +23,10 @@ from lammps_jump.scene.walls import Interval, Wall, parts_of, thin
 from .find import find_dump, read_dump
 from .frame import Frame, ten_indices
 from .read import Dump
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
 
 BINARY = 'version="1.0" byte_order="LittleEndian" header_type="UInt64"'
 """How VTK files with arrays say what is in them."""
@@ -47,6 +49,8 @@ def write_table(table: Mapping[str, Sequence[Any]], path: str | Path, units: Map
     DumpError
         Columns of different length, or a place that cannot be written.
     """
+    import pandas as pd  # xarray needs it and brings it, 0.2 s
+
     units = units or {}
     heads = [f"{name} [{units[name]}]" if units.get(name) not in (None, "", "1") else name for name in table]
     try:
@@ -64,8 +68,10 @@ def without_minus_zero(values: Sequence[Any]) -> Any:
 
 def csv_text(table: pd.DataFrame, float_format: str | None = None) -> str:
     """A table as CSV; every text of it, heads too, goes through `quoting.csv_cell`."""
+    from pandas.api.types import is_numeric_dtype
+
     cells = table.rename(columns=csv_cell)
-    for place in [k for k, kind in enumerate(cells.dtypes) if not pd.api.types.is_numeric_dtype(kind)]:
+    for place in [k for k, kind in enumerate(cells.dtypes) if not is_numeric_dtype(kind)]:
         cells.isetitem(place, cells.iloc[:, place].map(csv_cell))
     return cells.to_csv(index=False, float_format=float_format, lineterminator="\n")
 
@@ -159,16 +165,17 @@ def write_netcdf(dataset: xr.Dataset, path: Path) -> Path:
     """
     most = np.iinfo(np.int32).max
     wide = [name for name, array in dataset.variables.items() if array.dtype.kind in "iu" and (abs(array) > most).any()]
-    _load_netcdf()
+    load_netcdf()
     with writes(path):
         return write_bytes(path, dataset.assign(dataset[wide].astype(float)).to_netcdf(engine="scipy"))
 
 
 @cache
-def _load_netcdf() -> None:
-    """Load what reads and writes NetCDF. It loads threadpoolctl, which sets a variable of the caller's environment."""
+def load_netcdf() -> None:
+    """Load what reads and writes NetCDF, 0.4 s; threadpoolctl among it sets a variable of the caller's environment."""
     there = THREADS in os.environ
-    import scipy.io  # noqa: F401  (50 ms)
+    import scipy.io  # noqa: F401
+    import xarray  # noqa: F401
 
     if not there:
         os.environ.pop(THREADS, None)
@@ -196,7 +203,9 @@ def netcdf_of(data: bytes, path: Path) -> xr.Dataset:
     DumpError
         Another kind of file, or a damaged one.
     """
-    _load_netcdf()
+    import xarray as xr
+
+    load_netcdf()
     try:
         with xr.open_dataset(io.BytesIO(data), engine="scipy") as dataset:
             return dataset.load()

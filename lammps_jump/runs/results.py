@@ -27,6 +27,7 @@ from lammps_jump.case.fields import Layers
 from lammps_jump.core.library import core
 from lammps_jump.dump.check import IdCheck
 from lammps_jump.dump.exports import export as write_exports
+from lammps_jump.dump.exports import load_netcdf
 from lammps_jump.dump.find import find_dump, read_dump, read_forces
 from lammps_jump.dump.read import Dump, open_dump
 from lammps_jump.errors import CaseError, DumpError
@@ -148,7 +149,8 @@ def flow_of(case: ReadCase, folder: Path | None = None) -> Flow:
 
 
 def load(case: ReadCase) -> None:
-    """Load what loads on first use: the core; matplotlib, 0.2 s; the page."""
+    """Load what loads on first use: the core; xarray, 0.4 s; matplotlib, 0.4 s; the page."""
+    load_netcdf()
     if has_page(case):
         import_module("lammps_jump.analysis.draw.snapshots")
         page.render("", ())
