@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Collection, Mapping, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, nullcontext
 from dataclasses import replace
 from math import isfinite
 from pathlib import Path
@@ -23,13 +23,15 @@ from .beds.slope import AlongBed, sloping_stretch
 from .contacts import ContactCollector
 from .draw.chart import Bars, Chart, Drawings, Map
 from .draw.depths import depth_profile, xt_map
-from .draw.second_core import aside
+from .draw.second_core import Later, aside
 from .fields import write_fields
 from .flow import Flow
 from .passes import Gathered, Watcher, gather
 from .profiles import bin_edges, window_of
 from .quantities import LISTED, QUANTITIES
 from .quantity import Marks
+from .report.page import Picture, Player
+from .report.player import still_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -61,6 +63,22 @@ class Pictures(NamedTuple):
 DEFAULT_PICTURES = Pictures()
 
 
+class Drawing(ExitStack):
+    """Pictures that are drawn on a second core until the block is left.
+
+    Attributes
+    ----------
+    still : Later of Picture, optional
+        That of the discs, for a page; None where none is drawn.
+    """
+
+    still: Later[Picture | None] | None = None
+
+    def shown_in(self, player: Player | None) -> Player | None:
+        """A player with the picture of the discs, after the block."""
+        return player._replace(still=self.still.value) if player and self.still else player
+
+
 def analyse(
     flow: Flow,
     dump: Path,
@@ -71,6 +89,7 @@ def analyse(
     watch: Sequence[Watcher] = (),
     gathered: Gathered | None = None,
     told: Callable[[str], None] | None = None,
+    drawing: Drawing | None = None,
 ) -> dict[str, object]:
     """Analyse a dump file.
 
@@ -90,7 +109,9 @@ def analyse(
     gathered : Gathered, optional
         Of `collect` for the same quantities, where the frames were read before.
     told : callable(str), optional
-        Called with what is done next: results, tables, figures.
+        Called with what is done next: results, tables.
+    drawing : Drawing, optional
+        The pictures are done when its block is left, by default when this function returns.
 
     Returns
     -------
@@ -109,9 +130,9 @@ def analyse(
     gathered = gathered or collect(flow, open_dump(dump), (out, dump.parent), wanted, watch)
     told, warnings = told or (lambda phase: None), list(gathered.warnings)
     out.mkdir(parents=True, exist_ok=True)  # only now: a dump that cannot be read leaves nothing behind
-    with ExitStack() as busy:
+    with nullcontext(drawing) if drawing else Drawing() as busy:
         if pictures.figures != "none":
-            busy.enter_context(aside(draw_figures, [DISCS], {}, out / "figures", dump, flow))
+            busy.still = busy.enter_context(aside(draw_discs, out, dump, flow))
         told("results")
         names = [name for name, quantity in QUANTITIES.items() if name in wanted or quantity.always is not None]
         asked = {name: QUANTITIES[name].analyse(gathered) for name in names}
@@ -120,17 +141,16 @@ def analyse(
         parts: dict[str, object] = {name: QUANTITIES[name].summary(result) for name, result in results.items()}
         shown = drawings(gathered, results) if pictures.figures != "none" else {}
         drawn = {"none": (), "default": MAIN, "all": tuple(shown)}[pictures.figures]
-        if drawn:
-            busy.enter_context(aside(draw_figures, drawn, shown, out / "figures", dump, flow))
         told("tables")
         files = _write(gathered, results, shown if drawn else {}, out)
+        if drawn:
+            draw_figures(drawn, shown, out / "figures", dump, flow)
         if "fields" in wanted:
             parts["fields"], maps = write_fields(gathered.flow, gathered.profiles, open_dump(dump), out)
             files.append("fields.nc")
             if drawn:
                 draw_figures(list(maps), _titled(maps, flow), out / "figures", dump, flow)
                 files += [f"figures/{name}.png" for name in maps]
-        told("figures")
     files += [f"figures/{name}.png" for name in ((*drawn, DISCS) if drawn else ())]
     if pictures.film:
         files += _film(gathered, dump, out, warnings, pictures.quiet)
@@ -260,6 +280,12 @@ def draw_figures(
         raise DumpError(f"{folder}: cannot be made ({error.strerror}); name another folder.") from error
     for name in names:
         draw.style.save(figure(name, shown, dump, flow), folder / f"{name}.{ending}")
+
+
+def draw_discs(folder: Path, dump: Path, flow: Flow) -> Picture | None:
+    """Draw the figure of the discs into the figures of a folder; the same for a page."""
+    draw_figures([DISCS], {}, folder / "figures", dump, flow)
+    return still_of(folder)
 
 
 def _film(gathered: Gathered, dump: Path, out: Path, warnings: list[str], quiet: bool) -> list[str]:

@@ -43,6 +43,8 @@ END_FILE = "end.npz"
 """State of the discs at the end of a run, with all digits."""
 START_FILE = "start-{key}.npz"
 """The same of an earlier run, in the folder of a run that goes on from it; named by its hash."""
+STAGING = ".analysis.new"
+"""Folder of results until they are whole, in the folder that they are for."""
 PICTURES = ("png", "pdf", "svg")
 """Formats of figures."""
 JOB_FILE = "job.slurm"
@@ -266,16 +268,18 @@ def whole(path: Path) -> Iterator[Path]:
 
     A link that stands at the place of the file is replaced, and nothing is written through it.
     """
-    new = path.with_name(f".{path.name}.new")
+    new, staged = path.with_name(f".{path.name}.new"), STAGING in path.parts  # brought to the disk when published
     new.unlink(missing_ok=True)  # of a process that was killed
     try:
         yield new
-        flush(new)
+        if not staged:
+            flush(new)
         os.replace(new, path)
     except BaseException:
         new.unlink(missing_ok=True)
         raise
-    flush(path.parent)
+    if not staged:
+        flush(path.parent)
 
 
 def flush(path: Path) -> None:

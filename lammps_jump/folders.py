@@ -22,6 +22,7 @@ from .files import (
     FIGURE,
     RESULT_FILES,
     RUN_FILES,
+    STAGING,
     STUDY_FILES,
     SWEEP_FILES,
     TABLE,
@@ -35,8 +36,6 @@ from .files import (
 
 MARKER_FILE = ".lammps-jump"
 """Makes a folder ours."""
-STAGING = ".analysis.new"
-"""Folder of results that are being made."""
 FORCE_TABLE = re.compile(r"force_[^/\\\n]+\.csv")
 LOCK_FILE = ".lock"
 """Held by the one process that writes to a folder; says which."""

@@ -16,6 +16,7 @@ from features import BASE, FEATURES
 from hypothesis import settings
 
 import lammps_jump as lj
+from lammps_jump.analysis.draw.second_core import Later
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.guess import known_coefficients
 from lammps_jump.cli.app import main
@@ -201,12 +202,12 @@ def choose_to_stop_at(step: int):
 def without_analysis(monkeypatch) -> None:
     """No figures and no tables, which take seconds; the frames are checked all the same."""
 
-    def analyse(case, flow, folder, out, watch=(), gathered=None, told=None):
+    def analyse(case, flow, folder, out, packer, watch=(), gathered=None, told=None):
         (out / "profiles.nc").write_text(f"of {case.name}")
         for frame in read_dump(folder) if gathered is None else ():
             for collector in watch:
                 collector.add(frame, frame.time)
-        return {}
+        return {}, None
 
     monkeypatch.setattr(results, "analyse", analyse)
     monkeypatch.setattr(results, "write_report", lambda folder, *_, **__: (folder / "report.html").write_text(""))
@@ -222,8 +223,9 @@ def blank_figures(names, shown, folder, dump, flow, ending="png") -> None:
 @contextmanager
 def on_the_spot(work, *given, **named):
     """In place of `lammps_jump.analysis.draw.second_core.aside`, whose second process costs more than blank figures."""
-    work(*given, **named)
-    yield
+    done = Later()
+    done.value = work(*given, **named)
+    yield done
 
 
 def troubles(folder: Path, run: lj.Run) -> list[str]:

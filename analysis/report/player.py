@@ -22,7 +22,7 @@ from lammps_jump.scene.motion import MovingWall, Pose
 from lammps_jump.scene.walls import Interval, Wall, parts_of
 
 from .frames import FramePacker
-from .page import Player, picture, picture_kind
+from .page import Picture, Player, picture, picture_kind
 
 STILL = "snapshots.png"
 """Stands in for the player where there is no script."""
@@ -51,13 +51,21 @@ def make_player(packer: FramePacker, folder: Path) -> Player | None:
     folder : Path
         With the tables and figures of the analysis.
     """
+    player = pack_player(packer, folder)
+    return player and player._replace(still=still_of(folder))
+
+
+def pack_player(packer: FramePacker, folder: Path) -> Player | None:
+    """The same without the picture, which need not be drawn yet."""
     packed = packer.result()
-    if packed is None:
-        return None
+    return Player({**packed.header, **about_run(packer, folder)}, packed.text) if packed else None
+
+
+def still_of(folder: Path) -> Picture | None:
+    """The picture of the discs among the figures of a folder, for a page; None where there is none."""
     still = folder / "figures" / STILL
     there = picture_kind(still) and not still.parent.is_symlink()
-    shown = picture(still, "Ten equal times, discs coloured by speed") if there else None
-    return Player({**packed.header, **about_run(packer, folder)}, packed.text, shown)
+    return picture(still, "Ten equal times, discs coloured by speed") if there else None
 
 
 def about_run(packer: FramePacker, folder: Path) -> dict[str, object]:

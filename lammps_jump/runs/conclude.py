@@ -16,7 +16,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import lammps_jump.runs as runs
-from lammps_jump.analysis.passes import Watcher
 from lammps_jump.case.case import ReadCase
 from lammps_jump.dump import FrameCheck, damages, force_troubles, read_dump
 from lammps_jump.engines import Progress, ProgressCallback, RunResult, Setting
@@ -190,14 +189,15 @@ class Conclusion:
                 gathered = self.ahead.result(whole, self._read) if self.ahead else None
                 if self.ahead and gathered is not None:
                     check, packer = self.ahead.check, self.ahead.packer
-                seen = runs.results.has_player(self.case)
-                watch: list[Watcher] = [*([packer] if seen else []), *([check] if self.ended else [])]
-                parts = runs.results.analyse(self.case, flow, self.folder, stage, watch, gathered, self._phase)
+                watch = [check] if self.ended else []
+                among = (self.case, flow, self.folder, stage, packer, watch)
+                parts, player = runs.results.analyse(*among, gathered, self._phase)
         except DumpError as error:
             if self.ahead is None:
                 raise
             trouble = str(error)
             parts = {"warnings": [f"not analysed: {trouble}"]}
+            player = runs.results.packed_player(packer, stage)
         parts.setdefault("warnings", [])
         if self.ended:
             self._judge(check, parts["warnings"], trouble)
@@ -206,9 +206,9 @@ class Conclusion:
         self._phase("report")
         summary = self._summary(parts) | {key: self.stored[key] for key in ("case_hash", "key") if key in self.stored}
         if runs.results.has_page(self.case):
-            runs.results.write_report(stage, summary | {"outputs": self.outputs}, self.case, packer, beside=self.folder)
-        elif runs.results.has_player(self.case):
-            runs.results.write_player(stage, packer)
+            runs.results.write_report(stage, summary | {"outputs": self.outputs}, self.case, player, beside=self.folder)
+        elif runs.results.has_player(self.case) and player is not None:
+            runs.results.write_player(stage, player)
         self._phase("")
         summary["analysis_seconds"] = dict(self.phases)
         return Made(summary, trouble)

@@ -21,7 +21,7 @@ from lammps_jump.analysis.passes import Gathered, Watcher, feed, with_velocities
 from lammps_jump.analysis.report import compare, page
 from lammps_jump.analysis.report import run as report
 from lammps_jump.analysis.report.frames import FramePacker
-from lammps_jump.analysis.report.player import make_player, member_packer
+from lammps_jump.analysis.report.player import make_player, member_packer, pack_player
 from lammps_jump.case.case import ReadCase
 from lammps_jump.case.fields import Layers
 from lammps_jump.core.library import core
@@ -173,27 +173,35 @@ def analyse(
     flow: Flow,
     folder: Path,
     out: Path,
+    packer: FramePacker,
     watch: Sequence[Watcher] = (),
     gathered: Gathered | None = None,
     told: Callable[[str], None] | None = None,
-) -> dict[str, Any]:
-    """Analyse the dump of a run folder as its case asks; the parts of the summary. Tables and figures go to `out`.
+) -> tuple[dict[str, Any], page.Player | None]:
+    """Analyse the dump of a run folder as its case asks; the parts of the summary, and the player of what `packer` got.
 
-    `watch` is also shown every frame. Where they were read before, `gathered` is of `collect`. `told` is called with
-    what is done.
+    Tables and figures go to `out`. `watch` is also shown every frame. Where they were read before, `gathered` is of
+    `collect`. `told` is called with what is done. While the pictures are drawn, the frames are packed.
     """
     asked = case.fields.analysis
     figures = asked.figures if has_page(case) else "none"
-    return pipeline.analyse(
-        flow,
-        find_dump(folder),
-        out,
-        _wanted(case),
-        pictures=pipeline.Pictures(figures, asked.animation, quiet=not log.isEnabledFor(logging.INFO)),
-        watch=watch,
-        gathered=gathered,
-        told=told,
-    )
+    told = told or (lambda phase: None)
+    with pipeline.Drawing() as drawing:
+        parts = pipeline.analyse(
+            flow,
+            find_dump(folder),
+            out,
+            _wanted(case),
+            pictures=pipeline.Pictures(figures, asked.animation, quiet=not log.isEnabledFor(logging.INFO)),
+            watch=[*([packer] if has_player(case) else []), *watch],
+            gathered=gathered,
+            told=told,
+            drawing=drawing,
+        )
+        told("player")
+        player = packed_player(packer, out) if has_player(case) else None
+        told("figures")
+    return parts, drawing.shown_in(player)
 
 
 def analyse_in_memory(case: ReadCase, folder: Path) -> ResultsInMemory:
@@ -244,8 +252,11 @@ def analyse_dump(
         gathered = pipeline.collect(flow, open_dump(path), places, given.wanted, [IdCheck(path), packer])
         if note := depths.require_agreement(gathered):
             gathered = replace(gathered, warnings=(*gathered.warnings, note))
-        summary |= pipeline.analyse(flow, path, stage, given.wanted, gathered=gathered)
-        report.write_report(stage, summary, case.to_yaml() if case else "", player=make_player(packer, stage))
+        with pipeline.Drawing() as drawing:
+            summary |= pipeline.analyse(flow, path, stage, given.wanted, gathered=gathered, drawing=drawing)
+            player = pack_player(packer, stage)
+        text = case.to_yaml() if case else ""
+        report.write_report(stage, summary, text, player=drawing.shown_in(player))
         files = {str(one.relative_to(stage)): one for one in stage.rglob("*") if one.is_file() and not one.is_symlink()}
         analysed = {"key": "", "files": {name: checksum(one) for name, one in files.items()}}
         write_summary(stage, {**summary, "analysed": analysed})
@@ -398,6 +409,11 @@ def packer_for(case: ReadCase, flow: Flow) -> FramePacker:
     return FramePacker(flow) if has_page(case) else member_packer(flow, scene.steps // scene.output_steps + 1)
 
 
+def packed_player(packer: FramePacker, folder: Path) -> page.Player | None:
+    """The player of what a packer has taken in, without a picture; None where no frame holds a disc."""
+    return pack_player(packer, folder)
+
+
 def packed(flow: Flow, folder: Path, every: int = 1) -> FramePacker:
     """Every n-th frame of a folder for the player of its report; none where the dump cannot be read."""
     packer = FramePacker(flow, every)
@@ -432,22 +448,19 @@ def write_comparison(runs: Sequence[tuple[str, Path, Mapping[str, Any], Flow]], 
         return write_text(path, compare.comparison(*sides))
 
 
-def write_player(folder: Path, packer: FramePacker) -> None:
-    """Write the player of a member for the page of its study; nothing where no frame holds a disc."""
-    player = make_player(packer, folder)
-    if player is not None:
-        write_json(folder / PLAYER, player._asdict(), indent=None)
+def write_player(folder: Path, player: page.Player) -> None:
+    """Write the player of a member for the page of its study."""
+    write_json(folder / PLAYER, player._asdict(), indent=None)
 
 
 def write_report(
     folder: Path,
     summary: Mapping[str, Any],
     case: ReadCase,
-    packer: FramePacker,
+    player: page.Player | None,
     path: str | Path | None = None,
     beside: Path | None = None,
 ) -> Path:
     """Write the report of a run folder, by default as its ``report.html``; `beside` as of `report.write_report`."""
     name = "report.html" if path is None else str(Path(path).absolute())
-    player = make_player(packer, folder)
     return report.write_report(folder, dict(summary), case.to_yaml(), name=name, player=player, beside=beside)

@@ -300,8 +300,8 @@ class Run:
         if path is None:
             require_replaceable(self.folder, "report.html")
         with nullcontext() if path else locked(self.folder):
-            packer = runs.results.packed(runs.results.flow_of(self.case, self.folder), self.folder)
-            return runs.results.write_report(self.folder, self.summary, self.case, packer, path)
+            player = runs.results.player_of(self.case, self.folder)
+            return runs.results.write_report(self.folder, self.summary, self.case, player, path)
 
     def compare(self, other: Run, path: str | Path) -> Path:
         """Write a page of this run and another one, side by side, with one time.

@@ -66,8 +66,9 @@ def test_a_long_line_keeps_its_peaks():
 def test_work_aside_is_done_when_the_block_is_left(tmp_path, monkeypatch, threads):
     """By another process, but for threads: a copy could wait forever for a lock that one of them holds."""
     monkeypatch.setattr(threading, "active_count", lambda: threads)
-    with aside(lambda path: path.write_text(str(os.getpid())), tmp_path / "done"):
-        pass
+    with aside(lambda path: path.write_text(str(os.getpid())), tmp_path / "done") as later:
+        assert not hasattr(later, "value")
+    assert later.value == len((tmp_path / "done").read_text())
     assert ((tmp_path / "done").read_text() == str(os.getpid())) is (threads > 1)
 
 

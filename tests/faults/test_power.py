@@ -15,6 +15,7 @@ import lammps_jump as lj
 from lammps_jump.engines.checkpoint import CheckpointWriter, read_checkpoint
 from lammps_jump.engines.result import RunResult
 from lammps_jump.files import write_bytes
+from lammps_jump.folders import publish, staging
 
 DUMP = "dump.lammpstrj"
 
@@ -136,3 +137,15 @@ def test_a_file_is_on_the_disk_before_it_takes_its_name_and_its_name_after(tmp_p
     monkeypatch.setattr(os, "replace", lambda *names: done.append("moved") or replace(*names))
     path = write_bytes(tmp_path / "summary.json", b"{}")
     assert path.read_bytes() == b"{}" and done == [tmp_path / ".summary.json.new", "moved", tmp_path]
+
+
+@pytest.mark.fault("power cut, unsynced writes lost")
+def test_results_are_on_the_disk_before_they_are_published(tmp_path, monkeypatch):
+    done, replace = [], os.replace
+    monkeypatch.setattr(os, "fsync", lambda place: done.append(Path(os.readlink(f"/proc/self/fd/{place}"))))
+    monkeypatch.setattr(os, "replace", lambda one, other: done.append(Path(other)) or replace(one, other))
+    with staging(tmp_path) as stage:
+        path = write_bytes(stage / "profiles.nc", b"[]")
+        assert done == [path]  # moved alone: nobody reads it there after the power failed
+        publish(stage, tmp_path)
+    assert done == [path, path, tmp_path / "profiles.nc"] and (tmp_path / "profiles.nc").read_bytes() == b"[]"

@@ -52,8 +52,9 @@ PHASES = {
     "engine": "engine: the stepping alone",
     "reading": "frames not yet read when the engine ends",
     "results": "analyses",
-    "tables": "profiles, tables, curves",
-    "figures": "waiting for the two pictures",
+    "tables": "profiles, tables, curves, the picture of the depths",
+    "player": "packing the frames for the page",
+    "figures": "waiting for the picture of the discs",
     "report": "report",
     "else": "starting, the engine's libraries, checksums, putting into place, ending",
 }
