@@ -34,12 +34,12 @@ def encode(*parts: tuple[np.ndarray, np.ndarray]) -> str:
 
     Parameters
     ----------
-    *parts : (ndarray of int64, ndarray of int64)
+    *parts : (ndarray of int, ndarray of int)
         Numbers of at most 31 bits and a sign, and the context of each, from 0, in a shape that goes with theirs.
     """
-    sides = zip(*(np.broadcast_arrays(*part) for part in parts), strict=True)
-    values, contexts = (np.concatenate([array.ravel() for array in side]) for side in sides)
-    values, contexts, lengths = (array.astype(np.int64) for array in (values, contexts, np.frexp(values)[1]))
+    pairs = [[array.ravel() for array in np.broadcast_arrays(*part)] for part in parts]
+    sides = zip(*((one, context, np.frexp(one)[1]) for one, context in pairs), strict=True)
+    values, contexts, lengths = (np.concatenate(side, dtype=np.int64) for side in sides)
     if core() is None:
         digits = _digits_of_each(values.tolist(), contexts.tolist(), lengths.tolist())
     else:

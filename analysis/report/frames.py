@@ -23,7 +23,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -166,60 +166,111 @@ class FramePacker:
 
     def result(self) -> Packed | None:
         """The packed frames; None where no frame holds a disc."""
-        times = np.array(self.times)
-        rows = np.concatenate([rows for _, rows in self._kept]) if self._kept else np.empty(0, ROW)
-        if not len(rows):
+        total = sum(len(rows) for _, rows in self._kept)
+        if not total:
             return None
-        frame = np.repeat(np.arange(len(times)), [len(part) for _, part in self._kept])
-        fastest = float(max(np.abs(rows["u"]).max(), np.abs(rows["v"]).max()))
+        times = np.array(self.times)
+        fastest = max(float(np.abs(rows[name]).max(initial=0.0)) for _, rows in self._kept for name in "uv")
         qv = fastest / FASTEST if fastest > 0 else 1.0
-        speeds = [np.rint(rows[name] / qv).astype(np.int64) for name in "uv"]
-        shares = np.append(0.0, qv * np.diff(times) / self.q / 2)[frame]
-        order = np.lexsort((frame, rows["id"]))
-        before = _before(rows["id"], frame, order)
-        left = [_residual(rows[place], speed, before, shares) for place, speed in zip("xy", speeds, strict=True)]
-        before[np.maximum(*np.abs(left)) >= LARGEST_RESIDUAL] = -1
-        entry = before < 0
-        starts = np.flatnonzero(entry[order])
-        counts, discs = np.diff(starts, append=len(rows)), order[starts]
-        radii, shade = _shades(rows["radius"][order[starts + counts - 1]])  # an inlet gives a disc its size in flight
-        columns = (rows["id"][discs], frame[discs], counts, *(rows[name][discs] for name in "xy"), shade)
-        table = np.column_stack([*columns, *(speed[discs] for speed in speeds)])
-        changes = np.column_stack([*(speed - speed[before] for speed in speeds), *left])
+        shares = np.append(0.0, qv * np.diff(times) / self.q / 2)
+        discs, steps, before = _Discs(total), [], _Instant.empty()
+        for frame, (_, rows) in enumerate(self._kept):  # one by one: all at once would not stay in the caches
+            before = _step(rows, qv, shares[frame], before)
+            discs.take(frame, rows, before)
+            steps.append(before.told)
+        table, radii = discs.table()
         many = self._most >= MANY
         maps = [self._maps[time][slice(1) if many else slice(1, 2)] for time in times.tolist()]
         levels = np.array(maps, int).reshape(len(times), -1)
         turned = np.diff(levels, axis=0, prepend=0)
         text = encode(
             (np.diff(table, axis=0, prepend=0), OF_A_KIND * np.arange(4, 12)),
-            (changes[~entry], _contexts(changes, before, entry)[~entry]),
+            *steps,
             (turned, OF_A_KIND * 12 + np.frexp(levels - turned)[1]),
         )
-        header = {"times": times, "q": self.q, "qv": qv, "discs": len(discs), "rows": len(rows), "radii": radii}
+        header = {"times": times, "q": self.q, "qv": qv, "discs": len(table), "rows": total, "radii": radii}
         about = about_map(self.flow, many) if levels.size else None
         return Packed({**header, "share": self._share, "map": about}, text)
 
 
-def _before(ids: np.ndarray, frame: np.ndarray, order: np.ndarray) -> np.ndarray:
-    """Row of the same disc in the frame before, shape (rows,); -1 where there is none. `order` is by id and frame."""
-    before = np.full(len(ids), -1)
-    goes_on = (np.diff(ids[order]) == 0) & (np.diff(frame[order]) == 1)
-    before[order[1:][goes_on]] = order[:-1][goes_on]
-    return before
+class _Instant(NamedTuple):
+    """A frame as the next one needs it, in the order of the ids, and what the text tells of it.
+
+    Attributes
+    ----------
+    ids, places, speeds, unrest : ndarray
+        Of each disc; places and speeds, shape (2, discs), in quanta.
+    entry : ndarray of bool
+        The disc was not in the frame before.
+    at : ndarray
+        Where the disc stands in the frame before.
+    told : (ndarray, ndarray)
+        Numbers of the rows that are no entries, and their contexts.
+    """
+
+    ids: np.ndarray
+    places: np.ndarray
+    speeds: np.ndarray
+    unrest: np.ndarray
+    entry: np.ndarray
+    at: np.ndarray
+    told: tuple[np.ndarray, np.ndarray]
+
+    @classmethod
+    def empty(cls) -> _Instant:
+        """Before the first frame."""
+        none, pairs = np.empty(0, np.int64), np.empty((2, 0), np.int64)
+        return cls(none, pairs, pairs, none, none > 0, none, (none, none))
 
 
-def _residual(place: np.ndarray, speed: np.ndarray, before: np.ndarray, shares: np.ndarray) -> np.ndarray:
-    """Place less its prediction, shape (rows,), quanta; 0 in the first row of a disc."""
-    moved = np.floor((speed[before] + speed) * shares + 0.5).astype(np.int64)
-    return np.where(before < 0, 0, place.astype(np.int64) - place[before] - moved)
+def _step(rows: np.ndarray, qv: float, share: float, before: _Instant) -> _Instant:
+    """The next frame of rows (`ROW`); `share` is the s of the prediction, see the text at the top."""
+    places = np.array([rows["x"], rows["y"]], np.int64)
+    speeds = np.array([np.rint(rows[name] / qv) for name in "uv"]).astype(np.int64)
+    at = np.minimum(np.searchsorted(before.ids, rows["id"]), max(len(before.ids) - 1, 0))
+    entry = before.ids[at] != rows["id"] if len(before.ids) else np.ones(len(rows), bool)
+    changes = np.zeros((4, len(rows)), np.int64)
+    unrest = np.full(len(rows), UNREST)
+    if len(before.ids):
+        were = before.speeds[:, at]
+        moved = np.floor((were + speeds) * share + 0.5).astype(np.int64)
+        changes = np.concatenate([speeds - were, places - before.places[:, at] - moved])
+        entry |= np.abs(changes[2:]).max(axis=0) >= LARGEST_RESIDUAL
+        unrest = before.unrest[at]
+    sizes = np.concatenate([np.abs(changes[:2]) * 2, np.abs(changes[2:]) // 2])
+    felt = np.cumsum([unrest, *sizes[:3]], axis=0)
+    contexts = np.frexp(felt)[1] + OF_A_KIND * np.arange(4)[:, None]
+    left = np.where(entry, UNREST, sizes.sum(axis=0) // 2)
+    told = changes.T[~entry].astype(np.int32), contexts.T[~entry].astype(np.int16)
+    return _Instant(rows["id"], places, speeds, left, entry, at, told)
 
 
-def _contexts(changes: np.ndarray, before: np.ndarray, entry: np.ndarray) -> np.ndarray:
-    """Context of each number of the rows, shape (rows, 4)."""
-    sizes = np.abs(changes) * 4 // (2, 2, 8, 8)
-    unrest = np.where(entry, UNREST, sizes.sum(axis=1) // 2)[before]
-    felt = np.cumsum(np.column_stack([unrest, sizes[:, :3]]), axis=1)
-    return np.frexp(felt)[1] + OF_A_KIND * np.arange(4)
+class _Discs:
+    """What the text tells of each disc where it comes in; `rows` is the number of rows of all frames."""
+
+    def __init__(self, rows: int):
+        self._counts, self._radii, self._known = np.zeros(rows, np.int64), np.empty(rows, "f4"), 0
+        self._numbers = np.empty(0, np.int64)
+        self._entries: list[np.ndarray] = []
+
+    def take(self, frame: int, rows: np.ndarray, now: _Instant) -> None:
+        """Take in a frame and what came of it."""
+        new, entered = int(now.entry.sum()), rows[now.entry]
+        numbers = self._numbers[now.at] if len(self._numbers) else np.empty(len(rows), np.int64)
+        numbers[now.entry] = self._known + np.arange(new)
+        self._known, self._numbers = self._known + new, numbers
+        self._counts[numbers] += 1
+        self._radii[numbers] = rows["radius"]  # the last one: an inlet gives a disc its size in flight
+        columns = (entered["id"], np.full(new, frame), entered["x"], entered["y"], *now.speeds[:, now.entry])
+        self._entries.append(np.column_stack(columns))
+
+    def table(self) -> tuple[np.ndarray, np.ndarray]:
+        """Rows of the discs in the order of their ids and frames; and their radii, m."""
+        entries = np.concatenate(self._entries)
+        order = np.lexsort((entries[:, 1], entries[:, 0]))
+        radii, shade = _shades(self._radii[order])
+        ids, first, x, y, u, v = entries[order].T
+        return np.column_stack([ids, first, self._counts[order], x, y, shade, u, v]), radii
 
 
 def _shades(radii: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

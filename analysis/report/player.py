@@ -164,22 +164,25 @@ def _sequent(flow: Flow, folder: Path, times: Sequence[float]) -> list[list[floa
         when, places, found, depths, speeds = (track.numbers(name) for name in COLUMNS)
     except DumpError:  # no jump was looked for; or damaged: the page is whole without
         return [None] * len(times)
-    lines: list[list[float] | None] = []
-    for k in (int(np.argmin(np.abs(when - time))) for time in times):
+    found_at: list[tuple[int, float, float, float]] = []  # place among the times; of the front, its speed, depth
+    for number, k in enumerate(int(np.argmin(np.abs(when - time))) for time in times):
         near = (np.abs(when - when[k]) <= AROUND) & np.isfinite(places)
-        if not (flow.timed and found[k] and near.sum() > 1 and depths[k] > 0):
-            lines.append(None)
-            continue
-        seen_from = speeds[k] - np.polyfit(when[near], places[near], 1)[0]
-        sequent = sequent_depth(abs(seen_from), depths[k], flow.g)
-        lines.append(np.round([places[k], _level_until(flow, places[k], seen_from), sequent], 6).tolist())
+        if flow.timed and found[k] and near.sum() > 1 and depths[k] > 0:
+            seen_from = speeds[k] - np.polyfit(when[near], places[near], 1)[0]
+            found_at.append((number, places[k], seen_from, sequent_depth(abs(seen_from), depths[k], flow.g)))
+    lines: list[list[float] | None] = [None] * len(times)
+    if found_at:
+        numbers, starts, seen_from, sequent = np.array(found_at).T
+        rows = np.round(np.transpose([starts, _level_until(flow, starts, seen_from), sequent]), 6)
+        for number, row in zip(numbers.astype(int).tolist(), rows.tolist(), strict=True):
+            lines[number] = row
     return lines
 
 
-def _level_until(flow: Flow, start: float, direction: float) -> float:
-    """Where the bed ends to be level, from `start` in a direction, m."""
-    stop = flow.x_range[1 if direction > 0 else 0]
-    x = np.linspace(start, stop, 400)
-    bed = flow.bed_height(x)
-    level = np.abs(bed - bed[0]) < 0.5 * flow.scene.diameter
-    return float(x[-1] if level.all() else x[np.argmin(level)])
+def _level_until(flow: Flow, starts: np.ndarray, directions: np.ndarray) -> np.ndarray:
+    """Where the bed ends to be level, from each start in its direction, m."""
+    low, high = flow.x_range
+    x = np.linspace(starts, np.where(directions > 0, high, low), 400, axis=1)
+    bed = flow.bed_height(x.ravel()).reshape(x.shape)
+    level = np.abs(bed - bed[:, :1]) < 0.5 * flow.scene.diameter
+    return np.where(level.all(axis=1), x[:, -1], x[np.arange(len(x)), level.argmin(axis=1)])
