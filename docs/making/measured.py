@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import lammps_jump as lj
 from lammps_jump.identity import scene_key
 from lammps_jump.provenance import machine, versions
-from lammps_jump.studies.bench import collision, page, timing
+from lammps_jump.studies.bench import collision, overhead, page, timing
 from lammps_jump.studies.cross_validation.scenes import micro_scenes
 from lammps_jump.studies.points.find import TREE, load_module
 from lammps_jump.studies.table import markdown, paragraphs
@@ -180,6 +180,16 @@ def _speed(scene: str, more: str = "") -> Measure:
     )
 
 
+def _overhead(scene: str) -> Measure:
+    names = ("case", "rows", "rounds", "ratios", "cpu_ratios")
+    return Measure(
+        f"bench inputs/{scene}.yaml --overhead",
+        lambda: case_keys({}, scene=scene),
+        lambda folder: {name: json.loads((folder / "overhead.json").read_text())[name] for name in names},
+        lambda data: paragraphs(*overhead.overhead_page(dict(data), RUNS)),
+    )
+
+
 def _scale_table(data: Data) -> str:
     columns = {
         "discs:": "{discs:,.0f}",
@@ -316,6 +326,8 @@ MEASURES: dict[str, Measure] = {
     "bench_quick_jump": _bench("quick_jump", "--axes f,touch,kernel --fractions 0.05,0.1,0.2 --members 3"),
     "speed_dam_break": _speed("dam_break"),
     "speed_quick_jump": _speed("quick_jump", " --quick"),
+    "overhead_quick_jump": _overhead("quick_jump"),
+    "overhead_stable_jump": _overhead("stable_jump"),
     "scale": Measure(
         "benchmarks/scale.py 1e3 1e4 1e5 1e6 1e7",
         lambda: case_keys({}, scene="dam_break"),

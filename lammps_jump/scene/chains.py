@@ -387,21 +387,30 @@ def _crossings(faces: Faces, x: np.ndarray) -> list[tuple[np.ndarray, np.ndarray
     counts = end - begin
     face = np.repeat(np.arange(len(shape)), counts)
     index = order[np.arange(len(face)) + np.repeat(begin - np.cumsum(counts) + counts, counts)]
-    place, row = x[index], shape[face].T
+    place, (x0, y0, tx, ty) = x[index], (shape[face, column] for column in (X0, Y0, TX0, TY0))
     with np.errstate(invalid="ignore", divide="ignore"):
-        out = place - row[CX]
-        rise = np.sqrt(row[RADIUS] * row[RADIUS] - out * out)
-        line = row[Y0] + np.where(row[TY0] == 0, 0.0, (place - row[X0]) * (row[TY0] / row[TX0]))
-    found = []
+        line = y0 + np.where(ty == 0, 0.0, (place - x0) * (ty / tx))
+    found, bent = [], np.flatnonzero(arc[face])
     for up in (True, False):
+        met, y = (tx > 0) == up, line
+        if len(bent):
+            y = line.copy()
+            met[bent], y[bent] = _on_arcs(shape[face[bent]].T, place[bent], up)
+        found.append((index[met], y[met]))
+    return found
+
+
+def _on_arcs(row: np.ndarray, place: np.ndarray, up: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Whether an upright line at each place meets the half of its arc that looks up, or down; at which height, m."""
+    out = place - row[CX]
+    with np.errstate(invalid="ignore"):
+        rise = np.sqrt(row[RADIUS] * row[RADIUS] - out * out)
         # the half of a circle that looks up is the upper one where the arc turns right
         y = row[CY] + np.where((row[RADIUS] < 0) == up, rise, -rise)
         on = (row[TX0] * (place - row[X0]) + row[TY0] * (y - row[Y0]) >= 0) & (
             row[TX1] * (place - row[X1]) + row[TY1] * (y - row[Y1]) <= 0
         )
-        met = np.where(arc[face], on, (row[TX0] > 0) == up)
-        found.append((index[met], np.where(arc[face], y, line)[met]))
-    return found
+    return on, y
 
 
 def _stacked(count: int, index: np.ndarray, height: np.ndarray) -> np.ndarray:

@@ -16,10 +16,11 @@ from lammps_jump.studies.table import paragraphs
 from lammps_jump.sweeps import Say, Store
 
 from .collision import collision_study
+from .overhead import overhead_page, time_commands
 from .page import page
 from .skips import measure_skips, skip_page
 from .study import settings_study
-from .timing import cell_page, overhead_page, speed_page, time_cells, time_commands, time_kernels
+from .timing import cell_page, speed_page, time_cells, time_kernels
 
 FOLDER = Path("runs") / "bench"
 PARTS = {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Benchmarks of time: cell sizes of the contact search, kernels side by side, the whole command around its engine.
+"""Benchmarks of time: cell sizes of the contact search, kernels side by side.
 
 What is compared takes turns, so that ratios hold on a busy machine.
 
@@ -8,15 +8,11 @@ What is compared takes turns, so that ratios hold on a busy machine.
   list, which this engine uses otherwise, is timed for comparison.
 - ``--speed``: kernels and skins against stock LAMMPS on the developed flow of a case. The flow is brought to a
   state full of contacts once, on the native engine. Every variant then starts from the same discs.
-- ``--overhead``: a whole command by phase: what a user waits for beside the stepping.
 """
 
 from __future__ import annotations
 
-import subprocess
-import sys
 import tempfile
-import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -31,9 +27,7 @@ from lammps_jump.analysis.draw.chart import Chart, Panel, Trace
 from lammps_jump.analysis.draw.style import drawn, save
 from lammps_jump.engines import usable_kernels
 from lammps_jump.engines.native import run_native
-from lammps_jump.errors import RunError, SetupError
-from lammps_jump.files import read_json, write_text
-from lammps_jump.runs.summary import SUMMARY_FILE
+from lammps_jump.errors import SetupError
 from lammps_jump.scene import Scene
 from lammps_jump.studies.cross_validation import trajectories
 from lammps_jump.studies.cross_validation.trajectories import CONTACT_STEPS
@@ -47,18 +41,6 @@ SIZES = (0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 8.0)
 WORK, QUICK_WORK = 6e7, 2e6
 """Disc-steps of one timed run: seconds for the slowest, so that starting LAMMPS (0.05 s) does not count."""
 ROUNDS = 5
-PHASES = {
-    "build": "case, scene, script",
-    "engine": "engine: the stepping alone",
-    "reading": "frames not yet read when the engine ends",
-    "results": "analyses",
-    "tables": "profiles, tables, curves, the picture of the depths",
-    "player": "packing the frames for the page",
-    "figures": "waiting for the picture of the discs",
-    "report": "report",
-    "else": "starting, the engine's libraries, checksums, putting into place, ending",
-}
-"""What a whole command consists of, in order."""
 Variant = tuple[str, dict[str, object]]
 """Kernel, and values that differ from the case."""
 Calls = Mapping[str, Callable[[], Any]]
@@ -217,57 +199,3 @@ def speed_page(data: Results, folder: Path) -> list[str]:
         for name, d in data["agreement"].items()
     ]
     return [markdown(columns, data["rows"]), "\n".join(notes)]
-
-
-def command_time(case: Case) -> dict[str, float]:
-    """Return wall seconds of `PHASES` of ``build-and-run`` in a process of its own, and of the ``whole``.
-
-    Raises
-    ------
-    RunError
-        The command failed.
-    """
-    with tempfile.TemporaryDirectory() as place:
-        path, folder = write_text(Path(place) / "case.yaml", case.to_yaml()), Path(place) / "run"
-        command = [
-            sys.executable,
-            "-P",
-            "-m",
-            "lammps_jump",
-            "build-and-run",
-            str(path),
-            "--out",
-            str(folder),
-            "--quiet",
-        ]
-        begin = time.perf_counter()
-        ended = subprocess.run(command, capture_output=True, text=True)
-        whole = time.perf_counter() - begin
-        if ended.returncode:
-            raise RunError(f"{case.name}: the command failed: {ended.stderr.strip()}")
-        summary = read_json(folder / SUMMARY_FILE)
-    seconds = summary["wall_seconds"]
-    known = {"build": seconds["build"], "engine": seconds["run"], **summary["analysis_seconds"]}
-    return {**known, "else": whole - sum(known.values()), "whole": whole}
-
-
-def time_commands(case: Case, store: Store, *, quick: bool, say: Say) -> Results:
-    """Time the whole command several times; a row holds the median seconds of a phase, and its share of the engine."""
-    # the first one compiles what is compiled on first use, and is not counted
-    rounds, calls = 2 if quick else ROUNDS + 1, {"whole command": lambda: command_time(case)}
-    told = "{0[whole]:z.2f} s, engine {0[engine]:z.2f} s"
-    _, *runs = timed_in_turn(calls, rounds, store, case.hash, say, told)["whole command"]
-    rows = [{"phase": phase, "seconds": middle(run.get(phase, 0.0) for run in runs)} for phase in (*PHASES, "whole")]
-    engine, ratio = middle(run["engine"] for run in runs), middle(run["whole"] / run["engine"] for run in runs)
-    return {"rows": rows, "engine": engine, "rounds": len(runs), "ratio": ratio}
-
-
-def overhead_page(data: Results, folder: Path) -> list[str]:
-    """Return the table, and what it holds."""
-    columns: dict[str, Column] = {
-        data["case"]: lambda row: PHASES.get(row["phase"], "**whole command**"),
-        "wall time (s):": "{seconds:z.2f}",
-        "over the engine:": lambda row: f"{row['seconds'] / data['engine']:z.2f}",
-    }
-    told = f"Medians of {data['rounds']}; whole over engine within a run: {data['ratio']:z.2f}."
-    return [markdown(columns, data["rows"]), told]
