@@ -57,7 +57,7 @@ def snapshots(frames: Dump | Sequence[Frame], flow: Flow) -> Figure:
             paint_walls(picture, view, flow.standing_at(time), flow.shut_gates(time))
             paint_frame(picture, view, frame, flow, top_speed)
             axes = figure.add_subplot(place)
-            axes.add_image(_Painted(picture, axes, view))
+            axes.add_image(Painted(picture, axes, view))
             # no title: its place is sought among all ticks, which took a fifth of the time
             text = f"{flow.clock(time)}   {flow.count(frame)} discs"
             axes.annotate(text, (0, 1), (0, 3), "axes fraction", "offset points", fontsize=8)
@@ -74,7 +74,7 @@ def snapshots(frames: Dump | Sequence[Frame], flow: Flow) -> Figure:
     return figure
 
 
-class _Painted(AxesImage):
+class Painted(AxesImage):
     """A picture of a view that fills its axes, pixel for pixel; matplotlib's own images take eight times as long."""
 
     def __init__(self, picture: np.ndarray, axes: Axes, view: View):

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from made_up import flow_context
 from matplotlib._pylab_helpers import Gcf
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 
 from lammps_jump.analysis.draw import depth_profile, painter, scope, snapshots, xt_map
 from lammps_jump.analysis.draw import style as figures
@@ -71,6 +73,19 @@ def test_xt_map(profiles, tmp_path):
     figures.save(figure, tmp_path / "xt.svg")
     one = compute_profiles(frames(1), CONTEXT)
     figures.save(figures.drawn(xt_map(one, "velocity")), tmp_path / "one.png")
+
+
+@pytest.mark.parametrize("larger", [1, 2])
+def test_a_painted_picture_fills_its_axes_pixel_for_pixel(larger):
+    picture = np.random.default_rng(1).integers(0, 256, (40, 60, 3), np.uint8)
+    figure = Figure(figsize=(1.0, 1.0), dpi=100 * larger)
+    FigureCanvasAgg(figure)
+    axes = figure.add_axes((0.2, 0.3, 0.6, 0.4))
+    axes.add_image(snapshots.Painted(picture, axes, painter.View((0.0, 6.0), (0.0, 4.0), 60, 40)))
+    axes.set_axis_off()
+    figure.canvas.draw()
+    drawn = np.asarray(figure.canvas.buffer_rgba())[30 * larger : 70 * larger, 20 * larger : 80 * larger, :3]
+    assert np.array_equal(drawn, picture.repeat(larger, axis=0).repeat(larger, axis=1))
 
 
 def test_ten_snapshots(tmp_path):

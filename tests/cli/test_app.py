@@ -13,6 +13,7 @@ import typer
 from made_up import INPUTS
 from typer.testing import CliRunner
 
+import lammps_jump as lj
 from lammps_jump.cli.app import app
 
 # fmt: off
@@ -62,3 +63,13 @@ def test_help_lists_the_whole_sentence_of_every_command(words, width):
     cut = [name for name, one in group.commands.items() if one.help.split(". ")[0] not in " ".join(listed.split())]
     assert group.commands
     assert not cut
+
+
+def test_the_program_ends_at_once_but_what_is_to_be_done_at_its_end_is_done():
+    code = (
+        "import atexit, sys; atexit.register(print, 'at the end'); sys.argv = ['lammps-jump', '--version']; "
+        "from lammps_jump.__main__ import run; run(); print('not reached')"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0 and done.stderr == ""
+    assert done.stdout.splitlines() == [f"lammps-jump {lj.__version__}", "at the end"]
