@@ -63,7 +63,7 @@ class Pictures(NamedTuple):
 DEFAULT_PICTURES = Pictures()
 
 
-class Drawing(ExitStack):
+class DrawnAside(ExitStack):
     """Pictures that are drawn on a second core until the block is left.
 
     Attributes
@@ -86,10 +86,9 @@ def analyse(
     wanted: Collection[str],
     *,
     pictures: Pictures = DEFAULT_PICTURES,
-    watch: Sequence[Watcher] = (),
     gathered: Gathered | None = None,
     told: Callable[[str], None] | None = None,
-    drawing: Drawing | None = None,
+    drawing: DrawnAside | None = None,
 ) -> dict[str, object]:
     """Analyse a dump file.
 
@@ -104,13 +103,11 @@ def analyse(
     wanted : collection of str
         Of `QUANTITIES`, and 'fields' for mean fields on a grid. Profiles are always made, and what a flow has anyway.
     pictures : Pictures
-    watch : sequence of Watcher
-        Are also shown every frame.
     gathered : Gathered, optional
         Of `collect` for the same quantities, where the frames were read before.
     told : callable(str), optional
         Called with what is done next: results, tables.
-    drawing : Drawing, optional
+    drawing : DrawnAside, optional
         The pictures are done when its block is left, by default when this function returns.
 
     Returns
@@ -127,10 +124,10 @@ def analyse(
     if unknown := sorted(set(wanted) - {*QUANTITIES, "fields"}):
         known = ", ".join(name for name, one in QUANTITIES.items() if one.always is None or name == "force")
         raise DumpError(f"quantity '{unknown[0]}' is not known: use {known} or fields.")
-    gathered = gathered or collect(flow, open_dump(dump), (out, dump.parent), wanted, watch)
+    gathered = gathered or collect(flow, open_dump(dump), (out, dump.parent), wanted)
     told, warnings = told or (lambda phase: None), list(gathered.warnings)
     out.mkdir(parents=True, exist_ok=True)  # only now: a dump that cannot be read leaves nothing behind
-    with nullcontext(drawing) if drawing else Drawing() as busy:
+    with nullcontext(drawing) if drawing else DrawnAside() as busy:
         if pictures.figures != "none":
             busy.still = busy.enter_context(aside(draw_discs, out, dump, flow))
         told("results")

@@ -173,7 +173,7 @@ class FramePacker:
         fastest = max(float(np.abs(rows[name]).max(initial=0.0)) for _, rows in self._kept for name in "uv")
         qv = fastest / FASTEST if fastest > 0 else 1.0
         shares = np.append(0.0, qv * np.diff(times) / self.q / 2)
-        discs, steps, before = _Discs(total), [], _Instant.empty()
+        discs, steps, before = _Entries(total), [], _Instant.empty()
         for frame, (_, rows) in enumerate(self._kept):  # one by one: all at once would not stay in the caches
             before = _step(rows, qv, shares[frame], before)
             discs.take(frame, rows, before)
@@ -245,7 +245,7 @@ def _step(rows: np.ndarray, qv: float, share: float, before: _Instant) -> _Insta
     return _Instant(rows["id"], places, speeds, left, entry, at, told)
 
 
-class _Discs:
+class _Entries:
     """What the text tells of each disc where it comes in; `rows` is the number of rows of all frames."""
 
     def __init__(self, rows: int):

@@ -185,15 +185,17 @@ def analyse(
     """
     asked = case.fields.analysis
     figures = asked.figures if has_page(case) else "none"
-    told = told or (lambda phase: None)
-    with pipeline.Drawing() as drawing:
+    told, dump = told or (lambda phase: None), find_dump(folder)
+    if gathered is None:
+        watch = [*([packer] if has_player(case) else []), *watch]
+        gathered = collect(case, flow, folder, open_dump(dump), *watch)
+    with pipeline.DrawnAside() as drawing:
         parts = pipeline.analyse(
             flow,
-            find_dump(folder),
+            dump,
             out,
             _wanted(case),
             pictures=pipeline.Pictures(figures, asked.animation, quiet=not log.isEnabledFor(logging.INFO)),
-            watch=[*([packer] if has_player(case) else []), *watch],
             gathered=gathered,
             told=told,
             drawing=drawing,
@@ -252,7 +254,7 @@ def analyse_dump(
         gathered = pipeline.collect(flow, open_dump(path), places, given.wanted, [IdCheck(path), packer])
         if note := depths.require_agreement(gathered):
             gathered = replace(gathered, warnings=(*gathered.warnings, note))
-        with pipeline.Drawing() as drawing:
+        with pipeline.DrawnAside() as drawing:
             summary |= pipeline.analyse(flow, path, stage, given.wanted, gathered=gathered, drawing=drawing)
             player = pack_player(packer, stage)
         text = case.to_yaml() if case else ""
