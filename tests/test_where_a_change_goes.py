@@ -41,7 +41,7 @@ from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.errors import SetupError
 from lammps_jump.folders import Marker, read_marker, require_ours
 from lammps_jump.physics.slip import FRICTION_LAWS
-from lammps_jump.runs.results import analyse, flow_of
+from lammps_jump.runs.results import analyse, flow_of, packer_for
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.chains import Chain
 from lammps_jump.scene.motion import Motion, MovingWall
@@ -340,7 +340,7 @@ def test_a_new_quantity_stands_in_its_file_and_in_the_list(monkeypatch, tmp_path
         for step in range(0, 200, 10):
             columns = {"id": [1, 2], "x": [0, 0.5], "y": [0.2, 1.2 + 0.01 * step], "vx": [0, 0], "vy": [0, 0]}
             writer.write_frame(make_frame(step, flow.scene.time(step), flow.scene.domain, columns))
-    parts = analyse(case, flow, tmp_path, tmp_path / "out")
+    parts, _ = analyse(case, flow, tmp_path, tmp_path / "out", packer_for(case, flow))
     mean = float(np.mean([1.0 + 0.01 * step for step in range(0, 200, 10)]))
     assert parts["spread"]["height"] == pytest.approx(mean) and parts["spread"]["height_error"] > 0
     assert "spread.csv" in parts["files"] and (tmp_path / "out" / "spread.csv").read_text().startswith("time,height")
