@@ -8,7 +8,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
@@ -108,11 +108,15 @@ def overhead_page(data: Results, folder: Path) -> list[str]:
     columns: dict[str, Column] = {data["case"]: lambda row: PHASES.get(row["phase"]) or ends[row["phase"]]}
     for name in data["ratios"]:
         engine = next(row[name] for row in data["rows"] if row["phase"] == "engine")
-        columns[f"{name} (s):"] = lambda row, name=name: f"{row[name]:z.2f}"
-        columns[f"{name}, over the engine:"] = lambda row, name=name, one=engine: f"{row[name] / one:z.2f}"
+        columns[f"{name} (s):"] = partial(_shown, name, 1.0)
+        columns[f"{name}, over the engine:"] = partial(_shown, name, engine)
     told = [
         f"{name} {ratio:z.2f} (processor time {data['cpu_ratios'][name]:z.2f})"
         for name, ratio in data["ratios"].items()
     ]
     said = f"Medians of {data['rounds']}; whole over engine within a run: {', '.join(told)}."
     return [markdown(columns, data["rows"]), said]
+
+
+def _shown(name: str, unit: float, row: Mapping[str, float]) -> str:
+    return f"{row[name] / unit:z.2f}"
