@@ -12,30 +12,23 @@ in diameters, after the short run. A program that is not installed is left out, 
 from __future__ import annotations
 
 import argparse
-import json
 import math
-import os
 import pickle
 import shutil
-import subprocess
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from statistics import median
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+import timed
 
 import lammps_jump as lj
-from lammps_jump.engines.lammps.loader import mpi_library, program
 from lammps_jump.engines.plugin import plugin_path
-from lammps_jump.errors import JumpError
 from lammps_jump.script import write_script
 
-CASE = Path(__file__).parent.parent / "inputs" / "dam_break.yaml"
-AREA = 48.0
-"""m² of the column: 4 m by 12 m."""
 RELEASED = 0.6
 """Time after the release from which all start, s."""
 FEW, WORK = 200, 1.2e7
@@ -71,29 +64,25 @@ class Start(NamedTuple):
 
 def start_of(discs: int, law: str, room: Path) -> Start:
     """The column some time after its release."""
-    sets: dict[str, object] = {
-        "discs.diameter": math.sqrt(AREA / discs), "engine.name": "native", "walls": [
-            {"name": "floor", "kind": "plane", "axis": "y", "at": 0, "side": "above"},
-            {"name": "back", "kind": "plane", "axis": "x", "at": 0, "side": "above"},
-        ], "domain.x": [-1, 60], "domain.y": [-1, 20], "outflow": [], "probes": {}, "analysis.front": False,
-        "run.duration": RELEASED, "run.output_interval": RELEASED, **LAWS[law],
-    }  # fmt: skip
-    before = lj.load_case(CASE, sets).run(room / f"{discs}_{law}")
+    planes = [
+        {"name": name, "kind": "plane", "axis": axis, "at": 0, "side": "above"}
+        for name, axis in (("floor", "y"), ("back", "x"))
+    ]
+    changes = {"engine.name": "native", "walls": planes, "outflow": [], "analysis.front": False, **LAWS[law]}
+    changes |= {"run.duration": RELEASED, "run.output_interval": RELEASED}
+    sets = timed.column(discs, 60, **changes)
+    before = lj.load_case(timed.CASE, sets).run(room / f"{discs}_{law}")
     last = list(before.frames())[-1].sorted()
     places, velocities = np.column_stack([last.x, last.y]), np.column_stack([last.vx, last.vy])
-    return Start(lj.load_case(CASE, sets).after(before), places, velocities, law)
+    return Start(lj.load_case(timed.CASE, sets).after(before), places, velocities, law)
 
 
-def used(words: list[str], folder: Path, **settings: str) -> float:
-    """Processor seconds of a program of one thread."""
-    quiet = {"OMP_NUM_THREADS": "1", "LAMMPS_JUMP_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
-    with (folder / "screen").open("w+") as screen:
-        process = subprocess.Popen(words, cwd=folder, stdout=screen, stderr=screen, env=os.environ | quiet | settings)
-        _, status, spent = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
-        screen.seek(0)
-        if process.returncode:
-            raise lj.RunError(f"{words[0]}: {screen.read()[-2000:]}")
+QUIET = {"OMP_NUM_THREADS": "1", "LAMMPS_JUMP_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+"""Settings for one thread."""
+
+
+def seconds(spent: Any) -> float:
+    """Processor seconds of a process."""
     return spent.ru_utime + spent.ru_stime
 
 
@@ -114,8 +103,8 @@ def native(start: Start, steps: int, folder: Path) -> tuple[float, np.ndarray]:
         f"s.run({steps})\n"
         "np.savetxt('end', [np.mean(s.discs.x[:s.discs.n]), np.mean(s.discs.y[:s.discs.n])])\n"
     )
-    spent = used([sys.executable, "-c", code], folder)
-    return spent, np.loadtxt(folder / "end")
+    spent, _ = timed.ended([sys.executable, "-c", code], folder, **QUIET)
+    return seconds(spent), np.loadtxt(folder / "end")
 
 
 def lammps(kernel: str) -> Callable[[Start, int, Path], tuple[float, np.ndarray]]:
@@ -125,11 +114,10 @@ def lammps(kernel: str) -> Callable[[Start, int, Path], tuple[float, np.ndarray]
         case = ours(start, steps, name="lammps", kernel=kernel)
         write_script(case.scene(), folder, kernel=kernel)
         script = "in.plugin.lammps" if kernel == "compiled" else "in.lammps"
-        words = [str(program("lmp")), "-in", script, "-log", "none"]
-        words += ["-var", "plugin", str(plugin_path())] if kernel == "compiled" else []
-        spent = used(words, folder, LD_LIBRARY_PATH=str(mpi_library().parent))
+        words = ("-var", "plugin", plugin_path()) if kernel == "compiled" else ()
+        spent, _ = timed.lammps_ended(script, folder, *words, **QUIET)
         last = list(lj.dump.read_dump(folder))[-1]
-        return spent, np.array([last.x.mean(), last.y.mean()])
+        return seconds(spent), np.array([last.x.mean(), last.y.mean()])
 
     return run
 
@@ -181,13 +169,9 @@ thermo_style custom step atoms c_middle[1] c_middle[2]
 thermo_modify norm no lost error format float %20.15g
 run {steps}
 """)
-    spent = used(["liggghts", "-in", "in.peer", "-log", "none"], folder)
-    last = next(
-        line.split()
-        for line in reversed((folder / "screen").read_text().splitlines())
-        if line.split()[:1] == [str(steps)]
-    )
-    return spent, np.array([float(last[2]), float(last[3])])
+    spent, shown = timed.ended(["liggghts", "-in", "in.peer", "-log", "none"], folder, **QUIET)
+    last = next(line.split() for line in reversed(shown.splitlines()) if line.split()[:1] == [str(steps)])
+    return seconds(spent), np.array([float(last[2]), float(last[3])])
 
 
 def yade(start: Start, steps: int, folder: Path) -> tuple[float, np.ndarray]:
@@ -219,8 +203,8 @@ O.dt = {law.time_step:.17g}
 O.run({steps}, True)
 np.savetxt('end', [np.mean([b.state.pos[i] for b in O.bodies if isinstance(b.shape, Sphere)]) for i in (0, 1)])
 """)
-    spent = used(["yade", "-x", "-n", "-j1", "peer.py"], folder)
-    return spent, np.loadtxt(folder / "end")
+    spent, _ = timed.ended(["yade", "-x", "-n", "-j1", "peer.py"], folder, **QUIET)
+    return seconds(spent), np.loadtxt(folder / "end")
 
 
 PROGRAMS: dict[str, Callable[[Start, int, Path], tuple[float, np.ndarray]]] = {
@@ -232,48 +216,39 @@ PROGRAMS: dict[str, Callable[[Start, int, Path], tuple[float, np.ndarray]]] = {
 }
 
 
-def main() -> int:
-    """Print a row for each law, number of discs and program; the exit status."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("discs", nargs="*", type=int, default=[1200, 12000])
-    parser.add_argument("--turns", type=int, default=5)
-    parser.add_argument("--out", type=Path, help="folder for peers.json")
-    asked = parser.parse_args()
+def measured(asked: argparse.Namespace) -> Iterator[dict[str, Any]]:
+    """Yield a row for each number of discs, law and program."""
     missing = [name for name in ("liggghts", "yade") if shutil.which(name) is None]
     for name in missing:
         print(f"{name} is not installed: left out", file=sys.stderr)
-    rows = []
-    with tempfile.TemporaryDirectory() as text:
-        room = Path(text)
+    names = [name for name in PROGRAMS if name not in missing]
+    with tempfile.TemporaryDirectory() as room:
         for discs in asked.discs:
             for law in LAWS:
-                start = start_of(discs, law, room)
-                more = int(WORK / len(start.places))
-                names = [name for name in PROGRAMS if name not in missing]
-                spent: dict[str, list[float]] = {name: [] for name in names}
-                ends: dict[str, np.ndarray] = {}
-                for _ in range(asked.turns):
-                    for name in names:
-                        folder = room / "turn"
-                        shutil.rmtree(folder, ignore_errors=True)
-                        folder.mkdir()
-                        few, ends[name] = PROGRAMS[name](start, FEW, folder)
-                        many, _ = PROGRAMS[name](start, FEW + more, folder)
-                        spent[name].append(1e9 * (many - few) / more / len(start.places))
-                for name in names:
-                    apart = float(np.hypot(*(ends[name] - ends["native"]))) / start.case.scene().diameter
-                    row = {"discs": len(start.places), "law": law, "program": name, "ns": median(spent[name])}
-                    rows.append({**row, "least": min(spent[name]), "most": max(spent[name]), "apart": apart})
-                    print(json.dumps(rows[-1]), flush=True)
-    if asked.out:
-        asked.out.mkdir(parents=True, exist_ok=True)
-        (asked.out / "peers.json").write_text(json.dumps(rows))
-    return 0
+                yield from compared(start_of(discs, law, Path(room)), names, asked.turns, Path(room) / "turn")
+
+
+def compared(start: Start, names: list[str], turns: int, folder: Path) -> Iterator[dict[str, Any]]:
+    """Yield a row for each of these programs, run in turns."""
+    count = len(start.places)
+    more = int(WORK / count)
+    spent: dict[str, list[float]] = {name: [] for name in names}
+    ends: dict[str, np.ndarray] = {}
+    for _ in range(turns):
+        for name in names:
+            shutil.rmtree(folder, ignore_errors=True)
+            folder.mkdir()
+            few, ends[name] = PROGRAMS[name](start, FEW, folder)
+            many, _ = PROGRAMS[name](start, FEW + more, folder)
+            spent[name].append(1e9 * (many - few) / more / count)
+    for name, found in spent.items():
+        apart = float(np.hypot(*(ends[name] - ends["native"]))) / start.case.scene().diameter
+        times = {"ns": median(found), "least": min(found), "most": max(found)}
+        yield {"discs": count, "law": start.law, "program": name, **times, "apart": apart}
 
 
 if __name__ == "__main__":
-    try:
-        sys.exit(main())
-    except JumpError as error:
-        print(f"error: {error}", file=sys.stderr)
-        sys.exit(1)
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("discs", nargs="*", type=int, default=[1200, 12000])
+    parser.add_argument("--turns", type=int, default=5)
+    sys.exit(timed.tell(parser, measured, "peers.json"))

@@ -10,25 +10,21 @@ disc-step, without output, and the largest memory of the process. 10^7 discs tak
 from __future__ import annotations
 
 import argparse
-import json
-import math
-import os
 import re
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 from statistics import median
+from typing import Any
+
+import timed
 
 import lammps_jump as lj
-from lammps_jump.engines.lammps.loader import mpi_library, program
 from lammps_jump.engines.plugin import plugin_path
-from lammps_jump.errors import JumpError
 from lammps_jump.script import write_script
 
-CASE = Path(__file__).parent.parent / "inputs" / "dam_break.yaml"
-AREA = 48.0
-"""m² of the column: 4 m by 12 m."""
 WORK = 6e7
 """Disc-steps of a run, but at least `FEWEST` steps."""
 FEWEST = 20
@@ -37,29 +33,15 @@ PARTS = ("Pair", "Neigh", "Comm", "Modify", "Other")
 
 def case_of(discs: int, steps: int) -> lj.Case:
     """The dam break with about so many discs, for so many steps and one frame at their end."""
-    sets: dict[str, object] = {
-        "discs.diameter": math.sqrt(AREA / discs), "domain.x": [-1, 40], "domain.y": [-1, 20],
-        "outflow": [{"x_beyond": 35}], "run.duration": 1.0, "run.output_interval": 1.0, "probes": {},
-    }  # fmt: skip
-    step = lj.load_case(CASE, sets).scene().coefficients.time_step
-    return lj.load_case(CASE, sets | {"run.duration": steps * step, "run.output_interval": steps * step})
+    sets = timed.column(discs, 40, outflow=[{"x_beyond": 35}]) | {"run.duration": 1.0, "run.output_interval": 1.0}
+    time = steps * lj.load_case(timed.CASE, sets).scene().coefficients.time_step
+    return lj.load_case(timed.CASE, sets | {"run.duration": time, "run.output_interval": time})
 
 
 def engine(folder: Path, threads: int) -> tuple[float, float, int]:
     """Seconds of a step without output, bytes of the process at most, and discs."""
-    found = program("lmp")
-    if found is None:
-        raise lj.SetupError("the program lmp of the LAMMPS wheel is not there")
-    with (folder / "screen").open("w+") as screen:
-        words = (found, "-in", "in.plugin.lammps", "-var", "plugin", plugin_path(), "-log", "none")
-        settings = {"LAMMPS_JUMP_THREADS": str(threads), "LD_LIBRARY_PATH": str(mpi_library().parent)}
-        process = subprocess.Popen([*map(str, words)], cwd=folder, stdout=screen, env=os.environ | settings)
-        _, status, used = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
-        screen.seek(0)
-        shown = screen.read()
-    if process.returncode:
-        raise lj.RunError(shown[-2000:])
+    words = ("-var", "plugin", plugin_path())
+    used, shown = timed.lammps_ended("in.plugin.lammps", folder, *words, LAMMPS_JUMP_THREADS=str(threads))
     steps = discs = 0
     for _, count, atoms in re.findall(r"Loop time of (\S+) on .* for (\d+) steps with (\d+) atoms", shown):
         steps, discs = steps + int(count), int(atoms)
@@ -76,16 +58,9 @@ def plain(program: Path, case: lj.Case, discs: int, steps: int) -> float:
     return float(shown.split()[0]) / steps
 
 
-def main() -> int:
-    """Print a row for each number of discs; the exit status."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("discs", nargs="*", type=float, default=[1e3, 1e4, 1e5, 1e6])
-    parser.add_argument("--threads", nargs="+", type=int, default=[1, 2])
-    parser.add_argument("--rounds", type=int, default=3, help="of 10^7 discs one")
-    parser.add_argument("--out", type=Path, help="folder for scale.json")
-    asked = parser.parse_args()
+def measured(asked: argparse.Namespace) -> Iterator[dict[str, Any]]:
+    """Yield a row for each number of discs."""
     source = Path(__file__).parent / "plain_loop.c"
-    rows = []
     with tempfile.TemporaryDirectory() as room:
         subprocess.run(["cc", "-O3", "-march=native", "-o", f"{room}/plain", source, "-lm"], check=True)
         for wanted in asked.discs:
@@ -102,17 +77,12 @@ def main() -> int:
                     peak = max(peak, most)
                 times[0].append(1e9 * plain(Path(room) / "plain", case, int(discs), steps) / discs)
             middle = {str(count): median(found) for count, found in times.items()}
-            rows.append({"discs": discs, "plain": middle.pop("0"), "threads": middle, "peak": peak})
-            print(json.dumps(rows[-1]), flush=True)
-    if asked.out:
-        asked.out.mkdir(parents=True, exist_ok=True)
-        (asked.out / "scale.json").write_text(json.dumps(rows))
-    return 0
+            yield {"discs": discs, "plain": middle.pop("0"), "threads": middle, "peak": peak}
 
 
 if __name__ == "__main__":
-    try:
-        sys.exit(main())
-    except JumpError as error:
-        print(f"error: {error}", file=sys.stderr)
-        sys.exit(1)
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("discs", nargs="*", type=float, default=[1e3, 1e4, 1e5, 1e6])
+    parser.add_argument("--threads", nargs="+", type=int, default=[1, 2])
+    parser.add_argument("--rounds", type=int, default=3, help="of 10^7 discs one")
+    sys.exit(timed.tell(parser, measured, "scale.json"))
