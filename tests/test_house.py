@@ -605,6 +605,15 @@ def test_the_first_line_of_every_source_file_names_its_licence():
     assert not bare, bare[:3]
 
 
+def test_contributing_counts_the_seeded_defects():
+    """Each row of the table names folders or files, and how many defects lie there; no defect is in two rows."""
+    text = (ROOT / "CONTRIBUTING.md").read_text()
+    table = re.findall(r"^\| (`.+) \| (\d+) \|$", text[text.index("| changed | defects |") :], re.M)
+    told = {tuple(re.findall(r"`([^`]+)`", where)): int(count) for where, count in table}
+    assert told == {where: sum(d.file.startswith(where) for d in DEFECTS) for where in told}
+    assert sum(told.values()) == len(DEFECTS)
+
+
 def test_seeded_defects_are_of_todays_text():
     """A defect whose text has changed would be left out of `tests/defects.py` unseen."""
     missing = [(d.file, d.old) for d in DEFECTS if (ROOT / d.file).read_text().count(d.old) != 1]
