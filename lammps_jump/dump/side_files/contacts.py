@@ -13,8 +13,10 @@ from pathlib import Path
 import numpy as np
 
 from lammps_jump.errors import DumpError
-from lammps_jump.files import open_to_read, open_to_write, writes
+from lammps_jump.files import open_to_read
 from lammps_jump.scene.scene import Scene
+
+from .writer import SideWriter
 
 ROW = np.dtype([(name, "<i4") for name in ("i", "j")] + [(name, "<f4") for name in ("x", "y", "fx", "fy", "power")])
 """Id of the disc that the force acts on; that of the other, or -1 - w for wall w of the scene; the point (m), the force
@@ -23,27 +25,11 @@ HEAD = struct.Struct("<4sqq")
 MARK = b"LJC1"
 
 
-class ContactWriter:
-    """Writes the contacts of frames, each before its frame goes to the dump.
-
-    Parameters
-    ----------
-    path : Path
-    append : bool
-        Write behind the frames that the file holds.
-
-    Raises
-    ------
-    DumpError
-        The file cannot be written.
-    """
-
-    def __init__(self, path: Path, *, append: bool = False):
-        with writes(path):
-            self._file = open_to_write(path, append=append)
+class ContactWriter(SideWriter):
+    """Writes the contacts of frames."""
 
     def write(self, step: int, who: np.ndarray, found: np.ndarray) -> None:
-        """Write the contacts of a frame and hand them to the system for readers.
+        """Write the contacts of a frame.
 
         Parameters
         ----------
@@ -56,12 +42,7 @@ class ContactWriter:
         rows = np.empty(len(who), ROW)
         for name, values in zip(ROW.names or (), (*who.T, *found.T), strict=True):
             rows[name] = values
-        self._file.write(HEAD.pack(MARK, step, len(rows)) + rows.tobytes())
-        self._file.flush()
-
-    def close(self) -> None:
-        """Finish the file."""
-        self._file.close()
+        self.put(HEAD.pack(MARK, step, len(rows)) + rows.tobytes())
 
 
 class ContactFile:

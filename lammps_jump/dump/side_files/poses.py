@@ -12,43 +12,25 @@ from pathlib import Path
 import numpy as np
 
 from lammps_jump.errors import DumpError
-from lammps_jump.files import POSES_HEADER, open_to_read, open_to_write, writes
+from lammps_jump.files import POSES_HEADER, open_to_read
 from lammps_jump.scene.motion import Pose
+
+from .writer import SideWriter
 
 MOST_POSES = 200_000_000
 """Bytes of the file that are read: a million frames of two walls."""
 
 
-class PoseWriter:
-    """Writes ``walls.csv``.
-
-    Parameters
-    ----------
-    path : Path
-    append : bool
-        Write behind the rows that the file holds.
-
-    Raises
-    ------
-    DumpError
-        The file cannot be written.
-    """
+class PoseWriter(SideWriter):
+    """Writes ``walls.csv``; parameters as of `SideWriter`."""
 
     def __init__(self, path: Path, *, append: bool = False):
-        with writes(path):
-            self._file = open_to_write(path, append=append)
-            if not append:
-                self._file.write(f"{POSES_HEADER}\n".encode())
+        super().__init__(path, append=append, head=f"{POSES_HEADER}\n".encode())
 
     def write(self, time: float, poses: Mapping[str, Pose]) -> None:
-        """Write the pose of each wall at a time (s) and hand the rows to the system for readers."""
+        """Write the pose of each wall at a time (s)."""
         rows = (f"{time:.15g},{name},{pose.x:.17g},{pose.y:.17g},{pose.angle:.17g}\n" for name, pose in poses.items())
-        self._file.write("".join(rows).encode())
-        self._file.flush()
-
-    def close(self) -> None:
-        """Finish the file."""
-        self._file.close()
+        self.put("".join(rows).encode())
 
 
 class PoseFile:
