@@ -7,7 +7,9 @@ from math import floor
 
 import numpy as np
 import pytest
+from made_up import INPUTS
 
+from lammps_jump.case import load_case
 from lammps_jump.engines import step_hook
 from lammps_jump.engines.native import NativeSimulation, run_native
 from lammps_jump.engines.native.cells import CellSimulation
@@ -336,3 +338,14 @@ def test_an_inflow_against_time_goes_on_bit_for_bit(tmp_path):
     assert np.array_equal(again.ids, whole.ids)
     assert np.array_equal(again.positions, whole.positions)
     assert np.array_equal(again.velocities, whole.velocities)
+
+
+def test_grains_that_hop_to_the_ends_of_the_bed_of_the_heap_stay_on_it():
+    """The first grains out of the hopper may roll and hop that far, at 1.1 m/s: no start of the scene loses one."""
+    ends = [(-1.1, 0.02), (1.1, 0.02)]
+    hopping = {"kind": "list", "positions": ends, "velocities": [(-1.5, 0.5), (1.5, 0)]}
+    scene = load_case(INPUTS / "heap.yaml", {"engine.name": "native", "initial": [hopping]}).scene()
+    simulation = NativeSimulation(scene)
+    simulation.run(2500)
+    x, y = simulation.positions[:2].T
+    assert (np.abs(x) < 1.112).all() and (y > 0).all()
