@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Collection, Mapping, Sequence
-from contextlib import ExitStack, nullcontext
+from contextlib import ExitStack, nullcontext, suppress
 from dataclasses import replace
 from math import isfinite
 from pathlib import Path
@@ -30,11 +30,12 @@ from .passes import Gathered, Watcher, gather
 from .profiles import bin_edges, window_of
 from .quantities import LISTED, QUANTITIES
 from .quantity import Marks
-from .report.page import Picture, Player
+from .report.page import Picture, Player, smaller
 from .report.player import still_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+    from PIL.Image import Image
 
 DISCS = "snapshots"
 """Name of the figure of ten pictures."""
@@ -269,20 +270,27 @@ def draw_figures(
     dump: Path,
     flow: Flow,
     ending: str = "png",
+    beside: Callable[[Image], None] | None = None,
 ) -> None:
-    """Draw figures into a folder, as files with this ending."""
+    """Draw figures into a folder, as files with this ending; `beside` as of `draw.style.save`."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise DumpError(f"{folder}: cannot be made ({error.strerror}); name another folder.") from error
     for name in names:
-        draw.style.save(figure(name, shown, dump, flow), folder / f"{name}.{ending}")
+        draw.style.save(figure(name, shown, dump, flow), folder / f"{name}.{ending}", beside)
 
 
 def draw_discs(folder: Path, dump: Path, flow: Flow) -> Picture | None:
     """Draw the figure of the discs into the figures of a folder; the same for a page."""
-    draw_figures([DISCS], {}, folder / "figures", dump, flow)
-    return still_of(folder)
+    small: list[bytes] = []
+
+    def keep(picture: Image) -> None:
+        with suppress(OSError, ValueError):  # the page makes it of the file
+            small.append(smaller(picture))
+
+    draw_figures([DISCS], {}, folder / "figures", dump, flow, beside=keep)
+    return still_of(folder, *small)
 
 
 def _film(gathered: Gathered, dump: Path, out: Path, warnings: list[str], quiet: bool) -> list[str]:

@@ -213,7 +213,7 @@ def without_analysis(monkeypatch) -> None:
     monkeypatch.setattr(results, "write_report", lambda folder, *_, **__: (folder / "report.html").write_text(""))
 
 
-def blank_figures(names, shown, folder, dump, flow, ending="png") -> None:
+def blank_figures(names, shown, folder, dump, flow, ending="png", **more) -> None:
     """In place of `lammps_jump.analysis.pipeline.draw_figures`: files of one grey pixel."""
     folder.mkdir(parents=True, exist_ok=True)
     for name in names:

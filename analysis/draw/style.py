@@ -8,10 +8,11 @@ cividis (readable in grey and for the colour-blind); lines differ in dash as wel
 from __future__ import annotations
 
 import io
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
-from typing import IO, Any, cast
+from threading import Thread
+from typing import IO, TYPE_CHECKING, Any, cast
 
 import matplotlib as mpl
 import numpy as np
@@ -24,6 +25,9 @@ from lammps_jump.files import write_bytes
 from lammps_jump.scene.walls import thin
 
 from .chart import PLACE, Bars, Chart, Map, Panel, edges_of
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
 
 STYLE: dict[str, Any] = {
     "font.family": "DejaVu Sans",
@@ -92,13 +96,16 @@ def colour_bar(figure: Figure, colours: Any, label: str, **place: Any) -> None:
     bar.outline.set_visible(False)
 
 
-def save(figure: Figure, path: str | Path) -> Path:
-    """Write a figure; the format follows the ending of the name. DumpError where the place cannot be written."""
+def save(figure: Figure, path: str | Path, beside: Callable[[Image], None] | None = None) -> Path:
+    """Write a figure; the format follows the ending of the name. DumpError where the place cannot be written.
+
+    `beside` gets the picture of a PNG, in a thread of its own while it is packed.
+    """
     path, drawn = Path(path), io.BytesIO()
     try:
         with style():
             if path.suffix == ".png":
-                _draw_png(figure, drawn)
+                _draw_png(figure, drawn, beside)
             else:
                 figure.savefig(drawn, format=path.suffix.removeprefix("."))
         return write_bytes(path, drawn.getbuffer())
@@ -106,17 +113,22 @@ def save(figure: Figure, path: str | Path) -> Path:
         raise DumpError(f"{path}: the figure cannot be written ({error}).") from error
 
 
-def _draw_png(figure: Figure, out: IO[bytes]) -> None:
+def _draw_png(figure: Figure, out: IO[bytes], beside: Callable[[Image], None] | None) -> None:
     """The picture of one drawing: ``savefig`` lays a figure out and draws it twice, which is most of its time."""
-    from PIL import Image
+    from PIL.Image import fromarray
 
     before, dots = figure.get_dpi(), mpl.rcParams["savefig.dpi"]
     figure.set_dpi(dots)
     figure.canvas.draw()
-    picture = Image.fromarray(np.asarray(cast(Any, figure.canvas).buffer_rgba())).convert("RGB")
+    picture = fromarray(np.asarray(cast(Any, figure.canvas).buffer_rgba())).convert("RGB")
     figure.set_dpi(before)
+    thread = Thread(target=beside, args=(picture,)) if beside else None
+    if thread:
+        thread.start()
     # level 3 packs a figure in two thirds of the time of zlib's default, for files no larger
     picture.save(out, format="PNG", dpi=(dots, dots), compress_level=3)
+    if thread:
+        thread.join()
 
 
 def drawn(shown: Chart | Bars | Map) -> Figure:

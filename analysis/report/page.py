@@ -17,7 +17,7 @@ from contextlib import suppress
 from functools import lru_cache
 from math import isfinite
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
@@ -27,6 +27,9 @@ from lammps_jump.files import plain, read_file, read_start, text_of
 from lammps_jump.units import ABSENT, AT_LEAST, POWERS, numbers_of, shown, sure_of, two_digits
 
 from .coder import digits_of, encode
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
 
 PNG = "image/png"
 MOST_PICTURE = 1_000_000_000
@@ -343,17 +346,25 @@ def picture_kind(path: Path) -> str:
     return "image/gif" if head.startswith((b"GIF87a", b"GIF89a")) else "video/mp4" if head[4:8] == b"ftyp" else ""
 
 
-def picture(path: Path, caption: str) -> Picture:
-    """A file of a `picture_kind` for the page; large pictures of discs, which PNG stores badly, become WebP."""
+def picture(path: Path, caption: str, small: bytes = b"") -> Picture:
+    """A file of a `picture_kind` for the page; large pictures of discs, which PNG stores badly, become WebP.
+
+    `small` is of `smaller`, where the picture was in memory.
+    """
     data, kind = read_file(path, MOST_PICTURE), picture_kind(path)
     if kind == PNG and len(data) >= 150_000:
         from PIL import Image
 
-        buffer = io.BytesIO()
         with suppress(OSError, ValueError, SyntaxError, Image.DecompressionBombError):  # damaged: it stays as it is
-            small = Image.open(io.BytesIO(data)).convert("RGB")
-            small.thumbnail((960, 4000))  # as wide as the page
-            small.save(buffer, "WEBP", quality=20, method=2)
-        if 0 < len(buffer.getvalue()) < 0.7 * len(data):
-            data, kind = buffer.getvalue(), "image/webp"
+            small = small or smaller(Image.open(io.BytesIO(data)))
+        if 0 < len(small) < 0.7 * len(data):
+            data, kind = small, "image/webp"
     return Picture(caption, f"data:{kind};base64,{base64.b64encode(data).decode()}")
+
+
+def smaller(picture: Image) -> bytes:
+    """A picture as WebP, as wide as the page."""
+    buffer, small = io.BytesIO(), picture.convert("RGB")
+    small.thumbnail((960, 4000))
+    small.save(buffer, "WEBP", quality=20, method=2)
+    return buffer.getvalue()

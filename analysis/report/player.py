@@ -61,11 +61,11 @@ def pack_player(packer: FramePacker, folder: Path) -> Player | None:
     return Player({**packed.header, **about_run(packer, folder)}, packed.text) if packed else None
 
 
-def still_of(folder: Path) -> Picture | None:
-    """The picture of the discs among the figures of a folder, for a page; None where there is none."""
+def still_of(folder: Path, small: bytes = b"") -> Picture | None:
+    """The picture of the discs among the figures of a folder, for a page; None where there is none; see `picture`."""
     still = folder / "figures" / STILL
     there = picture_kind(still) and not still.parent.is_symlink()
-    return picture(still, "Ten equal times, discs coloured by speed") if there else None
+    return picture(still, "Ten equal times, discs coloured by speed", small) if there else None
 
 
 def about_run(packer: FramePacker, folder: Path) -> dict[str, object]:

@@ -10,10 +10,12 @@ from made_up import flow_context
 from matplotlib._pylab_helpers import Gcf
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from PIL import Image
 
 from lammps_jump.analysis.draw import depth_profile, painter, scope, snapshots, xt_map
 from lammps_jump.analysis.draw import style as figures
 from lammps_jump.analysis.profiles import compute_profiles
+from lammps_jump.analysis.report.page import picture, smaller
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.walls import Block
@@ -86,6 +88,16 @@ def test_a_painted_picture_fills_its_axes_pixel_for_pixel(larger):
     figure.canvas.draw()
     drawn = np.asarray(figure.canvas.buffer_rgba())[30 * larger : 70 * larger, 20 * larger : 80 * larger, :3]
     assert np.array_equal(drawn, picture.repeat(larger, axis=0).repeat(larger, axis=1))
+
+
+def test_what_the_page_shows_of_a_picture_is_the_same_from_memory_and_from_its_file(tmp_path):
+    figure, seen = Figure(figsize=(3.0, 2.0)), []
+    FigureCanvasAgg(figure)
+    figure.figimage(np.random.default_rng(1).integers(0, 256, (300, 400, 3), np.uint8))
+    path = figures.save(figure, tmp_path / "discs.png", seen.append)
+    assert np.array_equal(np.asarray(seen[0]), np.asarray(Image.open(path)))
+    shown = picture(path, "discs", smaller(seen[0]))
+    assert shown == picture(path, "discs") and shown.source.startswith("data:image/webp;base64,")
 
 
 def test_ten_snapshots(tmp_path):

@@ -258,7 +258,7 @@ def test_a_steady_flow_is_no_collapsed_column(tmp_path):
 def test_results_of_a_dump_open_in_the_other_commands(tmp_path, monkeypatch, capsys):
     """Films and figures are empty files here: drawing them takes seconds and is tested elsewhere."""
 
-    def draw_figures(names, shown, folder, dump, flow, ending="png"):
+    def draw_figures(names, shown, folder, dump, flow, ending="png", **_):
         folder.mkdir(exist_ok=True)
         for name in names:
             (folder / f"{name}.{ending}").write_text(f"{flow.bin_width} {len(open_dump(dump))}")
