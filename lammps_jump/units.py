@@ -11,11 +11,13 @@ import dataclasses
 import inspect
 import re
 from collections.abc import Mapping
-from functools import lru_cache
+from functools import lru_cache, partial
 from math import floor, inf, isfinite, log10, nan
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
-from pydantic import BeforeValidator, WithJsonSchema
+from pydantic import AfterValidator, BeforeValidator, Field, GetCoreSchemaHandler, GetJsonSchemaHandler, WithJsonSchema
+from pydantic_core import CoreSchema
+from pydantic_core.core_schema import no_info_before_validator_function
 
 from lammps_jump.errors import CaseError
 from lammps_jump.quoting import echoed
@@ -137,6 +139,13 @@ def as_summary(result: object) -> dict[str, object]:
 
 POWERS = str.maketrans({"^": None, "2": "²", "3": "³", "4": "⁴"})
 """Powers in units, as they are shown."""
+
+
+def unit_in_words(unit: str) -> str:
+    """A unit as sentences and tables show it."""
+    return unit.translate(POWERS).replace("degree", "degrees").replace("*", " ")
+
+
 AT_LEAST = "at least "
 """Stands before an error that is a lower bound."""
 ROUND_OFF = 1e-12
@@ -257,35 +266,84 @@ def _expected(unit: str) -> str:
 
 _EXAMPLES: dict[str, str] = {}
 """Text of a number in a unit, of the types below."""
-NUMBER_OR_TEXT = {"anyOf": [{"type": "number"}, {"type": "string"}]}
-"""In the schema of cases, for editors."""
+BOUNDS = {"ge": "minimum", "gt": "exclusiveMinimum", "le": "maximum", "lt": "exclusiveMaximum"}
+"""Bounds as pydantic calls them, and as a JSON schema does."""
 
 
-def si_field(unit: str, example: str = "") -> Any:
-    """Annotated float type that accepts a number in `unit` or a string with a unit, such as the example."""
-    _EXAMPLES[unit] = example or f"1 {unit}"
-    return Annotated[
-        float,
-        BeforeValidator(lambda value: to_si(value, unit)),
-        WithJsonSchema({**NUMBER_OR_TEXT, "description": f"SI unit: {unit or '1'}"}),
-    ]
+@dataclasses.dataclass(frozen=True)
+class InUnit:
+    """Annotation of a float that is given as a number in `unit`, or as text with a unit such as the example.
+
+    The JSON schema of a field tells the unit, and the range of the number.
+    """
+
+    unit: str
+    example: str = ""
+
+    def __post_init__(self) -> None:
+        _EXAMPLES[self.unit] = self.example or f"1 {self.unit}"
+
+    def __get_pydantic_core_schema__(self, source: object, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """What pydantic checks a value with."""
+        return no_info_before_validator_function(partial(to_si, unit=self.unit), handler(source))
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        """For editors: a number within its range, or text."""
+        known = handler(schema)
+        bounds = {other: known[key] for name, other in BOUNDS.items() for key in (name, other) if key in known}
+        told = {"title": known["title"]} if "title" in known else {}
+        return {"anyOf": [{"type": "number", **bounds}, {"type": "string"}], "unit": self.unit or "1", **told}
 
 
-Metre = si_field("m", "20 cm")
-MetrePerSecond = si_field("m/s", "16 m/s")
-MetrePerSecond2 = si_field("m/s^2")
-MetrePerSecondMetre = si_field("m^2/s", "16 m^2/s")
-Second = si_field("s", "100 ms")
-Density = si_field("kg/m^3", "1000 kg/m^3")
-Stiffness = si_field("N/m", "2.56e7 N/m")
-Degree = si_field("degree", "2 degree")
-DegreePerSecond = si_field("degree/s", "30 degree/s")
-KilogramPerMetre = si_field("kg/m", "500 kg/m")
-KilogramMetre = si_field("kg*m", "60 kg*m")
-Pascal = si_field("Pa", "5 MPa")
-NewtonPerMetre = si_field("N/m", "2.56e7 N/m")
-PerSecond = si_field("1/s", "100 1/s")
-Plain = si_field("")
+Metre = Annotated[float, InUnit("m", "20 cm")]
+MetrePerSecond = Annotated[float, InUnit("m/s", "16 m/s")]
+MetrePerSecond2 = Annotated[float, InUnit("m/s^2")]
+MetrePerSecondMetre = Annotated[float, InUnit("m^2/s", "16 m^2/s")]
+Second = Annotated[float, InUnit("s", "100 ms")]
+Density = Annotated[float, InUnit("kg/m^3", "1000 kg/m^3")]
+Degree = Annotated[float, InUnit("degree", "2 degree")]
+DegreePerSecond = Annotated[float, InUnit("degree/s", "30 degree/s")]
+KilogramPerMetre = Annotated[float, InUnit("kg/m", "500 kg/m")]
+KilogramMetre = Annotated[float, InUnit("kg*m", "60 kg*m")]
+Pascal = Annotated[float, InUnit("Pa", "5 MPa")]
+NewtonPerMetre = Annotated[float, InUnit("N/m", "2.56e7 N/m")]
+PerSecond = Annotated[float, InUnit("1/s", "100 1/s")]
+Plain = Annotated[float, InUnit("")]
+
+# Ranges that several fields have: wider than any use, and narrow enough that squares and quotients stay finite.
+Length = Annotated[Metre, Field(ge=1e-6, le=1e6)]
+Coordinate = Annotated[Metre, Field(ge=-1e6, le=1e6)]
+Component = Annotated[MetrePerSecond, Field(ge=-1e6, le=1e6)]
+Moment = Annotated[Second, Field(ge=-1e9, le=1e9)]
+Duration = Annotated[Second, Field(ge=1e-9, le=1e9)]
+Mass = Annotated[KilogramPerMetre, Field(ge=1e-9, le=1e15)]
+Stiffness = Annotated[NewtonPerMetre, Field(ge=1e-6, le=1e24)]
+Friction = Annotated[Plain, Field(ge=0, le=1000)]
+Restitution = Annotated[Plain, Field(ge=1e-6, le=1)]
+Point = tuple[Coordinate, Coordinate]
+Vector = tuple[Component, Component]
+
+
+def ordered(value: tuple[float, float]) -> tuple[float, float]:
+    """The interval itself; ValueError where its ends are not in order."""
+    if value[0] >= value[1]:
+        raise ValueError(f"[{value[0]:zg}, {value[1]:zg}] runs backwards; expected [low, high] with low < high")
+    return value
+
+
+def not_backwards(value: tuple[float, float]) -> tuple[float, float]:
+    """The interval itself, which may be a point; ValueError where its ends are not in order."""
+    return value if value[0] == value[1] else ordered(value)
+
+
+Start = Annotated[Coordinate, Field(title="start")]
+End = Annotated[Coordinate, Field(title="end")]
+Underside = Annotated[Coordinate, Field(title="underside")]
+Height = Annotated[Coordinate, Field(title="height")]
+Extent = Annotated[tuple[Start, End], AfterValidator(ordered)]
+"""From and to along x."""
+Rise = Annotated[tuple[Underside, Height], AfterValidator(ordered)]
+"""From and to in height."""
 
 
 def parse_accuracy(text: str | float) -> float:
@@ -308,5 +366,9 @@ def parse_accuracy(text: str | float) -> float:
     return value
 
 
-Share = Annotated[float, BeforeValidator(parse_accuracy), WithJsonSchema(NUMBER_OR_TEXT)]
+Share = Annotated[
+    float,
+    BeforeValidator(parse_accuracy),
+    WithJsonSchema({"anyOf": [{"type": "number", "exclusiveMinimum": 0, "exclusiveMaximum": 1}, {"type": "string"}]}),
+]
 """Annotated float type that accepts a share, also in per cent."""

@@ -25,20 +25,24 @@ import yaml
 from made_up import Here, call
 from pydantic import Field
 
+import lammps_jump.case
 import lammps_jump.case.case as cases
 from lammps_jump import studies
 from lammps_jump.analysis.flow import from_scene
 from lammps_jump.analysis.quantities import LISTED, ListedAnalysis, captions, result_files
 from lammps_jump.analysis.report.run import write_report
 from lammps_jump.analysis.tables.rows import main_numbers, rows_of
-from lammps_jump.case.fields import Analysis, CaseFields, Contact, asked_for
+from lammps_jump.case import explain
+from lammps_jump.case.fields import CaseFields, Contact
+from lammps_jump.case.groups.measures import Analysis, asked_for
 from lammps_jump.cli import app as cli_app
 from lammps_jump.cli import studies as cli_studies
+from lammps_jump.cli import tools
 from lammps_jump.cli.options import Commands
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.dump.write import DumpWriter
 from lammps_jump.engines.native import NativeSimulation
-from lammps_jump.errors import SetupError
+from lammps_jump.errors import CaseError, SetupError
 from lammps_jump.folders import Marker, read_marker, require_ours
 from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.runs.results import analyse, flow_of, packer_for
@@ -46,15 +50,20 @@ from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.chains import Chain
 from lammps_jump.scene.motion import Motion, MovingWall
 from lammps_jump.scene.tracks import Kind, VelocityChange
-from lammps_jump.scene.walls import KINDS, Block, Coordinate, Wall, WallName
+from lammps_jump.scene.walls import KINDS, Block, Wall, WallName
 from lammps_jump.script.stock import lacking
 from lammps_jump.script.walls import JOIN, plugin_walls
 from lammps_jump.studies.points import study as points_study
+from lammps_jump.sweeps import words
 from lammps_jump.sweeps.study import collected
 from lammps_jump.sweeps.table import row_of
-from lammps_jump.units import Metre
+from lammps_jump.units import Coordinate, Metre, PerSecond
 
 ROOT = Path(__file__).parents[1]
+sys.path.insert(0, str(ROOT / "docs"))
+
+from making import fields  # noqa: E402
+
 STUDIES = ("lammps_jump/studies/", "lammps_jump/cli/")
 """What runs the program with one choice or another; a new choice changes nothing there."""
 
@@ -95,7 +104,7 @@ def nodes(words: set[str]):
 
 
 def test_the_files_of_the_table_are_there():
-    assert len(table()) == 8 and len(table()["an analysis"]) == len(table()["a study"]) == 2
+    assert len(table()) == 9 and len(table()["an analysis"]) == len(table()["a study"]) == 2
     for files in table().values():
         assert files and all((ROOT / file).exists() for file in files), files
 
@@ -312,6 +321,42 @@ def test_a_new_motion_runs_without_another_change():
     assert wall.extent[1][1] == pytest.approx(up, abs=1e-4)
     assert f" {len(moving.motion.track)} " in f"{plugin_walls(scene)[0]} ".replace(JOIN, " ")
     assert "move" in plugin_walls(scene)[0]
+
+
+class Sticky(Contact):
+    """A contact with one more number."""
+
+    grip: Annotated[PerSecond, Field(ge=1e-3, le=50)] | None = Field(
+        default=None, title="grip of the discs", description="how soon two discs let go. Without it, at once"
+    )
+
+
+def test_a_new_field_is_told_at_the_field_alone(monkeypatch, capsys):
+    """Page, schema of editors, errors, hints and labels of a study: nothing else was told of it."""
+
+    class Fields(CaseFields):
+        contact: Sticky = Field(description="what happens when discs touch")
+
+    for module in (cases, explain, words, fields, lammps_jump.case):
+        monkeypatch.setattr(module, "CaseFields", Fields)
+    row = "| `grip` | how soon two discs let go. Without it, at once | number | 1/s | ≥ 0.001 and ≤ 50 | \N{EN DASH} |"
+    assert row in fields.page() and "contact.grip" in fields.names()
+    tools.schema()
+    told = json.loads(capsys.readouterr().out)["$defs"]["Sticky"]["properties"]["grip"]
+    assert told["title"] == "grip of the discs" and told["default"] is None
+    assert told["description"] == "1/s: how soon two discs let go. Without it, at once"
+    number = {"type": "number", "minimum": 0.001, "maximum": 50}
+    assert told["anyOf"][0] == {"anyOf": [number, {"type": "string"}], "unit": "1/s"}
+    assert words.heading("contact.grip") == "grip of the discs [1/s]"
+    for given, said in (
+        ("grip: 60", "contact.grip: 60 is out of range; allowed is >= 0.001 and <= 50 1/s"),
+        ("grip: 3 m", "'3 m' is in meter; expected a number in 1/s, or a string such as '100 1/s'"),
+        ("grp: 3", "contact.grp: unknown field; did you mean 'grip'?"),
+    ):
+        text = "\n".join(line for line in CASE.replace("friction: 0.3", given).splitlines() if "kind: arch" not in line)
+        with pytest.raises(CaseError) as caught:
+            cases.ReadCase.parse(text)
+        assert said in str(caught.value)
 
 
 SPREAD = ListedAnalysis("made_quantity", "height of the discs", look="Height of the discs")

@@ -18,7 +18,8 @@ from numpy.typing import ArrayLike
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.core.library import BYTES, INTEGER, REAL, REALS, core, entry
 from lammps_jump.dump.frame import Frame
-from lammps_jump.scene.walls import Interval, Wall, parts_of, thin
+from lammps_jump.scene.shapes import thin
+from lammps_jump.scene.walls import Interval, Wall, parts_of
 
 from .scope import disc_speeds
 

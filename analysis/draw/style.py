@@ -22,7 +22,7 @@ from matplotlib.figure import Figure
 
 from lammps_jump.errors import DumpError
 from lammps_jump.files import write_bytes
-from lammps_jump.scene.walls import thin
+from lammps_jump.scene.shapes import thin
 
 from .chart import PLACE, Bars, Chart, Map, Panel, edges_of
 

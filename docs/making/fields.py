@@ -1,34 +1,28 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The page of all fields of a case file: kind, unit, range and default, read from the models."""
+"""The page of all fields of a case file, made of what the fields tell: meaning, kind, unit, range and default."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
-from dataclasses import is_dataclass
-from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
-import yaml
-
-from lammps_jump.analysis.quantities import LISTED
-from lammps_jump.case.explain import fields_of
 from lammps_jump.case.fields import CaseFields
-from lammps_jump.case.parts.base import Strict
-from lammps_jump.scene import tracks, walls
+from lammps_jump.case.groups.field_words import fields_by_name
+from lammps_jump.units import unit_in_words
 
 from . import NONE
 
 # ruff: noqa: RUF001  (a dash is meant for readers)
 
 Schema = dict[str, Any]
-UNIT = "SI unit: "
-SIGNS = {"gt": ">", "ge": "≥", "lt": "<", "le": "≤"}
-"""Bounds as pydantic calls them."""
-UNITS = {"m^3": "m³", "m^2": "m²", "s^2": "s²", "degree": "degrees"}
+SIGNS = {"exclusiveMinimum": ">", "minimum": "≥", "exclusiveMaximum": "<", "maximum": "≤"}
+"""Bounds of numbers."""
+MOST = {"maxItems": "items", "maxLength": "characters"}
+"""Bounds of lists and texts."""
 WORDS = {"number": "number", "integer": "whole number", "string": "text", "boolean": "true or false"}
-MEANINGS: dict[str, str] = yaml.safe_load(Path(__file__).with_name("meanings.yaml").read_text(encoding="utf-8"))
-"""What the fields mean, by `_key`; the analyses tell of their own."""
-MEANINGS |= {f"analysis.{name}": one.asks for name, one in LISTED.items() if one.asks}
+PAGE = re.compile(r"(?<=[( ])([\w/]*?)(\w+\.md)(#[\w-]+)?(?=\))")
+"""A page of the docs that a field names."""
 HEAD = """\
 # All fields of a case
 
@@ -47,37 +41,9 @@ def page() -> str:
     return "\n".join(blocks)
 
 
-def meaning(title: str, name: str) -> str:
-    """What a field of a group means; a field without a meaning stops the build."""
-    return MEANINGS[_key(title, name)]
-
-
-def keys() -> set[str]:
-    """Keys of `MEANINGS` that the fields of all models ask for."""
-    whole = CaseFields.model_json_schema()
-    groups = [("the case", whole), *_models(whole)]
-    return {
-        _key(title, name)
-        for title, model in groups
-        for name, part in model["properties"].items()
-        if not (name == "kind" and "const" in part)
-    }
-
-
-def _key(title: str, name: str) -> str:
-    path, _, kind = title.partition(", kind ")
-    if title == "the case":
-        return name
-    return own if kind and (own := f"{path}.{kind}.{name}") in MEANINGS else f"{path}.{name}"
-
-
 def names() -> set[str]:
     """Dotted names of all fields, without kinds: ``contact.friction``, ``walls.motion.rate``."""
-    whole = CaseFields.model_json_schema()
-    found = {name for name in whole["properties"]}
-    for title, model in _models(whole):
-        found |= {f"{title.split(',')[0]}.{name}" for name in model["properties"]}
-    return found
+    return {*fields_by_name(CaseFields)}
 
 
 def _models(whole: Schema) -> Iterator[tuple[str, Schema]]:
@@ -99,16 +65,6 @@ def _models(whole: Schema) -> Iterator[tuple[str, Schema]]:
             waiting += [(f"{path}.{name}", inner) for name, inner in model["properties"].items()]
 
 
-def _classes() -> dict[str, type]:
-    """Classes of the groups of fields, by name."""
-    found = [CaseFields, *(value for part in (walls, tracks) for value in vars(part).values() if is_dataclass(value))]
-    waiting = [Strict]
-    while waiting:
-        found += (below := waiting.pop().__subclasses__())
-        waiting += below
-    return {getattr(one, "model_config", {}).get("title", one.__name__): one for one in found}
-
-
 def _references(part: Any) -> Iterator[str]:
     if isinstance(part, dict):
         if "$ref" in part:
@@ -123,23 +79,25 @@ def _references(part: Any) -> Iterator[str]:
 
 def _section(title: str, model: Schema, whole: Schema) -> Iterator[str]:
     yield f"## {title}\n"
+    if ", kind " in title:
+        yield model["description"].splitlines()[0] + "\n"
     yield "| field | meaning | kind | unit | range | default |\n|---|---|---|---|---|---|"
     needed = model.get("required", ())
-    known = _classes().get(model["title"])
-    fields = fields_of(known) if known else {}
     for name, part in model["properties"].items():
         if name == "kind" and "const" in part:
             continue
-        default = "needed" if name in needed else _default(part, whole)
+        if "description" not in part:
+            raise KeyError(f"{title}: {name} has no description; give it one at the field")
+        meaning = PAGE.sub(r"[\2](../\1\2\3)", part["description"])
+        default = "needed" if name in needed else _default(part)
         if model is whole and name == "name":
             default = "name of the file"
-        span = _range(part, fields.get(name), whole)
-        unit = _unit(part, fields.get(name), whole)
-        yield f"| `{name}` | {meaning(title, name)} | {_kind(part, whole)} | {unit} | {span} | {default} |"
+        cells = (meaning, _kind(part, whole), _unit(part, whole), _range(part, whole), default)
+        yield f"| `{name}` | {' | '.join(cells)} |"
     yield ""
 
 
-def _default(part: Schema, whole: Schema) -> str:
+def _default(part: Schema) -> str:
     value = part.get("default")
     if value is None or (isinstance(value, dict) and value):
         return NONE
@@ -185,7 +143,7 @@ def _one_kind(part: Schema, whole: Schema) -> str:
     return WORDS.get(part.get("type", ""), "any")
 
 
-def _search(part: Any, whole: Schema, deep: bool = True) -> Iterator[Schema]:
+def _search(part: Any, whole: Schema) -> Iterator[Schema]:
     """A field's own schema and those of its alternatives and items, groups of fields left out."""
     if not isinstance(part, dict):
         return
@@ -199,37 +157,19 @@ def _search(part: Any, whole: Schema, deep: bool = True) -> Iterator[Schema]:
     for key in ("anyOf", "oneOf", "prefixItems"):
         for one in part.get(key, ()):
             yield from _search(one, whole)
-    yield from _search(part.get("items"), whole)
+    for key in ("items", "additionalProperties"):
+        yield from _search(part.get(key), whole)
 
 
-def _unit(part: Schema, field: Any, whole: Schema) -> str:
-    told = [one.get("description", "") for one in _search(part, whole)]
-    for item in getattr(field, "metadata", ()):  # a description of the field hides that of its unit
-        told.append((getattr(item, "json_schema", None) or {}).get("description", ""))
-    units = dict.fromkeys(text.removeprefix(UNIT) for text in told if text.startswith(UNIT))
-    said = ", ".join(unit for unit in units if unit != "1") or NONE
-    for old, new in UNITS.items():
-        said = said.replace(old, new)
-    return said
+def _unit(part: Schema, whole: Schema) -> str:
+    units = dict.fromkeys(one["unit"] for one in _search(part, whole) if "unit" in one)
+    return ", ".join(unit_in_words(unit) for unit in units if unit != "1") or NONE
 
 
-def _range(part: Schema, field: Any, whole: Schema) -> str:
-    bounds = [*getattr(field, "metadata", ()), *_limits_within(getattr(field, "annotation", None))]
-    found = [_bound(lambda key, item=item: getattr(item, key, None)) for item in bounds]
-    both = " and ".join(dict.fromkeys(filter(None, found)))
-    told = [both] if both else [_bound(one.get) for one in _search(part, whole)]
-    return "; ".join(filter(None, dict.fromkeys(told))) or NONE
-
-
-def _bound(get: Any) -> str:
-    return " and ".join(f"{sign} {get(key):g}" for key, sign in SIGNS.items() if get(key) is not None)
-
-
-def _limits_within(kind: Any) -> Iterator[Any]:
-    """What annotates a type, or types within it."""
-    if isinstance(kind, type):
-        return
-    for item in getattr(kind, "__metadata__", ()):
-        yield from getattr(item, "metadata", (item,))
-    for inner in get_args(kind):
-        yield from _limits_within(inner)
+def _range(part: Schema, whole: Schema) -> str:
+    found = []
+    for one in _search(part, whole):
+        found.append(" and ".join(f"{sign} {one[key]:g}" for key, sign in SIGNS.items() if key in one))
+        if "prefixItems" not in one:  # a pair has two
+            found += [f"at most {one[key]} {what}" for key, what in MOST.items() if key in one]
+    return "; ".join(filter(None, dict.fromkeys(found))) or NONE

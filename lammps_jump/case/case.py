@@ -261,7 +261,7 @@ def _validated(source: CaseSource, changes: Changes, default_name: str) -> CaseF
     try:
         fields = CaseFields.model_validate(data)
     except ValidationError as error:
-        raise explain(error, source) from None
+        raise explain(error, source, CaseFields) from None
     fields = fields.model_copy(
         update={"description": described(fields.description, source), "initial": with_found(fields.initial, source)}
     )

@@ -4,9 +4,8 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterator, Sequence
-from dataclasses import fields, is_dataclass
-from typing import Any, cast, get_args, get_type_hints
+from collections.abc import Sequence
+from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
@@ -16,6 +15,7 @@ from lammps_jump.errors import CaseError
 from lammps_jump.quoting import echoed, shortened
 
 from .fields import CaseFields
+from .groups.field_words import SIGNS, briefly, fields_at, fields_by_name, fields_of, kind_of, models_in, range_of
 from .parts import other_words
 from .text import CaseSource, PathKey, dotted_path, nearest
 
@@ -28,11 +28,9 @@ MOST_OTHERS = 6
 """Other problems of a case that a message names."""
 MOST_NAMED = 3
 """Fields of other groups that a message names."""
-SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
-"""Bounds as pydantic calls them."""
 
 
-def explain(error: ValidationError, source: CaseSource, model: type[BaseModel] = CaseFields) -> CaseError:
+def explain(error: ValidationError, source: CaseSource, model: type[BaseModel]) -> CaseError:
     """The first problem as a `CaseError` with its place in the file, and the number of others; fields of `model`."""
     problems = error.errors(include_url=False)
     # an unknown key often explains a missing one: say the unknown key first
@@ -72,22 +70,22 @@ def _sentence(problem: ErrorDetails, path: PathKey, model: type[BaseModel]) -> s
     if kind in UNKNOWN:
         return f"unknown field; {_meant(path, _models_at(problem['loc'][:-1], model), model)}"
     if kind == "missing":
-        field = _fields(_models_at(problem["loc"][:-1], model)).get(str(problem["loc"][-1]))
-        words = [repr(word) for word in get_args(field.annotation) if isinstance(word, str)] if field else []
+        fields = fields_at(model, problem["loc"])
+        words = [repr(word) for field in fields for word in get_args(field.annotation) if isinstance(word, str)]
         known = f"allowed is {', '.join(words)}" if words else "`lammps-jump new hydraulic_jump` shows a whole case"
-        return f"is required and not there; {known}"
+        said = f" ({said})" if (said := briefly(fields)) else ""
+        return f"is required and not there{said}; {known}"
     if kind.startswith(("greater_than", "less_than")):
         broken = " and ".join(f"{SIGNS[key]} {context[key]}" for key in SIGNS if key in context)
-        return f"{echoed(value)} is out of range; allowed is {_limits(problem['loc'], model) or broken}"
+        return f"{echoed(value)} is out of range; allowed is {range_of(fields_at(model, problem['loc'])) or broken}"
     if kind == "literal_error":
         return f"{echoed(value)} is not known; allowed is {context['expected']}"
     if kind in ("union_tag_not_found", "union_tag_invalid"):
-        return _kind(context.get("tag"), value, [_tag(item) or "" for item in _models_at(problem["loc"], model)])
+        return _kind(context.get("tag"), value, [kind_of(item) or "" for item in _models_at(problem["loc"], model)])
     if kind == "value_error":
         return str(context["error"])
     if kind == "string_pattern_mismatch":
-        letters = "letters, digits and _" if path[0] in ("walls", "bodies") else "letters, digits, _ . and -"
-        return f"{echoed(value)} is not a usable name; {letters} are allowed"
+        return f"{echoed(value)} is not a usable name; allowed: {briefly(fields_at(model, problem['loc']))}"
     if kind in ("tuple_type", "list_type") and isinstance(value, str | int | float):
         return f"{echoed(value)} is a single value; this field is a list: [{shortened(str(value))}]"
     if kind in ("tuple_type", "list_type", "too_long", "too_short", "missing_argument"):
@@ -105,26 +103,17 @@ def _meant(path: PathKey, models: list[type], whole: type[BaseModel]) -> str:
     if hint := next(filter(None, own), None):
         return hint
     group = ".".join(part for part in path[:-1] if isinstance(part, str))
-    found = other_words.meanings(word) if whole is CaseFields else []
+    named = fields_by_name(whole) if whole is CaseFields else {}
+    found = [one.told(briefly(named[one.path])) for one in other_words.meanings(word) if named]
     here = [one for one in found if one.group == group and one.name in known]
     if here or difflib.get_close_matches(word, known, n=1, cutoff=CLOSE):
         return f"write {here[0]}" if here else nearest(word, known)
     away = {one.path: str(one) for one in found if one.group != group}
-    if whole is CaseFields:
-        away |= {other: other for other in _paths(whole) if other.rpartition(".")[2] == word and other not in away}
+    away |= {other: other for other in named if other.rpartition(".")[2] == word and other not in away}
     if not away:
         return nearest(word, known)
     texts = list(away.values()) if len(away) == 1 else list(away)[:MOST_NAMED]
     return f"perhaps {' or '.join(texts)} is meant"
-
-
-def _paths(model: type, group: str = "") -> Iterator[str]:
-    """Dotted names of the fields of a case."""
-    for name, field in fields_of(model).items():
-        if name != "kind":
-            yield f"{group}.{name}".lstrip(".")
-            for inner in _models(field.annotation):
-                yield from _paths(inner, f"{group}.{name}".lstrip("."))
 
 
 def _kind(tag: object, value: object, known: list[str]) -> str:
@@ -139,50 +128,10 @@ def _kind(tag: object, value: object, known: list[str]) -> str:
     return f"{echoed(tag)} is not known; allowed is {allowed}{hint}"
 
 
-def fields_of(model: type) -> dict[str, FieldInfo]:
-    """Fields of a pydantic model or of a dataclass, by their names in a case."""
-    if issubclass(model, BaseModel):
-        return {field.alias or name: field for name, field in model.model_fields.items()}
-    hints = get_type_hints(model, include_extras=True)
-    declared = {
-        name: depth
-        for depth, base in reversed(list(enumerate(model.__mro__)))
-        for name in vars(base).get("__annotations__", {})
-    }
-    own_first = sorted((item.name for item in fields(cast(Any, model))), key=declared.__getitem__)
-    found = {name: FieldInfo.from_annotation(hints[name]) for name in own_first}
-    return {field.alias or name: field for name, field in found.items()}
-
-
-def _tag(model: type) -> str | None:
-    kind = fields_of(model).get("kind")
-    return get_args(kind.annotation)[0] if kind else None
-
-
-def _models(annotation: object) -> list[type]:
-    """Pydantic models and dataclasses that an annotation is made of."""
-    if isinstance(annotation, type) and (issubclass(annotation, BaseModel) or is_dataclass(annotation)):
-        return [annotation]
-    return [model for part in get_args(annotation) for model in _models(part)]
-
-
 def _models_at(location: tuple[Any, ...], model: type) -> list[type]:
-    """The models that may stand at pydantic's location, from `model` on; a tag chooses one of several."""
-    found = [model]
-    for part in location:
-        field = _fields(found).get(part)
-        tagged = [item for item in found if _tag(item) == part]
-        found = tagged or (_models(field.annotation) if field else found)
-    return found
+    """The models that may stand at pydantic's location, from `model` on."""
+    return [found for field in fields_at(model, location) for found in models_in(field.annotation)]
 
 
 def _fields(models: list[type]) -> dict[str, FieldInfo]:
     return {name: field for item in models for name, field in fields_of(item).items()}
-
-
-def _limits(location: tuple[Any, ...], model: type) -> str:
-    field = _fields(_models_at(location[:-1], model)).get(location[-1])
-    if field is None:
-        return ""
-    bounds = ((sign, getattr(item, key, None)) for item in field.metadata for key, sign in SIGNS.items())
-    return " and ".join(f"{sign} {bound:zg}" for sign, bound in bounds if bound is not None)

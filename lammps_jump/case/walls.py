@@ -21,7 +21,8 @@ from lammps_jump.scene.tracks import Translate
 from lammps_jump.scene.walls import Line
 
 from .bodies.fields import Body
-from .fields import CaseFields, Column
+from .fields import CaseFields
+from .groups.discs import Column
 from .parts.beds import RoughBed
 from .text import nearest
 
@@ -301,11 +302,8 @@ def wall_doubts(walls: Sequence[MovingWall], begun: Beginning, laws: Laws, inlet
 
 def _doubts_of(one: MovingWall, begun: Beginning, laws: Laws, inlets: Sequence[InletRow]) -> list[str]:
     """Sentences on one wall."""
-    return [
-        *_speed_doubt(one, begun, laws),
-        *_bend_doubt(one.wall, begun.largest),
-        *_behind_doubt(one.wall, begun, inlets),
-    ]
+    found = _speed_doubt(one, begun, laws) + _bend_doubt(one.wall, begun.largest)
+    return found + _behind_doubt(one.wall, begun, inlets)
 
 
 def _behind_doubt(wall: Wall, begun: Beginning, inlets: Sequence[InletRow]) -> list[str]:
@@ -378,7 +376,7 @@ def told(one: MovingWall, scene: Scene) -> str:
         end = "" if kind.until is None else f" until {kind.until:zg} s"
         speed = largest_speed(one, *span(scene))
         pace = f", at up to {speed:z.3g} m/s" if speed else ""
-        parts.append(f"motion {kind.kind} from {kind.begin:zg} s{end}{pace}")  # type: ignore[attr-defined]
+        parts.append(f"motion {kind.kind} from {kind.begin:zg} s{end}{pace}")
     return "; ".join(parts)
 
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 from dataclasses import replace
 from functools import partial
@@ -17,7 +18,7 @@ from lammps_jump import cli, compiling, drawings, engines, files, runs, served, 
 from lammps_jump.engines import interrupts
 from lammps_jump.errors import CaseError, SetupError
 from lammps_jump.quoting import echoed
-from lammps_jump.units import to_si
+from lammps_jump.units import to_si, unit_in_words
 
 from .options import Accuracy, CaseFile, Commands, EngineName, Kernel, Sets, assignments, open_page, place
 
@@ -176,7 +177,17 @@ def new(scene: Annotated[str, typer.Argument(help="Scene to start from; without 
 def schema() -> None:
     """Print the JSON schema of case files, for editors."""
     draft = {"$schema": "https://json-schema.org/draft/2020-12/schema"}
-    print(json.dumps({**draft, **cases.CaseFields.model_json_schema()}, indent=2))
+    print(json.dumps({**draft, **_with_units(cases.CaseFields.model_json_schema())}, indent=2))
+
+
+def _with_units(schema: dict[str, Any]) -> dict[str, Any]:
+    """The schema with units before the descriptions, which are all that editors show."""
+    for group in (schema, *schema["$defs"].values()):
+        for field in group.get("properties", {}).values():
+            units = dict.fromkeys(re.findall(r'"unit": "((?!1")[^"]+)"', json.dumps(field)))
+            if units:
+                field["description"] = f"{', '.join(map(unit_in_words, units))}: {field['description']}"
+    return schema
 
 
 @app.command()

@@ -18,7 +18,8 @@ from lammps_jump.errors import DumpError
 from lammps_jump.files import EXPORTS, MOST_TEXT, read_file, write_bytes, write_text, writes
 from lammps_jump.folders import require_replaceable, standing
 from lammps_jump.quoting import csv_cell, shortened
-from lammps_jump.scene.walls import Interval, Wall, parts_of, thin
+from lammps_jump.scene.shapes import thin
+from lammps_jump.scene.walls import Interval, Wall, parts_of
 
 from .find import find_dump, read_dump
 from .frame import Frame, ten_indices

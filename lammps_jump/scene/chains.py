@@ -437,3 +437,17 @@ def outline(chain: Chain) -> np.ndarray:
             angles = (begin + face.sweep * i / ARC_STEPS for i in range(1, ARC_STEPS))
             corners += [_on(face.centre, face.radius, angle) for angle in angles]
     return np.array(corners if chain.closed else [*corners, chain.points[-1], *corners[:0:-1]])
+
+
+def bed_over(solids: list[tuple[np.ndarray, np.ndarray]], x: ArrayLike, smallest: float) -> np.ndarray:
+    """Height of the bed at x, m, over solids (`grounds`), as `walls.bed_height` says."""
+    x = np.asarray(x, float)
+    bed = np.full(x.shape, -np.inf)
+    if solids:
+        undersides, tops = (np.array(part) for part in zip(*solids, strict=True))
+        order = np.argsort(undersides, axis=0, kind="stable")
+        undersides, tops = (np.take_along_axis(part, order, 0) for part in (undersides, tops))
+        for underside, top in zip(undersides, tops, strict=True):
+            carried = np.isinf(bed) | (underside <= bed + smallest)
+            bed = np.where(carried & (top > bed), top, bed)
+    return np.where(np.isinf(bed), np.nan, bed)

@@ -13,6 +13,7 @@ import numpy as np
 from pydantic import AfterValidator, ConfigDict, Discriminator, Field, Tag
 
 from lammps_jump.units import Metre
+from lammps_jump.units import Point as GivenPoint
 
 from .chains import (
     AFTER,
@@ -46,7 +47,6 @@ from .chains import (
     turn,
 )  # fmt: skip
 from .tracks import MOST_ROWS
-from .tracks import Point as GivenPoint
 
 LEAST_RADIUS = 1e-6
 """Smallest radius of an arc, m."""
@@ -73,7 +73,11 @@ def _some_radius(value: float) -> float:
 
 Radius = Annotated[
     Metre,
-    Field(ge=-1e6, le=1e6, description="above 0: it turns left; below 0: right"),
+    Field(
+        ge=-1e6,
+        le=1e6,
+        description="above 0 where the arc turns left, below 0 where it turns right; the shorter arc is meant",
+    ),
     AfterValidator(_some_radius),
 ]
 
@@ -83,7 +87,7 @@ class ArcTo:
     """End of an arc that begins at the point before; of the two arcs, the shorter one."""
 
     __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid")
-    arc_to: GivenPoint
+    arc_to: Annotated[GivenPoint, Field(description="end of an arc from the point before")]
     radius: Radius
 
 
@@ -95,7 +99,10 @@ Vertex = Annotated[Annotated[GivenPoint, Tag("<point>")] | Annotated[ArcTo, Tag(
 """A point, or the end of an arc."""
 Points = Annotated[
     tuple[Vertex, ...],
-    Field(max_length=MOST_ROWS, description="[x, y], or {arc_to: [x, y], radius: r}; or file: a table of x and y"),
+    Field(
+        max_length=MOST_ROWS,
+        description="corner after corner; a point is [x, y] or an arc, `{arc_to: [x, y], radius: r}`",
+    ),
 ]
 
 
@@ -366,3 +373,15 @@ def _turn_behind(faces: Faces, face: int) -> float:
     """Turn from a face to the next one, rad."""
     one, two = faces.shape[face], faces.shape[faces.codes[face, AFTER]]
     return atan2(one[TX1] * two[TY0] - one[TY1] * two[TX0], one[TX1] * two[TX0] + one[TY1] * two[TY0])
+
+
+def thin(polygon: np.ndarray) -> bool:
+    """Whether a closed polygon has no area: an open chain of faces, or a sheet."""
+    x, y = (polygon - polygon[0]).T
+    area = 0.5 * abs(float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))))
+    return area <= 1e-9 * float(np.ptp(x) ** 2 + np.ptp(y) ** 2)
+
+
+def rectangle(x: tuple[float, float], y: tuple[float, float]) -> np.ndarray:
+    """Corners of a rectangle, shape (4, 2), m."""
+    return np.array([(x[0], y[0]), (x[1], y[0]), (x[1], y[1]), (x[0], y[1])])

@@ -18,19 +18,13 @@ from typing import Annotated, ClassVar, Literal, NamedTuple, TypeVar
 import numpy as np
 from pydantic import ConfigDict, Discriminator, Field, Tag
 
+from lammps_jump import units
 from lammps_jump.core.columns import TrackRowColumns
-from lammps_jump.units import Degree, DegreePerSecond, KilogramPerMetre, Metre, MetrePerSecond, NewtonPerMetre, Second
 
-Coordinate = Annotated[Metre, Field(ge=-1e6, le=1e6)]
-Speed = Annotated[MetrePerSecond, Field(ge=-1e6, le=1e6)]
-Turn = Annotated[Degree, Field(ge=-1e6, le=1e6)]
-Moment = Annotated[Second, Field(ge=-1e9, le=1e9)]
-Force = Annotated[NewtonPerMetre, Field(ge=-1e15, le=1e15)]
-Point = tuple[Coordinate, Coordinate]
-Row = tuple[Moment, Coordinate, Coordinate, Turn]
-FileName = Annotated[
-    str, Field(min_length=1, max_length=500, description="a CSV file, in the folder of the case or below")
-]
+Turn = Annotated[units.Degree, Field(ge=-1e6, le=1e6)]
+Force = Annotated[units.NewtonPerMetre, Field(ge=-1e15, le=1e15)]
+Row = tuple[units.Moment, units.Coordinate, units.Coordinate, Turn]
+FileName = Annotated[str, Field(min_length=1, max_length=500)]
 MOST_ROWS = 20_000
 """Rows of a table, and points of a wall."""
 SAMPLES = 256
@@ -80,16 +74,26 @@ class Kind:
     turns: ClassVar[bool] = False
     eased: ClassVar[bool] = True
     """Whether changes of velocity take time unless the case says otherwise; a motion that was measured is not eased."""
-    about: Annotated[Point | None, Field(description="point that it turns about; default the pivot")] = field(
-        default=None, kw_only=True
+    about: Annotated[
+        units.Point | None,
+        Field(
+            description="[x, y] where the case has the wall: point that it turns about. Without it, `pivot` of a "
+            "block, else the centre of the wall's extent"
+        ),
+    ] = field(default=None, kw_only=True)
+    begin: Annotated[units.Moment, Field(alias="from", description="the wall stands before")] = field(
+        default=0.0, kw_only=True
     )
-    begin: Annotated[Moment, Field(alias="from", description="it stands before")] = field(default=0.0, kw_only=True)
-    until: Annotated[Moment | None, Field(description="it stands from then on; null: it goes on")] = field(
-        default=None, kw_only=True
-    )
+    until: Annotated[
+        units.Moment | None, Field(description="it stands from then on. Without it, the motion goes on")
+    ] = field(default=None, kw_only=True)
     ease: Annotated[
-        Annotated[Second, Field(ge=0, le=1e6)] | None,
-        Field(description="time that a change of velocity takes; default 10 pi/omega of a contact, of a table 0"),
+        Annotated[units.Second, Field(ge=0, le=1e6)] | None,
+        Field(
+            description="time that each change of velocity takes; the wall then comes half of it late. Without it, 10 "
+            "contact times π/ω of the wall for translate and rotate, and 0 for oscillate and table: these are followed "
+            "as given. 0: at once"
+        ),
     ] = field(default=None, kw_only=True)
 
     def __post_init__(self) -> None:
@@ -121,7 +125,7 @@ class Translate(Kind):
     """Steady motion along a straight line."""
 
     kind: Literal["translate"] = field(default="translate", kw_only=True, repr=False)
-    velocity: tuple[Speed, Speed]
+    velocity: Annotated[units.Vector, Field(description="steady velocity [vx, vy]")]
 
     def corners(self, ease: float) -> list[VelocityChange]:
         """Start and end."""
@@ -130,10 +134,10 @@ class Translate(Kind):
 
 @dataclass(frozen=True)
 class Rotate(Kind):
-    """Steady turning about a point; degrees per second, counter-clockwise positive."""
+    """Steady turning about a point; not of a plane."""
 
     kind: Literal["rotate"] = field(default="rotate", kw_only=True, repr=False)
-    rate: Annotated[DegreePerSecond, Field(ge=-1e6, le=1e6)]
+    rate: Annotated[units.DegreePerSecond, Field(ge=-1e6, le=1e6, description="steady rate of turn, counter-clockwise")]
 
     turns = True
 
@@ -142,7 +146,6 @@ class Rotate(Kind):
         return self._steady((0.0, 0.0, radians(self.rate)), ease)
 
 
-Period = Annotated[Second, Field(ge=1e-9, le=1e9)]
 Value = TypeVar("Value")
 OneOrEach = Annotated[
     Annotated[Value, Tag("<one>")] | Annotated[tuple[Value, Value, Value], Tag("<each>")],
@@ -158,17 +161,19 @@ def each(value: float | tuple[float, float, float]) -> tuple[float, float, float
 
 @dataclass(frozen=True)
 class Oscillate(Kind):
-    """Harmonic motion: amplitude (sin(2 pi (t - from)/period + phase) - sin phase), phase in degrees.
+    """Harmonic motion: amplitude · (sin(2π (t - from)/period + phase) - sin phase).
 
-    Period and phase are those of all components, or one each of x, y and turn.
     It begins and ends suddenly unless `ease` is given. That moves what follows by the speed there times ease/2.
     """
 
     kind: Literal["oscillate"] = field(default="oscillate", kw_only=True, repr=False)
-    period: OneOrEach[Period]
-    amplitude: Point = (0.0, 0.0)
+    period: Annotated[OneOrEach[units.Duration], Field(description="of all components, or one each of [x, y, turn]")]
+    amplitude: Annotated[units.Point, Field(description="[x, y] of the displacement")] = (0.0, 0.0)
     angle: Annotated[Turn, Field(description="amplitude of the turn")] = 0.0
-    phase: OneOrEach[Turn] = 0.0
+    phase: Annotated[
+        OneOrEach[Turn],
+        Field(description="where in the period the motion begins: of all components, or one each of [x, y, turn]"),
+    ] = 0.0
 
     @property
     def turns(self) -> bool:  # type: ignore[override]  # depends on its fields
@@ -200,7 +205,7 @@ class Oscillate(Kind):
 
 @dataclass(frozen=True)
 class TableMotion(Kind):
-    """Straight lines from the start place through rows of time, displacement and turn: [t, x, y, angle].
+    """Straight lines from the start place through rows of time, displacement and turn.
 
     The wall is where a row says at its time. With `ease` it comes half of that time late.
     """
@@ -208,9 +213,20 @@ class TableMotion(Kind):
     eased = False
     kind: Literal["table"] = field(default="table", kw_only=True, repr=False)
     points: Annotated[
-        tuple[Row, ...], Field(max_length=MOST_ROWS, description="or file: motion.csv, with columns t, x, y, angle")
+        tuple[Row, ...],
+        Field(
+            max_length=MOST_ROWS,
+            description="rows [t, x, y, angle]: time, and how far the wall is then from where the case has it; "
+            "straight lines between them",
+        ),
     ] = ()
-    file: FileName | None = None
+    file: Annotated[
+        FileName | None,
+        Field(
+            description="CSV file with the columns t, x, y, angle, in place of `points`; in the folder of the case or "
+            "below"
+        ),
+    ] = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -254,9 +270,11 @@ class Loaded(Kind):
     """A lid: mass times acceleration is the force of the discs on it plus the force given; it has no weight else."""
 
     kind: Literal["load"] = field(default="load", kw_only=True, repr=False)
-    mass: Annotated[KilogramPerMetre, Field(ge=1e-9, le=1e15, description="per metre of width")]
-    force: tuple[Force, Force]
-    axis: Annotated[Literal["x", "y", "both"], Field(description="where it can move")] = "y"
+    mass: Annotated[
+        units.Mass, Field(description="the lid moves by mass · acceleration = force of the discs + `force`")
+    ]
+    force: Annotated[tuple[Force, Force], Field(description="[Fx, Fy]; there is no other weight")]
+    axis: Annotated[Literal["x", "y", "both"], Field(description="in which the lid moves")] = "y"
 
     def __post_init__(self) -> None:
         if self.until is not None or self.ease is not None or self.about is not None:
@@ -268,13 +286,30 @@ class Held(Kind):
     """A tailgate: it moves until the mass depth at a place, or the place of the front, is that of the case."""
 
     kind: Literal["hold"] = field(default="hold", kw_only=True, repr=False)
-    speed: Annotated[MetrePerSecond, Field(ge=1e-9, le=1e6, description="largest")]
-    range: Annotated[tuple[Coordinate, Coordinate], Field(description="of its way from where the case has it")]
-    depth: Annotated[Annotated[Metre, Field(ge=1e-9, le=1e6)] | None, Field(description="with at; or front")] = None
-    at: Annotated[Coordinate | None, Field(description="x where depth is held")] = None
-    front: Annotated[Coordinate | None, Field(description="x where the front is held")] = None
+    speed: Annotated[units.MetrePerSecond, Field(ge=1e-9, le=1e6, description="largest speed of the gate, up and down")]
+    range: Annotated[
+        units.Point, Field(description="[low, high] of its way along y from where the case has it; low ≤ 0 ≤ high")
+    ]
+    depth: Annotated[
+        Annotated[units.Metre, Field(ge=1e-9, le=1e6)] | None,
+        Field(description="mass depth that it holds at `at`; or `front`"),
+    ] = None
+    at: Annotated[
+        units.Coordinate | None, Field(description="x before the gate; the depth is taken over ten diameters around it")
+    ] = None
+    front: Annotated[
+        units.Coordinate | None,
+        Field(
+            description="x at which it holds the front of a jump: where the mass depth first comes to the mean of y1 "
+            "and its sequent depth"
+        ),
+    ] = None
     response: Annotated[
-        Annotated[Second, Field(ge=1e-9, le=1e9)] | None, Field(description="default: a wave's travel there and back")
+        units.Duration | None,
+        Field(
+            description="time constant of the controller. Without it, the time that a wave takes from the gate to the "
+            "place and back"
+        ),
     ] = None
 
     def __post_init__(self) -> None:

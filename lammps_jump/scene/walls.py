@@ -17,42 +17,27 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 
+from lammps_jump import units
 from lammps_jump.quoting import LONGEST_NAME
-from lammps_jump.units import Degree, Metre, Plain, Stiffness
 
-from .chains import Chain, Faces, Point, boxes, circle, distance, grounds, lay, outline
-from .shapes import ArcTo, Path, Points, closed_path, drawn
+from .chains import Chain, Faces, Point, bed_over, boxes, circle, distance, grounds, lay, outline
+from .shapes import ArcTo, Path, Points, closed_path, drawn, rectangle, thin
 from .tracks import KINDS as KINDS_OF_MOTION
 from .tracks import FileName
-from .tracks import Point as GivenPoint
 
 Interval = tuple[float, float]
-
-
-def ordered(value: Interval) -> Interval:
-    """The interval itself; ValueError where its ends are not in order."""
-    if value[0] >= value[1]:
-        raise ValueError(f"[{value[0]:zg}, {value[1]:zg}] runs backwards; expected [low, high] with low < high")
-    return value
-
-
-def not_backwards(value: Interval) -> Interval:
-    """The interval itself, which may be a point; ValueError where its ends are not in order."""
-    return value if value[0] == value[1] else ordered(value)
 
 
 SIDES = {"right": "above", "left": "below", "high": "above", "low": "below", "+": "above", "-": "below"}
 """Other words for the side of a plane."""
 
-Coordinate = Annotated[Metre, Field(ge=-1e6, le=1e6)]
-Extent = Annotated[tuple[Coordinate, Coordinate], AfterValidator(ordered)]
-Span = Annotated[tuple[Coordinate, Coordinate], AfterValidator(not_backwards)]
 Side = Annotated[
     Literal["above", "below"],
     BeforeValidator(lambda value: SIDES.get(value, value) if isinstance(value, str) else value),
-    Field(description="where the discs are: at larger or smaller coordinates"),
 ]
-WallName = Annotated[str, Field(pattern=r"^[A-Za-z0-9_]+$", max_length=LONGEST_NAME)]
+WallName = Annotated[
+    str, Field(pattern=r"^[A-Za-z0-9_]+$", max_length=LONGEST_NAME, description="letters, digits and `_`")
+]
 """Part of the names of LAMMPS fixes, regions and variables, which take no other letters."""
 
 
@@ -73,21 +58,39 @@ Motions = Annotated[KINDS_OF_MOTION, Field(discriminator="kind")]
 class _Own:
     """What any wall may have of its own: numbers of its contacts, and a motion."""
 
-    friction: Annotated[Annotated[Plain, Field(ge=0, le=1000)] | None, Field(description="default: of contact")] = (
-        field(default=None, repr=False)
-    )
-    restitution: Annotated[Annotated[Plain, Field(ge=1e-6, le=1)] | None, Field(description="default: of contact")] = (
-        field(default=None, repr=False)
-    )
+    friction: Annotated[
+        units.Friction | None,
+        Field(
+            title="friction coefficient",
+            description="friction coefficient of discs on this wall. Without it, that of `contact`",
+        ),
+    ] = field(default=None, repr=False)
+    restitution: Annotated[
+        units.Restitution | None,
+        Field(
+            title="restitution coefficient",
+            description="restitution coefficient of discs on this wall. Without it, that of `contact`",
+        ),
+    ] = field(default=None, repr=False)
     stiffness: Annotated[
-        Annotated[Stiffness, Field(ge=1e-6, le=1e24)] | None, Field(description="default: contact.stiffness_wall")
+        units.Stiffness | None,
+        Field(
+            title="stiffness",
+            description="spring of discs on this wall. Without it, `contact.stiffness_wall`. A stiffer wall may need a "
+            "smaller step, which `check` says",
+        ),
     ] = field(default=None, repr=False)
     rolling: Annotated[
-        Annotated[Plain, Field(ge=0, le=1000)] | None, Field(description="default: contact.rolling.friction")
+        units.Friction | None,
+        Field(
+            title="rolling friction coefficient",
+            description="coefficient of rolling friction on this wall. Without it, that of `contact.rolling`, which "
+            "must be there",
+        ),
     ] = field(default=None, repr=False)
-    motion: Annotated[Motions | None, Field(description="how it moves; null: it stands")] = field(
-        default=None, repr=False
-    )
+    motion: Annotated[
+        Motions | None, Field(description="a motion with a `kind` below; without it, the wall stands")
+    ] = field(default=None, repr=False)
 
 
 class Wall(_Own):
@@ -186,18 +189,6 @@ def parts_of(wall: Wall, x: Interval, y: Interval) -> tuple[list[np.ndarray], li
     return rings, lines
 
 
-def thin(polygon: np.ndarray) -> bool:
-    """Whether a closed polygon has no area: an open chain of faces, or a sheet."""
-    x, y = (polygon - polygon[0]).T
-    area = 0.5 * abs(float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))))
-    return area <= 1e-9 * float(np.ptp(x) ** 2 + np.ptp(y) ** 2)
-
-
-def rectangle(x: Interval, y: Interval) -> np.ndarray:
-    """Corners of a rectangle, shape (4, 2), m."""
-    return np.array([(x[0], y[0]), (x[1], y[0]), (x[1], y[1]), (x[0], y[1])])
-
-
 @dataclass(frozen=True)
 class Plane(Wall):
     """An endless straight wall; discs on one side of it.
@@ -220,9 +211,9 @@ class Plane(Wall):
     kind: Literal["plane"] = field(default="plane", kw_only=True, repr=False)
     deep = True
     name: WallName
-    axis: Literal["x", "y"]
-    at: Coordinate
-    side: Side
+    axis: Annotated[Literal["x", "y"], Field(description="direction that the plane is upright to")]
+    at: Annotated[units.Coordinate, Field(title="place", description="where it stands on this axis")]
+    side: Annotated[Side, Field(description="side of it on which the discs are: at larger or smaller coordinates")]
 
     @property
     def sign(self) -> float:
@@ -248,7 +239,8 @@ class Plane(Wall):
         return (rectangle(solid, y) if self.axis == "x" else rectangle(x, solid),)
 
 
-DiscsWhere = Annotated[Literal["outside", "inside"], Field(description="where the discs are")]
+DiscsWhere = Annotated[Literal["outside", "inside"], Field(description="where the discs are: around it or in it")]
+LEAF = "from and to; no width makes a leaf, which discs feel from both sides"
 
 
 @dataclass(frozen=True)
@@ -274,10 +266,10 @@ class Block(Wall):
 
     kind: Literal["block"] = field(default="block", kw_only=True, repr=False)
     name: WallName
-    x: Span
-    y: Span
-    angle: Annotated[Degree, Field(ge=-360, le=360, description="turn about the pivot, counter-clockwise")] = 0.0
-    pivot: Annotated[GivenPoint | None, Field(description="default: the centre")] = None
+    x: Annotated[tuple[units.Start, units.End], AfterValidator(units.not_backwards), Field(description=LEAF)]
+    y: Annotated[tuple[units.Underside, units.Height], AfterValidator(units.not_backwards), Field(description=LEAF)]
+    angle: Annotated[units.Degree, Field(ge=-360, le=360, description="counter-clockwise, about `pivot`")] = 0.0
+    pivot: Annotated[units.Point | None, Field(description="[x, y]; without it, the centre")] = None
 
     def __post_init__(self) -> None:
         if self.x[0] == self.x[1] and self.y[0] == self.y[1]:
@@ -350,8 +342,8 @@ class Box(Wall):
 
     kind: Literal["box"] = field(default="box", kw_only=True, repr=False)
     name: WallName
-    x: Extent
-    y: Extent
+    x: Annotated[units.Extent, Field(description="from and to")]
+    y: Annotated[units.Rise, Field(description="from and to")]
     hollow = True
     parts = ("x", "y", "left", "right", "bottom", "top")
     deep = True
@@ -379,7 +371,13 @@ class _Drawn(Wall):
     name: WallName
     points: Points = ()
     sheet = False
-    file: FileName | None = field(default=None, kw_only=True, repr=False)
+    file: Annotated[
+        FileName | None,
+        Field(
+            description="CSV file with the corners, columns x and y, in place of `points`; in the folder of the case "
+            "or below. A first row may hold their names, and lines that begin with `#` are left out"
+        ),
+    ] = field(default=None, kw_only=True, repr=False)
 
     def __post_init__(self) -> None:
         if self.file is not None:
@@ -440,13 +438,13 @@ class Polygon(_Drawn):
 
 @dataclass(frozen=True)
 class Line(_Drawn):
-    """A line of straight pieces and arcs, with discs on its left or on both sides.
+    """A line of straight pieces and arcs, with discs on its left or on both sides. A last point at the first closes it.
 
     Parameters
     ----------
     name : str
     points : tuple of (float, float) or ArcTo
-        In order, m. A last point at the first one closes it.
+        In order, m.
     sheet : bool
         Discs feel it from both sides.
     join : str, optional
@@ -461,8 +459,14 @@ class Line(_Drawn):
         "discs": "the discs of a line are on its left; reverse its points, or take sheet: true for both sides"
     }
     kind: Literal["line"] = field(default="line", kw_only=True, repr=False)
-    sheet: Annotated[bool, Field(description="felt from both sides")] = False
-    join: Annotated[WallName | None, Field(description="one wall with the other lines of this name")] = None
+    sheet: Annotated[bool, Field(description="discs feel it from both sides")] = False
+    join: Annotated[
+        WallName | None,
+        Field(
+            description="lines with the same `join` whose ends meet are one wall, with the name of the join. Without "
+            "it, discs at a common end feel both walls"
+        ),
+    ] = None
 
     @cached_property
     def path(self) -> Path:
@@ -510,8 +514,8 @@ class Circle(Wall):
 
     kind: Literal["circle"] = field(default="circle", kw_only=True, repr=False)
     name: WallName
-    centre: GivenPoint
-    radius: Annotated[Metre, Field(ge=1e-6, le=1e6)]
+    centre: Annotated[units.Point, Field(description="[x, y]")]
+    radius: Annotated[units.Length, Field(description="of the circle")]
     discs: DiscsWhere = "outside"
 
     @property
@@ -548,14 +552,4 @@ def bed_height(walls: Sequence[Wall], x: ArrayLike, smallest: float) -> np.ndarr
     It is the highest top of the walls, of those that solids below carry without a gap that the smallest disc (m) could
     pass, tried from the lowest underside up. A solid above such a gap (a sluice gate) is no bed.
     """
-    x = np.asarray(x, float)
-    bed = np.full(x.shape, -np.inf)
-    solids = [solid for wall in walls for solid in wall.grounds(x)]
-    if solids:
-        undersides, tops = (np.array(part) for part in zip(*solids, strict=True))
-        order = np.argsort(undersides, axis=0, kind="stable")
-        undersides, tops = (np.take_along_axis(part, order, 0) for part in (undersides, tops))
-        for underside, top in zip(undersides, tops, strict=True):
-            carried = np.isinf(bed) | (underside <= bed + smallest)
-            bed = np.where(carried & (top > bed), top, bed)
-    return np.where(np.isinf(bed), np.nan, bed)
+    return bed_over([solid for wall in walls for solid in wall.grounds(np.asarray(x, float))], x, smallest)

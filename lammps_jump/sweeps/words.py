@@ -1,54 +1,31 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Words and units of the fields of a case that a study varies."""
+"""Words and units of what a study varies, as the fields of a case tell them."""
 
 from __future__ import annotations
 
-import re
-
+from lammps_jump.case.fields import CaseFields
+from lammps_jump.case.groups.field_words import fields_at, label_of, unit_of
 from lammps_jump.units import POWERS
 
-FIELDS = {
-    "contact.friction": ("friction coefficient", ""),
-    "contact.rolling.friction": ("rolling friction coefficient", ""),
-    "contact.restitution": ("restitution coefficient", ""),
-    "contact.largest_overlap": ("largest overlap over diameter", ""),
-    "contact.stiffness": ("stiffness", "N/m"),
-    "contact.from_material.young": ("modulus of elasticity", "Pa"),
-    "contact.impact_speed": ("impact speed", "m/s"),
-    "discs.diameter": ("disc diameter", "m"),
-    "discs.density": ("density", "kg/m^3"),
-    "discs.sizes.spread": ("spread of diameters", ""),
-    "gravity": ("gravity", "m/s^2"),
-    "slope": ("slope", "°"),
-    "inflow.depth": ("depth of the inflow", "m"),
-    "inflow.mean_speed": ("speed of the inflow", "m/s"),
-    "inflow.discharge": ("discharge", "m^2/s"),
-    "run.duration": ("simulated time", "s"),
-    "run.time_step_fraction": ("time step over 2/ω", ""),
-    "run.seed": ("seed", ""),
-    "analysis.bin_width": ("width of the bins", "m"),
-}
-"""By the path of the field."""
-SIDES = {"x.0": "start", "x.1": "end", "y.0": "underside", "y.1": "height", "at": "place"}
-"""Of a wall, by the rest of its path."""
-
-
-def _described(path: str) -> tuple[str, str]:
-    wall = re.fullmatch(r"walls\.([^.]+)\.(x\.0|x\.1|y\.0|y\.1|at)", path)
-    if wall:
-        name = f"wall {wall[1]}" if wall[1].isdigit() else wall[1].replace("_", " ")
-        return f"{SIDES[wall[2]]} of the {name}", "m"
-    return FIELDS.get(path, (path, ""))
+NAMED = {"walls": "wall", "bodies": "body"}
+"""Lists whose items have names, and what an item without one is called."""
 
 
 def words(path: str) -> str:
     """What a field is, in a few words; the path where it has none."""
-    return _described(path)[0]
+    group, _, rest = path.partition(".")
+    label = label_of(fields_at(CaseFields, path.split(".")))
+    if not label:
+        return path
+    if group not in NAMED:
+        return path if path[-1].isdigit() else label  # the end of what?
+    name = rest.partition(".")[0]
+    return f"{label} of the {f'{NAMED[group]} {name}' if name.isdigit() else name.replace('_', ' ')}"
 
 
 def unit(path: str) -> str:
     """Its SI unit, empty where there is none."""
-    return _described(path)[1]
+    return unit_of(fields_at(CaseFields, path.split("."))).replace("degree", "°")
 
 
 def heading(path: str) -> str:

@@ -15,9 +15,9 @@ from lammps_jump.files import BODIES_HEADER
 from lammps_jump.physics.jump import sequent_depth
 from lammps_jump.scene.chains import Chain
 from lammps_jump.scene.motion import Motion, MovingWall, gate
-from lammps_jump.scene.shapes import ArcTo
+from lammps_jump.scene.shapes import ArcTo, rectangle, thin
 from lammps_jump.scene.tracks import Loaded, Rotate, Translate
-from lammps_jump.scene.walls import Block, Box, Line, Plane, Wall, rectangle, thin
+from lammps_jump.scene.walls import Block, Box, Line, Plane, Wall
 
 WALLS = (Block("floor", (-5, 30), (-2, 0)), Block("sill", (20, 21), (-2, 1)))
 

@@ -165,4 +165,4 @@ def test_fields_of_the_models_have_their_limits():
     text = fields.page()
     assert "(thesis 3.3) | number | kg/m³ | ≥ 0.001 and ≤ 1e+06 | 1000 |" in text
     assert "tilts gravity towards larger x | number | degrees | > -90 and < 90 | 0 |" in text  # of the whole case
-    assert "above 0 up to 1 | number | \N{EN DASH} | ≥ 1e-06 and ≤ 1 | needed |" in text
+    assert "of a collision | number | \N{EN DASH} | ≥ 1e-06 and ≤ 1 | needed |" in text

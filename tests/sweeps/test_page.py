@@ -173,7 +173,9 @@ def test_axes_have_words_and_units_and_forces_are_in_kilonewtons(tmp_path):
         page.name_axis(axes, "walls.sill.y.1")
         assert axes.get_xlabel() == "height of the sill [m]" and axes.texts[0].get_text() == "walls.sill.y.1"
         assert axes.texts[0].get_fontsize() < axes.xaxis.label.get_fontsize()
-    assert heading("probes.interval") == words("probes.interval") == "probes.interval"
+    assert heading("probes.interval") == "probes.interval [s]" and words("probes.interval") == "probes.interval"
+    assert heading("run.nonsense") == "run.nonsense" and heading("domain.x.1") == "domain.x.1 [m]"
+    assert heading("slope") == "slope [°]" and heading("walls.0.friction") == "friction coefficient of the wall 0"
 
 
 def test_an_interval_wider_than_the_mean_is_told(tmp_path):

@@ -114,7 +114,7 @@ def test_members_are_seeds(study, members, seeds):
 
 def test_a_point_that_cannot_be_run_is_refused_before_anything_runs(study, tmp_path):
     with pytest.raises(
-        lj.CaseError, match=r"contact.friction=-1: contact.friction: -1.0 is out of range; allowed is >= 0"
+        lj.CaseError, match=r"contact.friction=-1: contact.friction: -1 is out of range; allowed is >= 0 and <= 1000"
     ):
         lj.sweep({"case": yaml.safe_load(study().case.to_yaml())}, tmp_path / "out", axes={"contact.friction": [0, -1]})
     with pytest.raises(lj.CaseError, match="time_step_fraction"):  # a scene that is unstable

@@ -13,7 +13,8 @@ from lammps_jump.analysis.flow import from_scene
 from lammps_jump.scene.bodies.free import Free
 from lammps_jump.scene.motion import MovingWall, Placed, Pose
 from lammps_jump.scene.scene import Scene
-from lammps_jump.scene.walls import Interval, Wall, parts_of, rectangle, thin
+from lammps_jump.scene.shapes import rectangle, thin
+from lammps_jump.scene.walls import Interval, Wall, parts_of
 
 from .drawing import BAND, HIGHEST, NARROWEST, WIDEST, Area, Drawing, DrawnDiscs, Stroke
 

@@ -10,18 +10,15 @@ import numpy as np
 from pydantic import AfterValidator, ConfigDict, Field, model_validator
 
 from lammps_jump import units
-from lammps_jump.case.parts.base import Moment, Point, Strict, Vector
+from lammps_jump.case.parts.base import Strict
 from lammps_jump.physics.bodies import BodySection, section_of_circle, section_of_polygon
 from lammps_jump.scene.bodies.free import Free
 from lammps_jump.scene.motion import Motion, MovingWall
 from lammps_jump.scene.scene import Beginning
-from lammps_jump.scene.walls import Block, Circle, Extent, Polygon, Wall, WallName
+from lammps_jump.scene.walls import Block, Circle, Polygon, Wall, WallName
 
 Axis = Literal["x", "y", "turn"]
 AXES: tuple[Axis, ...] = ("x", "y", "turn")
-Mass = Annotated[units.KilogramPerMetre, Field(ge=1e-9, le=1e15)]
-Inertia = Annotated[units.KilogramMetre, Field(ge=1e-9, le=1e15)]
-Length = Annotated[units.Metre, Field(ge=1e-6, le=1e6)]
 
 
 def _each_once(value: tuple[Axis, ...]) -> tuple[Axis, ...]:
@@ -38,26 +35,58 @@ class Body(Strict):
         validate_by_name=True,
     )  # fmt: skip
 
-    name: WallName
-    density: units.Density | None = Field(default=None, ge=1e-3, le=1e6, description="of the area of its outline")
-    mass: Mass | None = Field(default=None, description="per metre of width")
-    inertia: Inertia | None = Field(
-        default=None, description="about the centre of mass; default that of an even body of this mass"
+    name: WallName = Field(description="letters, digits and `_`; no wall has it too")
+    density: Annotated[units.Density, Field(ge=1e-3, le=1e6)] | None = Field(
+        default=None,
+        title="density",
+        description="of the area of the outline (a disc has density · diameter² instead); or give `mass`",
     )
-    free: Annotated[tuple[Axis, ...], AfterValidator(_each_once)] = Field(default=AXES, description="how it can move")
-    hinge: Point | None = Field(default=None, description="it turns about this point only")
-    begin: Moment = Field(default=0.0, alias="from", description="it is held before")
-    velocity: Vector = Field(default=(0.0, 0.0), description="of the centre of mass, where it is released")
-    spin: units.DegreePerSecond = Field(default=0.0, ge=-1e6, le=1e6, description="counter-clockwise")
-    friction: units.Plain | None = Field(default=None, ge=0, le=1000, description="default: of contact")
-    restitution: units.Plain | None = Field(default=None, ge=1e-6, le=1, description="default: of contact")
+    mass: units.Mass | None = Field(default=None, title="mass", description="per metre of width, in place of `density`")
+    inertia: Annotated[units.KilogramMetre, Field(ge=1e-9, le=1e15)] | None = Field(
+        default=None,
+        description="moment of inertia per metre of width about the centre of mass, beside `mass`. Without it, that of "
+        "an even body of this mass",
+    )
+    free: Annotated[tuple[Axis, ...], AfterValidator(_each_once)] = Field(
+        default=AXES, description="how it can move, of `x`, `y` and `turn`"
+    )
+    hinge: units.Point | None = Field(
+        default=None, description="[x, y]: it turns about this point and moves no other way"
+    )
+    begin: units.Moment = Field(
+        default=0.0, alias="from", description="it is held before, and pushes as a wall that stands"
+    )
+    velocity: units.Vector = Field(
+        default=(0.0, 0.0), description="[vx, vy] of the centre of mass where it is released"
+    )
+    spin: units.DegreePerSecond = Field(
+        default=0.0, ge=-1e6, le=1e6, description="counter-clockwise, where it is released"
+    )
+    friction: units.Friction | None = Field(
+        default=None,
+        title="friction coefficient",
+        description="friction coefficient of discs, walls and bodies on it. Without it, that of the wall, else that of "
+        "`contact`; of two, the smaller one counts",
+    )
+    restitution: units.Restitution | None = Field(
+        default=None, title="restitution coefficient", description="restitution coefficient, as `friction`"
+    )
     stiffness: units.Stiffness | None = Field(
-        default=None, ge=1e-6, le=1e24, description="default: contact.stiffness_wall"
+        default=None,
+        title="stiffness",
+        description="of the spring of what touches it, as `friction`; without any, `contact.stiffness_wall`",
     )
-    rolling: units.Plain | None = Field(
-        default=None, ge=0, le=1000, description="default: contact.rolling.friction; of discs on it"
+    rolling: units.Friction | None = Field(
+        default=None,
+        title="rolling friction coefficient",
+        description="coefficient of rolling friction of discs on it. Without it, that of `contact.rolling`, which must "
+        "be there",
     )
-    corner_radius: Length | None = Field(default=None, description="default: a quarter of the smallest disc")
+    corner_radius: units.Length | None = Field(
+        default=None,
+        description="by which its corners are rounded where they meet walls and bodies; discs feel them sharp. Without "
+        "it, a quarter of the smallest disc",
+    )
 
     @model_validator(mode="after")
     def _consistent(self) -> Body:
@@ -116,9 +145,9 @@ class BlockBody(Body):
     """A solid rectangle."""
 
     kind: Literal["block"]
-    x: Extent
-    y: Extent
-    angle: units.Degree = Field(default=0.0, ge=-360, le=360, description="turn about the centre, counter-clockwise")
+    x: units.Extent = Field(description="[left, right]")
+    y: units.Rise = Field(description="[low, high]")
+    angle: units.Degree = Field(default=0.0, ge=-360, le=360, description="counter-clockwise, about the centre")
 
     def wall(self) -> Wall:
         """The outline."""
@@ -129,7 +158,11 @@ class PolygonBody(Body):
     """A closed outline of straight lines."""
 
     kind: Literal["polygon"]
-    points: tuple[Point, ...] = Field(min_length=3, max_length=1000)
+    points: tuple[units.Point, ...] = Field(
+        min_length=3,
+        max_length=1000,
+        description="corners [x, y] in order, either way round; the last is joined to the first. Arcs are not there",
+    )
 
     def wall(self) -> Wall:
         """The outline."""
@@ -140,8 +173,8 @@ class CircleBody(Body):
     """A circle."""
 
     kind: Literal["circle"]
-    centre: Point
-    radius: Length
+    centre: units.Point = Field(description="middle of the circle, [x, y]")
+    radius: units.Length = Field(description="of the circle")
 
     def wall(self) -> Wall:
         """The outline."""

@@ -6,7 +6,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from math import degrees
 
-from lammps_jump.case.fields import CaseFields, Column
+from lammps_jump.case.fields import CaseFields
+from lammps_jump.case.groups.discs import Column
 from lammps_jump.case.parts.beds import RoughBed
 from lammps_jump.scene import MovingWall
 from lammps_jump.scene.tracks import Oscillate, each

@@ -9,7 +9,8 @@ from typing import NamedTuple, TypeGuard
 
 from lammps_jump.case.design.flow import studied
 from lammps_jump.case.design.foot import foot_of
-from lammps_jump.case.fields import CaseFields, Column
+from lammps_jump.case.fields import CaseFields
+from lammps_jump.case.groups.discs import Column
 from lammps_jump.case.parts.beds import RoughBed
 from lammps_jump.case.parts.inflow import RowsInflow
 from lammps_jump.physics import jump

@@ -6,7 +6,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from math import inf, sqrt
 
-from lammps_jump.case.fields import CaseFields, Column
+from lammps_jump.case.fields import CaseFields
+from lammps_jump.case.groups.discs import Column
 from lammps_jump.case.parts.inflow import PourInflow
 from lammps_jump.physics.devices import creep_speed
 from lammps_jump.physics.slip import FRICTION_LAWS

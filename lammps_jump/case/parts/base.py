@@ -8,20 +8,13 @@ from typing import Annotated, Any
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 from lammps_jump import units
-from lammps_jump.scene.walls import Coordinate
+from lammps_jump.quoting import LONGEST_NAME
 
-# Wider than any use, and narrow enough that squares and quotients stay finite.
-LENGTH = {"ge": 1e-6, "le": 1e6}
-FINE_LENGTH = {"ge": 1e-12, "le": 1e6}
-SPEED = {"ge": 1e-6, "le": 1e6}
-TIME = {"ge": 1e-9, "le": 1e9}
-STIFFNESS = {"ge": 1e-6, "le": 1e24}
+# Wider than any use, and narrow enough that squares and quotients stay finite; more of them are in `units.py`.
 LEAST_GRAVITY, MOST_GRAVITY = 1e-6, 1e6
-
-Component = Annotated[units.MetrePerSecond, Field(ge=-1e6, le=1e6)]
-Moment = Annotated[units.Second, Field(ge=-1e9, le=1e9)]
-Point = tuple[Coordinate, Coordinate]
-Vector = tuple[Component, Component]
+LEAST_SPEED, MOST_SPEED = 1e-6, 1e6
+FineLength = Annotated[units.Metre, Field(ge=1e-12, le=1e6)]
+Speed = Annotated[units.MetrePerSecond, Field(ge=LEAST_SPEED, le=MOST_SPEED)]
 
 
 def no_truth(value: Any) -> Any:
@@ -31,7 +24,17 @@ def no_truth(value: Any) -> Any:
     return value
 
 
+Name = Annotated[
+    str,
+    Field(
+        pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$",
+        max_length=LONGEST_NAME,
+        description="letters, digits, `_`, `.` and `-`",
+    ),
+]
 Whole = Annotated[int, BeforeValidator(no_truth)]
+Shift = Annotated[units.Plain, Field(description="random shift of each disc, in diameters")]
+Jitter = Annotated[Shift, Field(ge=0, le=0.5)]
 
 HOW_TO_CHANGE = "case.replace({'contact.friction': 0.1}) makes a changed case"
 

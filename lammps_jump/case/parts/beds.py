@@ -11,12 +11,12 @@ import numpy as np
 from pydantic import ConfigDict, Field
 from pydantic.functional_validators import model_validator
 
-from lammps_jump import units
 from lammps_jump.scene import Interval, Sizes, Wall
 from lammps_jump.scene.scene import Fixed
 from lammps_jump.scene.walls import Line, WallName
+from lammps_jump.units import Length, Plain, Point
 
-from .base import LENGTH, Point, Strict
+from .base import Strict
 
 MOST_FIXED = 1_000_000
 """Discs of rough beds."""
@@ -30,10 +30,10 @@ class RoughBed(Strict):
     model_config = ConfigDict(populate_by_name=True, serialize_by_alias=True)
     kind: Literal["rough"]
     name: WallName
-    begin: Point = Field(alias="from", description="centre of the first disc")
-    end: Point = Field(alias="to", description="the row ends here or before")
-    diameter: units.Metre = Field(**LENGTH, description="of its discs")
-    spacing: units.Plain = Field(default=1.0, ge=1, le=10, description="of its discs, in their diameters")
+    begin: Point = Field(alias="from", description="[x, y]: centre of the first fixed disc")
+    end: Point = Field(alias="to", description="[x, y]: the row ends here or before")
+    diameter: Length = Field(title="disc diameter", description="of the fixed discs")
+    spacing: Plain = Field(default=1.0, ge=1, le=10, description="from centre to centre, in these diameters")
     parts: ClassVar[tuple[str, ...]] = ()
     hollow: ClassVar[bool] = False
 

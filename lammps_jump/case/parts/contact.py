@@ -3,70 +3,128 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Discriminator, Field, Tag
 from pydantic.functional_validators import model_validator
 
-from lammps_jump import units
 from lammps_jump.physics.contact import material_stiffness
 from lammps_jump.physics.slip import FRICTION_LAWS, Rolling, Springs
+from lammps_jump.units import Friction, NewtonPerMetre, Pascal, PerSecond, Plain, Restitution, Stiffness
 
-from .base import FINE_LENGTH, SPEED, STIFFNESS, Strict
+from .base import FineLength, Speed, Strict
 
 
 class RollingResistance(Strict):
     """Rolling resistance: a spring and a dashpot against rolling, which slide at friction times the normal force."""
 
-    friction: units.Plain = Field(ge=0, le=1000, description="coefficient of rolling friction")
-    stiffness_ratio: units.Plain = Field(default=0.1, gt=0, le=1, description="stiffness over that of two discs")
-    damping: units.Plain = Field(default=1.0, ge=0, le=100, description="dashpot over that of two nominal discs")
+    friction: Friction = Field(
+        title="rolling friction coefficient", description="a disc rolls from the angle with this tangent on"
+    )
+    stiffness_ratio: Plain = Field(
+        default=0.1, gt=0, le=1, description="spring against rolling, over the normal one of two nominal discs"
+    )
+    damping: Plain = Field(
+        default=1.0, ge=0, le=100, description="dashpot against rolling, over the normal one of two nominal discs"
+    )
 
 
 class Material(Strict):
     """Elastic constants of the discs, which are cylinders that touch along a line."""
 
-    young: units.Pascal = Field(ge=1e-4, le=1e24, description="modulus of elasticity E, Pa")
-    poisson: units.Plain = Field(ge=0, le=0.5, description="Poisson's ratio")
+    young: Pascal = Field(ge=1e-4, le=1e24, title="modulus of elasticity", description="Young's modulus E")
+    poisson: Plain = Field(ge=0, le=0.5, description="Poisson's ratio ν")  # noqa: RUF001
 
 
 class ShareOfWeight(Strict):
     """A force as a share of the weight of a nominal disc."""
 
-    weight: units.Plain = Field(ge=0, le=1e6, description="force over the weight of a nominal disc (Bond number)")
+    weight: Plain = Field(ge=0, le=1e6, description="attraction over the weight of a nominal disc, its Bond number")
+
+
+def _attraction(value: object) -> str:
+    return "<share>" if isinstance(value, dict | ShareOfWeight) else "<force>"
+
+
+Attraction = Annotated[
+    Annotated[NewtonPerMetre, Field(ge=0, le=1e24), Tag("<force>")] | Annotated[ShareOfWeight, Tag("<share>")],
+    Discriminator(_attraction),
+]
 
 
 class Contact(Strict):
     """Contact of two discs: coefficients of the thesis and further options."""
 
-    restitution: units.Plain = Field(ge=1e-6, le=1)
-    friction: units.Plain = Field(default=0.0, ge=0, le=1000)
-    friction_law: Literal["viscous", "sign", "history"] = "viscous"
-    largest_overlap: units.Plain | None = Field(
-        default=None, ge=1e-6, le=1, description="at v0, over the diameter: 1/n of (3.20)"
+    restitution: Restitution = Field(
+        title="restitution coefficient", description="restitution coefficient e of a collision"
     )
-    impact_speed: units.MetrePerSecond | None = Field(default=None, **SPEED, description="v0 of (3.20)")
-    stiffness: units.Stiffness | None = Field(default=None, **STIFFNESS)
-    from_material: Material | None = Field(default=None, description="stiffness of elastic cylinders")
-    stiffness_wall: units.Stiffness | None = Field(default=None, **STIFFNESS)
-    cohesion: units.Stiffness | ShareOfWeight | None = Field(
-        default=None, description="constant attraction while two touch, N per m of width, or {weight: share}"
+    friction: Friction = Field(
+        default=0.0, title="friction coefficient", description="friction coefficient μ of Coulomb's law"
     )
-    rotation: bool = False
-    correct_restitution: bool = Field(default=True, description="remove the restitution bias of velocity Verlet")
-    tangential_damping: units.PerSecond | None = Field(
-        default=None, ge=1e-9, le=1e24, description="gamma_t, 1/s; default by rule"
+    friction_law: Literal["viscous", "sign", "history"] = Field(
+        default="viscous",
+        description="`viscous`: friction of LAMMPS (`linear_nohistory`), proportional to slip up to Coulomb's limit; "
+        "`sign`: friction of the thesis (native engine or compiled kernel); `history`: a tangential spring that "
+        "remembers, so that grains rest (theory.md)",
     )
-    tangential_ratio: units.Plain | None = Field(
-        default=None, ge=0, le=1, description="history: stiffness of the tangential spring over the normal one, 2/7"
+    largest_overlap: Annotated[Plain, Field(ge=1e-6, le=1)] | None = Field(
+        default=None,
+        title="largest overlap over diameter",
+        description="share of the diameter by which a disc that hits a wall at v0 overlaps it: 1/n of the thesis. "
+        "Without it and a stiffness, 0.1",
     )
-    tangential_damping_ratio: units.Plain | None = Field(
-        default=None, ge=0, le=100, description="history: tangential dashpot over the normal one, 1"
+    impact_speed: Speed | None = Field(
+        default=None,
+        title="impact speed",
+        description="v0: about the speed of the fastest collision. Beside a given stiffness it says for which speed "
+        "`check` tells overlaps; without it, v0 is the fastest collision that fall heights, inflow and motions lead to",
     )
-    rolling: RollingResistance | None = Field(default=None, description="history: a spring against rolling")
-    touch: Literal["sharp", "smooth"] = "sharp"
-    touch_width: units.Metre | None = Field(
-        default=None, **FINE_LENGTH, description="smooth touch: width of the soft start, m"
+    stiffness: Stiffness | None = Field(
+        default=None, title="stiffness", description="of the spring of two discs, in place of `largest_overlap`"
+    )
+    from_material: Material | None = Field(
+        default=None,
+        description="`{young: 5 MPa, poisson: 0.3}`, in place of `stiffness` and `largest_overlap`: "
+        "k = π E / (8 (1 - ν²)), the line contact of two equal cylinders 1 m long "
+        "(theory.md#stiffness-of-a-material). `tangential_ratio` is a field of its own: ν does not change it",  # noqa: RUF001
+    )
+    stiffness_wall: Stiffness | None = Field(
+        default=None, description="of the spring of a disc and a wall. Without it, that of two discs"
+    )
+    cohesion: Attraction | None = Field(
+        default=None,
+        description="attraction F_c of two discs, or of a disc and a wall, while they touch, per metre of width; or "
+        "`{weight: 0.5}`, a share of the weight of a nominal disc. Friction is bounded by the normal force without it. "
+        "Native engine, twin and compiled kernel",
+    )
+    rotation: bool = Field(default=False, description="discs spin; this matters only with friction")
+    correct_restitution: bool = Field(
+        default=True, description="scale the dashpot so that LAMMPS' integrator gives the wanted e"
+    )
+    tangential_damping: Annotated[PerSecond, Field(ge=1e-9, le=1e24)] | None = Field(
+        default=None,
+        description="gamma_t of law `viscous`. Without it, 3 ω, and with spin ω, where ω is the contact frequency",
+    )
+    tangential_ratio: Annotated[Plain, Field(ge=0, le=1)] | None = Field(
+        default=None,
+        description="law `history`: stiffness of the tangential spring over the normal one. Without it, 2/7",
+    )
+    tangential_damping_ratio: Annotated[Plain, Field(ge=0, le=100)] | None = Field(
+        default=None, description="law `history`: tangential dashpot over the normal one. Without it, 1"
+    )
+    rolling: RollingResistance | None = Field(
+        default=None,
+        description="law `history`: `{friction: 0.1, stiffness_ratio: 0.1, damping: 1}`: a spring and a dashpot "
+        "against rolling, which slide at `friction` times the normal force. Needs `rotation: true`",
+    )
+    touch: Literal["sharp", "smooth"] = Field(
+        default="sharp",
+        description="`sharp`: spring of the thesis; `smooth`: a soft start of the contact, for larger steps at e near "
+        "1 (native engine or compiled kernel; kernels.md)",
+    )
+    touch_width: FineLength | None = Field(
+        default=None,
+        description="width of the soft start of `smooth`. Without it, the distance of two steps at v0",
     )
 
     @model_validator(mode="after")
@@ -81,12 +139,6 @@ class Contact(Strict):
             raise ValueError(f"{given[0]} and {given[1]} both fix the stiffness; keep one of them")
         if self.touch == "sharp" and self.touch_width is not None:
             raise ValueError("touch_width has no meaning for touch: sharp; write touch: smooth or drop it")
-        return self
-
-    @model_validator(mode="after")
-    def _attraction_pulls(self) -> Contact:
-        if isinstance(self.cohesion, float) and not 0 <= self.cohesion <= 1e24:
-            raise ValueError(f"cohesion {self.cohesion:zg} N/m is not allowed; give 0 to 1e+24, or {{weight: share}}")
         return self
 
     @model_validator(mode="after")

@@ -7,10 +7,9 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import BaseModel, BeforeValidator, Field, PrivateAttr
 
-from lammps_jump import units
-from lammps_jump.scene.walls import Coordinate, Extent
+from lammps_jump.units import Extent, Moment, Point, Rise
 
-from .base import Moment, Strict
+from .base import Jitter, Strict
 
 
 def _last(value: Any) -> Any:
@@ -20,8 +19,8 @@ def _last(value: Any) -> Any:
 class Region(Strict):
     """A rectangle along x, along y, or both."""
 
-    x: Extent | None = None
-    y: Extent | None = None
+    x: Extent | None = Field(default=None, description="from and to")
+    y: Rise | None = Field(default=None, description="from and to")
 
 
 class EarlierDiscs(NamedTuple):
@@ -37,17 +36,30 @@ class EarlierRun(Strict):
     """Discs of an earlier run."""
 
     kind: Literal["run"]
-    folder: Annotated[str, Field(min_length=1, max_length=1000)] = Field(description="run folder, from the case file")
-    time: Annotated[Moment | None, BeforeValidator(_last)] = Field(
-        default=None, description="last, its end with all digits, or a time: the nearest frame of its dump"
+    folder: Annotated[str, Field(min_length=1, max_length=1000)] = Field(
+        description="run folder, from the folder of the case file; in that folder or the working directory. Its run "
+        "has ended or was stopped"
     )
-    within: Region | None = Field(default=None, description="takes discs whose centres lie there, before shift")
-    shift: tuple[Coordinate, Coordinate] = Field(default=(0.0, 0.0), description="[x, y], of all its discs")
-    velocities: Literal["keep", "rest"] = "keep"
-    in_walls: Literal["refuse", "drop"] = Field(default="refuse", description="discs deep in a wall of this case")
-    jitter: units.Plain = Field(default=0.0, ge=0, le=0.5, description="random shift, in diameters")
+    time: Annotated[Moment | None, BeforeValidator(_last)] = Field(
+        default=None,
+        description="`last`: its end, with all digits. Or a time: the nearest frame of its dump. Without it, `last`",
+    )
+    within: Region | None = Field(
+        default=None, description="takes the discs whose centres lie there, before `shift`; without it, all"
+    )
+    shift: Point = Field(default=(0.0, 0.0), description="[x, y] that its discs are moved by")
+    velocities: Literal["keep", "rest"] = Field(
+        default="keep", description="`keep`: velocities and spins of the run; `rest`: none"
+    )
+    in_walls: Literal["refuse", "drop"] = Field(
+        default="refuse",
+        description="discs deeper in a wall of this case than d/n: `refuse` the case, or `drop` the discs",
+    )
+    jitter: Jitter = 0.0
     key: Annotated[str, Field(pattern=r"^[0-9a-f]{12}$")] | None = Field(
-        default=None, description="hash of its discs; written by the program"
+        default=None,
+        description="hash of its discs, twelve digits and letters a to f. The program writes it into `case.yaml` of "
+        "the run folder; a case that gives it begins from these discs alone",
     )
     _found: EarlierDiscs = PrivateAttr(default=EarlierDiscs(0, (0.0, 0.0), 0.0, 0.0))
 

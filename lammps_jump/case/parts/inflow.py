@@ -12,11 +12,10 @@ from pydantic.functional_validators import model_validator
 from lammps_jump import units
 from lammps_jump.physics.hydrograph import Hydrograph
 from lammps_jump.physics.inlet import LEAST_GAP
-from lammps_jump.scene.walls import Coordinate, Extent
 
-from .base import LENGTH, SPEED, Moment, Strict, Whole
+from .base import LEAST_SPEED, MOST_SPEED, Speed, Strict, Whole
 
-Row = tuple[Moment, Annotated[units.Metre, Field(ge=0, le=1e6)], Annotated[units.MetrePerSecond, Field(**SPEED)]]
+Row = tuple[units.Moment, Annotated[units.Metre, Field(ge=0, le=1e6)], Speed]
 """A row of the inflow against time: t (s), depth (m; 0: no disc enters), mean speed (m/s)."""
 MOST_TIMES = 1000
 """Rows of an inflow against time."""
@@ -26,28 +25,32 @@ class RowsInflow(Strict):
     """A jet of discs in rows (thesis 4.1-4.2); row i at (i + 1/2) d_max above `y`."""
 
     kind: Literal["rows"]
-    x: Coordinate = 0.0
-    y: Coordinate = 0.0
-    depth: units.Metre | None = Field(default=None, **LENGTH)
-    mean_speed: units.MetrePerSecond | None = Field(default=None, **SPEED)
-    discharge: units.MetrePerSecondMetre | None = Field(
-        default=None, ge=1e-12, le=1e12, description="in place of mean_speed: mean_speed * depth, m^2/s"
+    x: units.Coordinate = Field(default=0.0, description="where the rows stand")
+    y: units.Coordinate = Field(default=0.0, description="height of the bed there")
+    depth: units.Length | None = Field(default=None, title="depth of the inflow", description="of the jet")
+    mean_speed: Speed | None = Field(default=None, title="speed of the inflow", description="of the jet")
+    discharge: Annotated[units.MetrePerSecondMetre, Field(ge=1e-12, le=1e12)] | None = Field(
+        default=None, title="discharge", description="mean speed times depth, in place of `mean_speed`"
     )
     table: tuple[Row, ...] | None = Field(
         default=None,
         min_length=1,
         max_length=MOST_TIMES,
-        description="rows [t, depth, mean_speed] in place of depth, mean_speed and discharge: straight lines between, "
-        "constant before the first and after the last; depth 0: no disc enters",
+        description="rows [t, depth, mean speed] in place of depth and speed; an inflow against time, in straight "
+        "lines between the rows, constant before the first and after the last; depth 0: no disc enters",
     )
-    profile: Literal["power_law", "uniform"] = "power_law"
+    profile: Literal["power_law", "uniform"] = Field(
+        default="power_law", description="of the velocity: 1/7 power law of the thesis, or uniform"
+    )
     schedule: Literal["exact", "thesis"] = Field(
-        default="exact", description="exact: rows carry the discharge asked for; thesis: touching rows fill the depth"
+        default="exact",
+        description="`exact`: the rows carry mean speed · depth. `thesis`: touching rows fill the depth, 1.02 "
+        "diameters from disc to disc, and carry 3 to 6 % less",
     )
     spacing: units.Plain = Field(
-        default=LEAST_GAP, ge=1, le=5, description="least distance between discs of a row, in largest diameters"
+        default=LEAST_GAP, ge=1, le=5, description="least distance of discs in a row, in largest diameters"
     )
-    back: Literal["wall", "open"] = Field(default="wall", description="wall: discs cannot flow back through the inlet")
+    back: Literal["wall", "open"] = Field(default="wall", description="`wall`: no disc leaves upstream")
 
     @model_validator(mode="before")
     @classmethod
@@ -70,10 +73,10 @@ class RowsInflow(Strict):
                 "--set inflow.mean_speed=null"
             )
         speed = self.over(0.0, 0.0)[1]
-        if not SPEED["ge"] <= speed <= SPEED["le"]:
+        if not LEAST_SPEED <= speed <= MOST_SPEED:
             raise ValueError(
                 f"discharge {self.discharge:zg} m^2/s over the depth is {speed:z.3g} m/s; allowed is "
-                f"{SPEED['ge']:zg} to {SPEED['le']:zg} m/s"
+                f"{LEAST_SPEED:zg} to {MOST_SPEED:zg} m/s"
             )
         return self
 
@@ -115,11 +118,13 @@ class PourInflow(Strict):
     """Discs dropped at random places of a rectangle, for filling."""
 
     kind: Literal["pour"]
-    x: Extent
-    y: Extent
-    count: Whole = Field(gt=0, le=20_000_000)
-    volume_fraction: units.Plain = Field(default=0.4, gt=0, le=0.7)
-    speed_down: units.MetrePerSecond = Field(default=0.0, ge=0, le=1e6)
+    x: units.Extent = Field(description="from and to")
+    y: units.Rise = Field(description="from and to")
+    count: Whole = Field(gt=0, le=20_000_000, description="discs poured")
+    volume_fraction: units.Plain = Field(
+        default=0.4, gt=0, le=0.7, description="share of the space that is filled at once"
+    )
+    speed_down: units.MetrePerSecond = Field(default=0.0, ge=0, le=1e6, description="of the discs when they enter")
 
 
 InflowField = Annotated[RowsInflow | PourInflow, Field(discriminator="kind")]

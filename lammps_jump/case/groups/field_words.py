@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What the fields of a case tell of themselves: meaning, short label, unit and range, read from the models."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import fields, is_dataclass
+from types import UnionType
+from typing import Any, Union, cast, get_args, get_origin, get_type_hints
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from lammps_jump.units import InUnit, unit_in_words
+
+SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
+"""Bounds as pydantic calls them."""
+
+
+def fields_of(model: type) -> dict[str, FieldInfo]:
+    """Fields of a pydantic model or of a dataclass, by their names in a case."""
+    if issubclass(model, BaseModel):
+        return {field.alias or name: field for name, field in model.model_fields.items()}
+    hints = get_type_hints(model, include_extras=True)
+    declared = {
+        name: depth
+        for depth, base in reversed(list(enumerate(model.__mro__)))
+        for name in vars(base).get("__annotations__", {})
+    }
+    own_first = sorted((item.name for item in fields(cast(Any, model))), key=declared.__getitem__)
+    found = {name: FieldInfo.from_annotation(hints[name]) for name in own_first}
+    return {field.alias or name: field for name, field in found.items()}
+
+
+def models_in(annotation: object) -> list[type]:
+    """Pydantic models and dataclasses that an annotation is made of."""
+    if isinstance(annotation, type) and (issubclass(annotation, BaseModel) or is_dataclass(annotation)):
+        return [annotation]
+    return [model for part in get_args(annotation) for model in models_in(part)]
+
+
+def kind_of(model: type) -> str | None:
+    """What ``kind`` says where a case means this model."""
+    kind = fields_of(model).get("kind")
+    return get_args(kind.annotation)[0] if kind else None
+
+
+def fields_by_name(model: type, group: str = "") -> dict[str, list[FieldInfo]]:
+    """Fields of a model and of those in it by their dotted names, those of all kinds; ``kind`` itself left out."""
+    found: dict[str, list[FieldInfo]] = {}
+    for name, field in fields_of(model).items():
+        if name != "kind":
+            path = f"{group}.{name}".lstrip(".")
+            found.setdefault(path, []).append(field)
+            for inner in models_in(field.annotation):
+                for other, several in fields_by_name(inner, path).items():
+                    found.setdefault(other, []).extend(several)
+    return found
+
+
+def fields_at(model: type, location: Iterable[str | int]) -> list[FieldInfo]:
+    """The fields that a location in a case may mean, one of each kind that has it.
+
+    Parameters
+    ----------
+    model : type
+        Where the location begins.
+    location : iterable of str or int
+        Names of fields, names or numbers of items; also kinds and tags (``<one>``), which choose, as in pydantic's.
+    """
+    around = found = [_field(model)]
+    for part in location:
+        if part == "[key]":  # of a mapping, as pydantic calls it
+            found = [_field(get_args(field.annotation)[0]) for field in around]
+        else:
+            found, around = [inner for field in found for inner in _below(field, str(part))], found
+    return found
+
+
+def _below(field: FieldInfo, part: str) -> list[FieldInfo]:
+    """What a part of a location may mean below a field."""
+    if part.startswith("<"):
+        return [field]
+    origin, parts = get_origin(field.annotation), get_args(field.annotation)
+    models = models_in(field.annotation)
+    if chosen := [model for model in models if kind_of(model) == part]:
+        return list(map(_field, chosen))
+    if origin in (Union, UnionType):
+        return [inner for kind in parts for inner in _below(_field(kind), part)]
+    if origin is dict:
+        return [_field(parts[1])]
+    if origin is tuple and parts[-1] is Ellipsis:
+        return [_field(parts[0])]
+    if origin is tuple:
+        return [_field(parts[int(part)])] if part.isdigit() and int(part) < len(parts) else []
+    return [known[part] for known in map(fields_of, models) if part in known]
+
+
+def _field(annotation: Any) -> FieldInfo:
+    """A field of this type."""
+    return FieldInfo.from_annotation(annotation)
+
+
+def _notes(field: FieldInfo) -> Iterator[object]:
+    """What annotates a field, its alternatives and its items, groups of fields left out."""
+    yield from field.metadata
+    waiting = [field.annotation]
+    while waiting:
+        kind: Any = waiting.pop(0)
+        for item in getattr(kind, "__metadata__", ()):
+            yield from getattr(item, "metadata", (item,))
+        waiting += () if isinstance(kind, type) else get_args(kind)
+
+
+def unit_of(found: Iterable[FieldInfo]) -> str:
+    """The SI unit of fields; empty where they have none, or several."""
+    units = {note.unit for field in found for note in _notes(field) if isinstance(note, InUnit)}
+    return units.pop() if len(units) == 1 else ""
+
+
+def label_of(found: Iterable[FieldInfo]) -> str:
+    """A few words for an axis or a table; empty where the fields have none, or several."""
+    labels = {field.title or "" for field in found}
+    return labels.pop() if len(labels) == 1 else ""
+
+
+def range_of(found: Iterable[FieldInfo]) -> str:
+    """What numbers are allowed, with their unit; empty where there are no bounds."""
+    found = list(found)
+    bounds = (
+        (sign, getattr(note, key, None)) for field in found for note in _notes(field) for key, sign in SIGNS.items()
+    )
+    text = " and ".join(dict.fromkeys(f"{sign} {bound:zg}" for sign, bound in bounds if bound is not None))
+    unit = unit_of(found)
+    return f"{text} {unit_in_words(unit)}" if text and unit else text
+
+
+def briefly(found: Iterable[FieldInfo]) -> str:
+    """What a field is, on a line: its label, or the begin of its meaning; and its unit."""
+    found = list(found)
+    meanings = dict.fromkeys(re.split(r"[;.] | \(\w+\.md", field.description or "")[0] for field in found)
+    said = label_of(found) or " or ".join(filter(None, meanings))
+    unit = unit_of(found)
+    return f"{said}, in {unit_in_words(unit)}" if said and unit else said

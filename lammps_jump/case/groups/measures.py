@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Fields of what is measured: probes at every step, and analyses of the frames."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, Discriminator, Field, Tag, create_model
+
+from lammps_jump import units
+from lammps_jump.analysis.quantities import LISTED, ListedAnalysis
+from lammps_jump.case.parts.base import Name, Strict
+from lammps_jump.scene.walls import WallName
+
+
+class StationPair(Strict):
+    """Two upright planes that move along x at one speed, and the time between which their budget is kept."""
+
+    x: units.Extent = Field(description="of the two planes, at the begin of the window")
+    speed: units.Component = Field(default=0.0, description="of the planes")
+    window: Annotated[tuple[units.Moment, units.Moment], AfterValidator(units.ordered)] = Field(
+        description="from and to"
+    )
+
+
+class Probes(Strict):
+    """What is recorded at every step: forces on walls, and the energy between two stations."""
+
+    forces: tuple[Name, ...] = Field(default=(), description="names of the walls; their forces are recorded")
+    interval: units.Duration = Field(
+        default=0.01,
+        description="forces are means over this time, with every step counted. The window is the nearest that divides "
+        "the frames; where it or another asked time differs by more than 0.1 %, `check` and the run say so",
+    )
+    stations: StationPair | None = Field(
+        default=None,
+        description="energy budget between two upright planes that move, every step counted (native engine; "
+        "measuring.md#momentum-and-energy)",
+    )
+    groups: dict[WallName, tuple[Name, ...]] = Field(
+        default_factory=dict,
+        description="`{name: [walls]}`: sums of the forces on walls, which need not stand in `probes.forces`; their "
+        "moment is about the point of the first wall",
+    )
+    gauges: tuple[units.Coordinate, ...] = Field(
+        default=(),
+        max_length=100,
+        description="places along x: depth there against time, and the height of a paddle's waves",
+    )
+
+
+class Layers(Strict):
+    """Where profiles over y are made."""
+
+    x: units.Extent | None = Field(
+        default=None, description="from and to: the stretch; without it, the middle half of the channel"
+    )
+    height: units.Length | None = Field(default=None, description="of a layer; without it, two diameters")
+
+
+def _layers(value: Any) -> str:
+    return "<layers>" if isinstance(value, dict | Layers) else "<all>"
+
+
+class Means(Strict):
+    """Where and when means are taken."""
+
+    bin_width: units.Length | None = Field(
+        default=None,
+        title="width of the bins",
+        description="width of the bins of profiles. Without it, five diameters",
+    )
+    window: Annotated[tuple[units.Moment, units.Moment], AfterValidator(units.ordered)] | None = Field(
+        default=None, description="`[from, to]`: time of the means. Without it, the last quarter of the run"
+    )
+
+
+def asked_for(base: type[Strict], listed: Mapping[str, ListedAnalysis]) -> Any:
+    """A model with a field, true or false, for each analysis that a case may ask for."""
+    fields: dict[str, Any] = {
+        name: (bool, Field(default=False, description=one.asks)) for name, one in listed.items() if one.asks
+    }
+    return create_model("AskedFor", __base__=base, **fields)
+
+
+class Analysis(asked_for(Means, LISTED)):  # type: ignore[misc]
+    """Analyses of the dump: those of `LISTED`, and what some of them take beside true and false."""
+
+    front: Literal[False, True, "water"] = Field(default=False, description=LISTED["front"].asks)
+    layers: Annotated[Annotated[bool, Tag("<all>")] | Annotated[Layers, Tag("<layers>")], Discriminator(_layers)] = (
+        Field(default=False, description=LISTED["layers"].asks)
+    )
+    stations: tuple[units.Metre, ...] = Field(
+        default=(),
+        description="places along x: the heads of the stream there, and what is lost from one to the next; without "
+        "them, at the gauges, else at both ends of the stream",
+    )
+    fields: bool = Field(default=False, description="coarse-grained density, velocity and stress")
+    animation: bool = Field(default=False, description="write a film")
+    figures: Literal["default", "all", "player", "none"] = Field(
+        default="default",
+        description="PNG files in `figures/`. `default`: depth profile and ten pictures; the report draws its curves "
+        "itself. `all`: every figure. `none`: no pictures and no report, only numbers and tables. `player`: as `none`, "
+        "and the frames for the page of a study, `player.json`",
+    )
+
+    @property
+    def looks_at_contacts(self) -> bool:
+        """Whether an analysis needs the forces of contacts."""
+        return self.fields or any(one.contacts and getattr(self, name) for name, one in LISTED.items())
