@@ -74,9 +74,10 @@ class RoughBed(Strict):
     @property
     def surface(self) -> Line:
         """The line over the tops of its discs."""
-        up = 0.5 * self.diameter / self.length * np.array([self.begin[1] - self.end[1], self.end[0] - self.begin[0]])
-        ends = tuple(tuple(map(float, np.add(point, up))) for point in (self.begin, self.end))
-        return Line(self.name, ends)  # type: ignore[arg-type]
+        (x, y), (right, top) = self.begin, self.end
+        up = 0.5 * self.diameter / self.length
+        along, across = up * (y - top), up * (right - x)
+        return Line(self.name, ((x + along, y + across), (right + along, top + across)))
 
 
 @dataclass(frozen=True)
