@@ -69,7 +69,7 @@ WRONG_CASES = [
         ["walls[1].name", "floor"],
     ),
     ("bad name", "name: good", "name: ../evil", ["case.yaml:1", "name", "../evil"]),
-    ("bad name of a wall", "name: floor", "name: a-b.c", ["walls[0].name", "a-b.c", "letters, digits and _ are"]),
+    ("bad name of a wall", "name: floor", "name: a-b.c", ["walls[0].name", "a-b.c", "letters, digits and `_`"]),
     ("name of the inlet's wall", "name: floor", "name: inlet_back", ["walls[0].name", "behind the inlet"]),
     (
         "name of a gate",
