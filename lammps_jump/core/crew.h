@@ -10,9 +10,19 @@
 
 namespace jump {
 
+/** Room for lists that are made anew. */
+struct ListRoom {
+  std::vector<int32_t> cells, columns;          // of each disc
+  std::vector<int64_t> ends;                    // of columns
+  std::vector<uint64_t> sorted;                 // cells of discs in their order, and where these were
+  std::vector<std::vector<int32_t>> rows;       // of the list, those of each thread
+  std::vector<std::vector<int64_t>> scratch;    // of each array that is sorted
+};
+
 class Crew {
  public:
   Pace pace;
+  ListRoom lists;
   std::vector<Part> parts;
   std::vector<Dissipated> taken;    // of each block of discs
 
@@ -50,6 +60,20 @@ class Crew {
     team.run((int) parts.size(), [&](int part) { run(parts[(size_t) part]); });
   }
 
+  /** Call run(k, from, to) for equal stretches of n things, one for each thread. */
+  template <class Run> void stretches(int64_t n, const Run &run)
+  {
+    const int count = shares();
+    team.run(count, [&](int k) { run(k, n * k / count, n * (k + 1) / count); });
+  }
+  int shares() const { return most((int) parts.size(), 1); }
+
+  /** Call run(k) for k below `count`, at most MOST_THREADS. */
+  template <class Run> void tasks(int count, const Run &run) { team.run(count, run); }
+
+  /** Number of a list that is made here; those of Python are positive. */
+  int64_t next_list() { return --number; }
+
   /** Place and velocity of each disc, as contacts see them. */
   double (*rows())[4] { return reinterpret_cast<double (*)[4]>(at.data()); }
 
@@ -59,6 +83,7 @@ class Crew {
   };
 
   Team team;
+  int64_t number = -1;    // of the list made last
   int64_t listed_as = -1, sorted = -1, n = -1;    // the list that is known, and the discs that are divided
   int64_t reach = 0;             // a pair of a sorted row has its second disc at most so far behind the first
   std::vector<int32_t> first;    // first disc of each pair of sorted rows

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-/* Lists of the native engine: discs sorted by cell, pairs that are close, discs near walls, the thesis' own search.
+/* Lists of the native engine beside those of relist.cpp: discs near walls, the seam of a channel, newcomers, the thesis' own
+   search. */
 
-   Cells are as wide as the list's reach and counted along the shorter side of the flow first. Discs are sorted by cell, so
-   that the candidates of a disc are two stretches of memory. */
-
-#include "native.h"
+#include "kinds.h"
 #include "near.h"
+#include "relist.h"
 
 #include <cstring>
 
@@ -36,6 +35,54 @@ struct Span {
   {
   }
 };
+
+/** Discs near walls, row by row, and the faces near each (jump_list_near). */
+struct NearRows {
+  int32_t *discs;
+  int8_t *plain;
+  int64_t *last, *near, room[2], row, count;
+};
+
+/** List the discs near one wall, which place(i, x, y) puts where its frame has them; false where there is no room. */
+template <class Place> static bool list_near(const jump_grid &g, int64_t n, NearRows &to, const Place &place)
+{
+  const WallFaces wall{g.faces, g.deep == 1};
+  const NearGrid cells{g.left, g.low, g.inverse, g.columns, g.rows};
+  const Extent all{g.xlo, g.xhi, g.ylo, g.yhi};
+  const Extent *const box = reinterpret_cast<const Extent *>(g.box);
+  for (int64_t i = 0; i < n; i++) {
+    double px, py;
+    place(i, px, py);
+    if (!all.holds(px, py)) continue;
+    const int64_t cell = g.first_cell + cells.cell(px, py), first = g.start[cell], end = g.start[cell + 1];
+    if (to.row + 1 >= to.room[0] || to.count + end - first > to.room[1]) return false;
+    const int64_t begin = to.count;
+    for (int64_t p = first; p < end; p++)
+      if (is_near(wall, g.listed[p], box[g.listed[p]], px, py, g.reach)) to.near[to.count++] = g.listed[p];
+    if (to.count == begin) continue;
+    to.discs[to.row] = (int32_t) i;
+    to.plain[to.row] = to.count == begin + 1 && is_plain(g.faces[to.near[begin]], px, py, g.reach);
+    to.last[++to.row] = to.count;
+  }
+  return true;
+}
+
+bool list_walls(jump_state &s, const jump_lists &lists)
+{
+  NearRows to{s.near_discs, s.near_plain, s.near_last, s.near_faces, {lists.rows_room, lists.faces_room}, 0, 0};
+  for (int64_t wall = 0; wall < s.walls; wall++) {
+    const WallView view(s, wall);
+    if (view.placed) s.listed[wall] = view.placed->now;
+    const bool whole = list_near(lists.grids[wall], s.n, to, [&](int64_t i, double &px, double &py) {
+      px = s.x0[i];
+      py = s.y0[i];
+      view.see(px, py);
+    });
+    if (!whole) return false;
+    s.near_rows[wall + 1] = to.row;
+  }
+  return true;
+}
 
 bool search_cells(jump_state &s)
 {
@@ -95,79 +142,13 @@ using namespace jump;
 
 int64_t jump_search_cells(jump_state *state) { return search_cells(*state) ? state->rows : -1; }
 
-/** Smallest box around the discs and the index of one outside the domain, or -1; a NaN is outside. */
-int64_t jump_extent(int64_t n, const double *x, const double *y, const double *domain, double *box)
+/** Index of a disc outside the domain, or -1; a NaN is outside. */
+int64_t jump_outside(int64_t n, const double *x, const double *y, const double *domain)
 {
-  double a = domain[1], b = domain[0], c = domain[3], d = domain[2];
   int64_t lost = -1;
-  for (int64_t i = 0; i < n; i++) {
-    const double px = x[i], py = y[i];
-    if (!(px >= domain[0] && px <= domain[1] && py >= domain[2] && py <= domain[3])) lost = i;
-    a = least(px, a);
-    b = most(px, b);
-    c = least(py, c);
-    d = most(py, d);
-  }
-  box[0] = a, box[1] = b, box[2] = c, box[3] = d;
+  for (int64_t i = 0; i < n; i++)
+    if (!(x[i] >= domain[0] && x[i] <= domain[1] && y[i] >= domain[2] && y[i] <= domain[3])) lost = i;
   return lost;
-}
-
-/** Counting sort by cell: first disc of each cell, cell of each place, place of each disc.
-
-    grid: x and y of the lower left corner, cells per metre; cells: columns, rows, whether x runs along the rows, size of
-    `cell_start`. A frame of empty cells surrounds the grid, rows counted fastest. */
-void jump_sort(int64_t n, const double *x, const double *y, const double *grid, const int64_t *cells, int64_t *cell_start,
-               int64_t *cell, int64_t *order)
-{
-  const int64_t columns = cells[0], rows = cells[1], height = rows + 2, size = cells[3];
-  std::memset(cell_start, 0, (size_t) size * sizeof(int64_t));
-  for (int64_t i = 0; i < n; i++) {
-    int64_t cx = (int64_t) ((x[i] - grid[0]) * grid[2]), cy = (int64_t) ((y[i] - grid[1]) * grid[2]);
-    if (cells[2]) {
-      const int64_t turned = cx;
-      cx = cy;
-      cy = turned;
-    }
-    order[i] = (least(cx, columns - 1) + 1) * height + least(cy, rows - 1) + 1;
-    cell_start[order[i] + 2]++;
-  }
-  for (int64_t c = 2; c < size; c++) cell_start[c] += cell_start[c - 1];
-  for (int64_t i = 0; i < n; i++) {    // cell_start[c + 1] runs from the first disc of cell c to the first of the next one
-    const int64_t c = order[i], place = cell_start[c + 1]++;
-    cell[place] = c;
-    order[i] = place;
-  }
-}
-
-/** Rows of `width` words of 8 bytes go to their places. */
-void jump_permute(int64_t n, int64_t width, int64_t *source, const int64_t *place, int64_t *scratch)
-{
-  if (width == 1)
-    for (int64_t i = 0; i < n; i++) scratch[place[i]] = source[i];
-  else
-    for (int64_t i = 0; i < n; i++)
-      for (int64_t w = 0; w < width; w++) scratch[place[i] * width + w] = source[i * width + w];
-  std::memcpy(source, scratch, (size_t) (n * width) * sizeof(int64_t));
-}
-
-/** Half list of all pairs closer than the reach; its length, or -1 where there is no room. */
-int64_t jump_pair_list(int64_t n, const double *x, const double *y, const double *radius, double reach, int64_t rows,
-                       const int64_t *cell_start, const int64_t *cell, int64_t *start, int32_t *neighbours, int64_t room)
-{
-  const RowOf list{n, x, y, radius, reach, neighbours};
-  const int64_t height = rows + 2;
-  int64_t count = 0;
-  start[0] = 0;
-  for (int64_t i = 0; i < n; i++) {
-    const int64_t c = cell[i], low = cell_start[c + height - 1], high = cell_start[c + height + 2];
-    const int64_t last = cell_start[c + 2];
-    const double xi = x[i], yi = y[i], far = list.reach_of(i);
-    if (count + (last - i) + (high - low) > room) return -1;
-    for (int64_t j = i + 1; j < last; j++) list.add(count, xi, yi, far, j);
-    for (int64_t j = low; j < high; j++) list.add(count, xi, yi, far, j);
-    start[i + 1] = count;
-  }
-  return count;
 }
 
 /** Pairs across the seam of a periodic channel: a row for each disc near its left end, behind the n others.
@@ -247,30 +228,13 @@ double jump_away(const Face *faces, int64_t face, double px, double py) { return
 void jump_list_near(const jump_grid *g, int64_t n, const double *x, const double *y, int32_t *discs, int8_t *plain,
                     int64_t *last, int64_t *near, const int64_t *room, int64_t *found)
 {
-  const WallFaces wall{g->faces, g->deep == 1};
-  const NearGrid cells{g->left, g->low, g->inverse, g->columns, g->rows};
-  const Extent all{g->xlo, g->xhi, g->ylo, g->yhi};
-  const Extent *const box = reinterpret_cast<const Extent *>(g->box);
-  int64_t row = found[0], count = found[1];
-  for (int64_t i = 0; i < n; i++) {
-    const double px = x[i], py = y[i];
-    if (!all.holds(px, py)) continue;
-    const int64_t cell = g->first_cell + cells.cell(px, py), first = g->start[cell], end = g->start[cell + 1];
-    if (row + 1 >= room[0] || count + end - first > room[1]) {
-      found[0] = row;
-      found[1] = -1;
-      return;
-    }
-    const int64_t begin = count;
-    for (int64_t p = first; p < end; p++)
-      if (is_near(wall, g->listed[p], box[g->listed[p]], px, py, g->reach)) near[count++] = g->listed[p];
-    if (count == begin) continue;
-    discs[row] = (int32_t) i;
-    plain[row] = count == begin + 1 && is_plain(g->faces[near[begin]], px, py, g->reach);
-    last[++row] = count;
-  }
-  found[0] = row;
-  found[1] = count;
+  NearRows rows{discs, plain, last, near, {room[0], room[1]}, found[0], found[1]};
+  const bool whole = list_near(*g, n, rows, [=](int64_t i, double &px, double &py) {
+    px = x[i];
+    py = y[i];
+  });
+  found[0] = rows.row;
+  found[1] = whole ? rows.count : -1;
 }
 
 /** Count the faces begin .. end near each cell in start[cell + 1]; with `listed`, list them from there. */

@@ -8,6 +8,7 @@
 #include "crew.h"
 #include "forces.h"
 #include "kinds.h"
+#include "relist.h"
 
 #include <algorithm>
 #include <initializer_list>
@@ -143,34 +144,54 @@ static bool move_walls(const jump_state &s, double step)
   return place_walls(s, step);
 }
 
+/** What `advance` leaves to its caller: nothing but forces, lists that are too old, or to look for deep overlaps. */
+enum Left : int64_t { NOTHING, OLD, LOOK };
+constexpr int64_t LISTS_A_LOOK = 16;
+
+/** Make the lists anew where that can be done here. */
+static Left relist(jump_state &s, Crew &crew)
+{
+  if (!s.lists) return OLD;
+  const auto begun = WallClock::now();
+  if (list_pairs(s, *s.lists, crew) != LISTED || !list_walls(s, *s.lists)) return OLD;
+  s.lists->made[0] += 1.0;
+  s.lists->made[1] += std::chrono::duration<double>(WallClock::now() - begun).count();
+  return s.listed_as % LISTS_A_LOOK == 0 ? LOOK : NOTHING;
+}
+
 /** Up to `steps` drifts with forces between them, and before them where these are `owed`; without steps these alone.
 
-    The forces after the last drift are left to the caller. Returns the drifts done; `old`: the list has become too old. */
-static int64_t advance(jump_state &s, Crew &crew, int64_t steps, bool owed, bool &old)
+    The forces after the last drift are left to the caller. Returns the drifts done. */
+static int64_t advance(jump_state &s, Crew &crew, int64_t steps, bool owed, Left &left)
 {
   int64_t done = 0;
-  old = false;
-  crew.divide(s);
-  if (owed) crew.each([&](Part &part) { show(s, part.begin, part.end, crew.rows()); });
+  const auto begin = [&]() {
+    crew.divide(s);
+    if (owed) crew.each([&](Part &part) { show(s, part.begin, part.end, crew.rows()); });
+  };
+  left = NOTHING;
+  begin();
   while (true) {
     crew.pace.begin_step((int) s.n);
     const bool whole = owed && steps > 0;
     if (owed) {
       if (s.grid_first && !search_cells(s)) {
-        old = true;
+        left = OLD;
         return done;
       }
       forces(s, crew);
     }
     if (steps == 0) return 0;
-    old = drift(s, crew) > 0;
+    bool old = drift(s, crew) > 0;
     done++;
     owed = true;
     if (s.moving && move_walls(s, s.clock->step + (double) done)) old = true;
     const int threads = crew.pace.threads();
     crew.pace.end_step(!whole);
-    if (old || done == steps) return done;
-    if (crew.pace.threads() != threads) crew.divide(s);
+    if (old) left = relist(s, crew);
+    if (left != NOTHING || done == steps) return done;
+    if (old) begin();
+    else if (crew.pace.threads() != threads) crew.divide(s);
   }
 }
 
@@ -189,13 +210,15 @@ void jump_dismiss(Crew *crew) { delete crew; }
 
 int64_t jump_crew_threads(const Crew *crew) { return crew->pace.threads(); }
 
-int64_t jump_advance(jump_state *state, Crew *crew, int64_t steps, int64_t owed, int64_t *old)
+int64_t jump_advance(jump_state *state, Crew *crew, int64_t steps, int64_t owed, int64_t *left)
 {
-  bool worn;
-  const int64_t done = jump::advance(*state, *crew, steps, owed != 0, worn);
-  *old = worn;
+  jump::Left found;
+  const int64_t done = jump::advance(*state, *crew, steps, owed != 0, found);
+  *left = found;
   return done;
 }
+
+int64_t jump_list_pairs(jump_state *state, Crew *crew) { return jump::list_pairs(*state, *state->lists, *crew); }
 
 void jump_place_walls(const jump_state *state, int64_t step) { jump::place_walls(*state, (double) step); }
 

@@ -60,6 +60,26 @@ class Crew;
 
 extern "C" {
 
+struct jump_grid {
+  const jump::Face *faces;
+  const double *box;
+  const int64_t *start, *listed;
+  int64_t deep, columns, rows, first_cell;
+  double xlo, xhi, ylo, yhi, left, low, inverse, reach;
+};
+
+// what making lists anew takes: the domain, the skin and the diameter of the largest disc (m), the arrays that a sort takes
+// along with their words of a disc, the cells of each wall, and the room of near_last and of near_faces
+struct jump_lists {
+  double xlo, xhi, ylo, yhi, skin, widest;
+  int64_t columns;
+  int64_t *const *column;
+  const int64_t *width;
+  const jump_grid *grids;
+  int64_t rows_room, faces_room;
+  double *made;    // lists that were made in a step, and the seconds that they took
+};
+
 struct jump_state {
   // discs
   int64_t n;
@@ -84,17 +104,17 @@ struct jump_state {
   const int64_t *deep;
   const jump::LawNumbers *at_wall;
   const double (*about)[2];
-  const int64_t *near_rows;
-  const int32_t *near_discs;
-  const int8_t *near_plain;
-  const int64_t *near_last, *near_faces;
+  int64_t *near_rows;
+  int32_t *near_discs;
+  int8_t *near_plain;
+  int64_t *near_last, *near_faces;
   jump::SumsOnWall *wall_sum;
   // moving walls; moving NULL: all stand
   const jump::TrackRow *track;
   const int64_t *track_first, *moving;
   const double (*centre)[2];
   jump::Placed *placed;
-  const jump::Pose *listed;
+  jump::Pose *listed;
   const double *far;
   const jump::Load *load;
   jump::Pushed *pushed;
@@ -120,14 +140,7 @@ struct jump_state {
   const jump::Corner *corner;
   const jump::BodyLaw *between;   // by the walls of a corner and of a face
   double *deepest;                // largest overlap since it was looked at, m, the walls of its corner and of its face
-};
-
-struct jump_grid {
-  const jump::Face *faces;
-  const double *box;
-  const int64_t *start, *listed;
-  int64_t deep, columns, rows, first_cell;
-  double xlo, xhi, ylo, yhi, left, low, inverse, reach;
+  const jump_lists *lists;        // NULL: lists are made anew by the caller alone
 };
 
 struct jump_stations {
@@ -143,19 +156,14 @@ JUMP_API void jump_dismiss(jump::Crew *crew);
 JUMP_API int64_t jump_crew_threads(const jump::Crew *crew);
 
 /** Step: see `advance` in native.cpp. */
-JUMP_API int64_t jump_advance(jump_state *state, jump::Crew *crew, int64_t steps, int64_t owed, int64_t *old);
+JUMP_API int64_t jump_advance(jump_state *state, jump::Crew *crew, int64_t steps, int64_t owed, int64_t *left);
 JUMP_API void jump_place_walls(const jump_state *state, int64_t step);
 /** 1/eps of the sign law by these velocities, s/m; 0 of another law. */
 JUMP_API double jump_slope(const jump_state *state, const double *vx, const double *vy);
 
 /** Lists: see lists.cpp. */
-JUMP_API int64_t jump_extent(int64_t n, const double *x, const double *y, const double *domain, double *box);
-JUMP_API void jump_sort(int64_t n, const double *x, const double *y, const double *grid, const int64_t *cells,
-                        int64_t *cell_start, int64_t *cell, int64_t *order);
-JUMP_API void jump_permute(int64_t n, int64_t width, int64_t *source, const int64_t *place, int64_t *scratch);
-JUMP_API int64_t jump_pair_list(int64_t n, const double *x, const double *y, const double *radius, double reach, int64_t rows,
-                                const int64_t *cell_start, const int64_t *cell, int64_t *start, int32_t *neighbours,
-                                int64_t room);
+JUMP_API int64_t jump_outside(int64_t n, const double *x, const double *y, const double *domain);
+JUMP_API int64_t jump_list_pairs(jump_state *state, jump::Crew *crew);
 JUMP_API int64_t jump_image_rows(int64_t n, const double *x, const double *y, const double *radius, const double *reach,
                                  int64_t *start, int32_t *neighbours, int64_t room, int32_t *owner, double *shift,
                                  int32_t *right);

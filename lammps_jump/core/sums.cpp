@@ -250,6 +250,7 @@ using namespace jump;
 
 JUMP_SIZE(jump_state)
 JUMP_SIZE(jump_grid)
+JUMP_SIZE(jump_lists)
 JUMP_SIZE(jump_stations)
 using jump_seen = Seen;
 JUMP_SIZE(jump_seen)

@@ -202,6 +202,28 @@ class Constants(NamedTuple):
     motion: StepConstants
 
 
+class Lists(NamedTuple):
+    """What making lists anew takes.
+
+    Attributes
+    ----------
+    domain : (float, float, float, float)
+        xlo, xhi, ylo, yhi, m.
+    skin, widest : float
+        Pairs are listed whose surfaces are closer than the skin; diameter of the largest disc, m.
+    inside : bool
+        Whether loops may make them within `Loops.advance`.
+    made : ndarray, shape (2,)
+        Takes the number of lists that were made there, and the wall time that they took, s.
+    """
+
+    domain: tuple[float, float, float, float]
+    skin: float
+    widest: float
+    inside: bool
+    made: np.ndarray
+
+
 class State(NamedTuple):
     """All that the loops take.
 
@@ -217,6 +239,8 @@ class State(NamedTuple):
     grid : Grid or None
         Pairs are then searched anew every step.
     bodies : BodyState or None
+    lists : Lists or None
+        None where lists are not made by the loops.
     """
 
     discs: Any
@@ -227,6 +251,7 @@ class State(NamedTuple):
     work: np.ndarray
     grid: Grid | None = None
     bodies: BodyState | None = None
+    lists: Lists | None = None
 
 
 class StationStep(NamedTuple):
@@ -246,8 +271,10 @@ Seen = tuple[np.ndarray, np.ndarray, np.ndarray | None]
 """Velocities of discs (m/s) and spins (rad/s)."""
 
 
-Box = tuple[float, float, float, float, int]
-"""xlo, xhi, ylo, yhi, and the index of a disc."""
+NOTHING, OLD, LOOK = range(3)
+"""What `Loops.advance` leaves to its caller: forces alone, a list that is too old, or to look for deep overlaps."""
+LISTED, NO_ROOM = -1, -2
+"""What `Loops.list_pairs` returns in place of a disc outside the domain."""
 
 
 class Loops(Protocol):
@@ -257,11 +284,11 @@ class Loops(Protocol):
     def threads(self) -> int:
         """Threads that take part now; they change no bit of what the loops do."""
 
-    def advance(self, state: State, steps: int, owed: bool) -> tuple[int, bool]:
+    def advance(self, state: State, steps: int, owed: bool) -> tuple[int, int]:
         """Up to `steps` drifts with forces between them, and before them where these are `owed`; without steps these.
 
         The forces after the last drift are left to the caller: what happens at a step happens between its drift and its
-        forces. Returns (drifts done, whether the list has become too old for the forces). With a `grid` it is too old
+        forces. Returns the drifts done and what is left (`NOTHING`, `OLD`, `LOOK`). With a `grid` the list is too old
         where a disc is outside the grid or there is no room for neighbours.
         """
 
@@ -292,22 +319,20 @@ class Loops(Protocol):
     def between(self, state: State, stations: StationStep, sums: np.ndarray) -> None:
         """Add a step to the sums between stations (`ledger.StationLedger`)."""
 
-    def extent(self, n: int, x: np.ndarray, y: np.ndarray, domain: tuple[float, ...]) -> Box:
-        """Smallest box around n discs, and the index of one outside the domain or not a number, or -1."""
+    def outside(self, n: int, x: np.ndarray, y: np.ndarray, domain: tuple[float, ...]) -> int:
+        """Index of one of n discs outside the domain or not a number, or -1."""
 
-    def sort(self, discs: Any, cells: Cells) -> None:
-        """Sort discs by cell: fills ``cell_start``, ``cell`` and ``order`` of the discs, and moves their columns."""
+    def list_pairs(self, state: State) -> int:
+        """Sort the discs by cell and list all pairs closer than the skin; a disc outside, `LISTED` or `NO_ROOM`.
 
-    def pair_list(self, discs: Any, reach: float, rows: int) -> int:
-        """Half list of pairs closer than the reach (m); its length, or -1 where `neighbours` is short.
-
-        The reach is of centres, and of surfaces where discs have radii of their own.
+        Where a disc is outside the domain (or its position is NaN), its index is returned and nothing else is done.
         """
 
     def image_rows(self, discs: Any, reach: tuple[float, float, float], owner: np.ndarray, shift: np.ndarray) -> int:
         """List pairs across the seam of a periodic channel; the number of rows, or -1 where `neighbours` is short.
 
-        `reach` holds that of `pair_list`, the largest of centres, and the left end of the channel (m).
+        `reach` holds that of the list (of centres; of surfaces where discs have radii of their own), the largest of
+        centres, and the left end of the channel (m).
         """
 
     def cell_pairs(self, state: State) -> int:
@@ -330,14 +355,3 @@ class Loops(Protocol):
         reach: float, start: np.ndarray, listed: np.ndarray,
     ) -> None:  # fmt: skip
         """As `lammps_jump.scene.near.mark_cells`."""
-
-
-class Cells(NamedTuple):
-    """Cells of the search: lower left corner (m), cells per metre, columns, rows, whether x runs along the rows."""
-
-    x_low: float
-    y_low: float
-    inverse: float
-    columns: int
-    rows: int
-    transpose: bool

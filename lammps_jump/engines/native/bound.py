@@ -14,7 +14,7 @@ from lammps_jump.core.library import INTEGER, INTEGERS, REAL, REALS, Struct, fun
 from lammps_jump.scene.chains import Faces, records_of
 from lammps_jump.scene.near import FaceGrid
 
-from .arrays import BodyState, Box, Cells, Constants, Memory, Moves, Near, Seen, State, StationStep
+from .arrays import BodyState, Constants, Lists, Memory, Moves, Near, Seen, State, StationStep
 
 ARRAY = c_void_p
 DISCS = "ids x y vx vy fx fy x0 y0 ux uy omega torque uomega dash_x dash_y slide_x slide_y radius fixed"
@@ -48,7 +48,7 @@ class jump_state(Struct):
         *fields(c_int64, "slots"),
         *fields(c_void_p, "partner sigma spring roll used chain around full"),
         *fields(c_double, "memory_step"),
-        *fields(c_void_p, "work bulk corners corner between deepest"),
+        *fields(c_void_p, "work bulk corners corner between deepest lists"),
     ]
 
 
@@ -59,6 +59,18 @@ class jump_grid(Struct):
         *fields(c_void_p, "faces box start listed"),
         *fields(c_int64, "deep columns rows first_cell"),
         *fields(c_double, "xlo xhi ylo yhi left low inverse reach"),
+    ]
+
+
+class jump_lists(Struct):
+    """As `Lists`, with the arrays that a sort takes along, and the room for discs near walls."""
+
+    _fields_: ClassVar = [
+        *fields(c_double, "xlo xhi ylo yhi skin widest"),
+        *fields(c_int64, "columns"),
+        *fields(c_void_p, "column width grids"),
+        *fields(c_int64, "rows_room faces_room"),
+        *fields(c_void_p, "made"),
     ]
 
 
@@ -87,10 +99,8 @@ _contacts = function(
 )
 _give_sizes = function("jump_give_sizes", STATE, INTEGER, REALS, result=REAL)
 _between = function("jump_between", STATE, POINTER(jump_stations), REALS)
-_extent = function("jump_extent", INTEGER, *[ARRAY] * 4, result=INTEGER)
-_sort = function("jump_sort", INTEGER, *[ARRAY] * 7)
-_permute = function("jump_permute", INTEGER, INTEGER, *[ARRAY] * 3)
-_pair_list = function("jump_pair_list", INTEGER, *[ARRAY] * 3, REAL, INTEGER, *[ARRAY] * 4, INTEGER, result=INTEGER)
+_outside = function("jump_outside", INTEGER, *[ARRAY] * 3, result=INTEGER)
+_list_pairs = function("jump_list_pairs", STATE, c_void_p, result=INTEGER)
 _image_rows = function("jump_image_rows", INTEGER, *[ARRAY] * 6, INTEGER, *[ARRAY] * 3, result=INTEGER)
 _list_near = function("jump_list_near", GRID, INTEGER, *[ARRAY] * 8)
 _mark_cells = function("jump_mark_cells", GRID, INTEGER, INTEGER, INTEGERS, ARRAY)
@@ -117,7 +127,7 @@ class Core:
     def __init__(self, threads: str = "1") -> None:
         self._crew = _crew(threads.encode())
         weakref.finalize(self, _dismiss, self._crew)
-        self._state = jump_state()
+        self._state, self._lists = jump_state(), jump_lists()
         self._held: dict[str, Any] = {}
         self._faces: tuple[Faces, np.ndarray] | None = None
         self._pointers: dict[str, tuple[np.ndarray | None, int | None]] = {}
@@ -142,9 +152,13 @@ class Core:
         if self._held.get("x") is not d.x:  # room grows for all of them together
             for name in DISCS.split():
                 put(name, getattr(d, name))
+            self._held["columns"] = None
         self._bind_pairs(state)
         if self._held.get("near") is not walls.near:
             self._bind_walls(walls)
+            self._held["grids"] = None
+        if state.lists is not None:
+            self._bind_lists(state.lists, d, walls)
         put("wall_sum", walls.sums)
         put("work", state.work)
         if self._held.get("constants") is not state.constants:
@@ -162,6 +176,25 @@ class Core:
             self._corners = Core()
         self._corners._bind(bodies.corners)
         self._state.corners = addressof(self._corners._state)
+
+    def _bind_lists(self, lists: Lists, discs: Any, walls: Any) -> None:
+        """Bind what making lists takes: the arrays that a sort takes along, and the cells of walls."""
+        bound, held = self._lists, self._held
+        if held.get("lists") is not lists:
+            bound.xlo, bound.xhi, bound.ylo, bound.yhi = lists.domain
+            bound.skin, bound.widest, bound.made = lists.skin, lists.widest, address(lists.made)
+            held["lists"] = lists
+        if held["columns"] is None:
+            kept = {name: column for name, column in discs.columns.items() if column.sorted}
+            columns = (c_void_p * len(kept))(*(address(getattr(discs, name)) for name in kept))
+            widths = (c_int64 * len(kept))(*(max(1, column.width) for column in kept.values()))
+            bound.columns, bound.column, bound.width = len(kept), addressof(columns), addressof(widths)
+            held["columns"] = columns, widths
+        if held["grids"] is None:
+            grids = [self._grid(wall, walls.faces, walls.grid) for wall in range(len(walls.faces.deep))]
+            bound.rows_room, bound.faces_room = walls.near.last.size, walls.near.faces.size
+            held["grids"] = grids = (jump_grid * len(grids))(*grids)
+            bound.grids = addressof(grids)
 
     def _bind_walls(self, walls: Any) -> None:
         put, near = self._put, walls.near
@@ -215,11 +248,17 @@ class Core:
 
     # --- steps ------------------------------------------------------------------------------------------------------
 
-    def advance(self, state: State, steps: int, owed: bool) -> tuple[int, bool]:
+    def advance(self, state: State, steps: int, owed: bool) -> tuple[int, int]:
         """As `Loops.advance`."""
-        old = c_int64()
-        done = _advance(self._bind(state), self._crew, steps, bool(owed), byref(old))
-        return done, bool(old.value)
+        left, bound = c_int64(), self._bind(state)
+        self._state.lists = addressof(self._lists) if state.lists and state.lists.inside else None
+        done = _advance(bound, self._crew, steps, bool(owed), byref(left))
+        self._take_list(state.discs)
+        return done, left.value
+
+    def _take_list(self, discs: Any) -> None:
+        """Tell the discs of the list that the core has made."""
+        discs.sorted_rows, discs.listed_as = self._state.sorted, self._state.listed_as
 
     @property
     def threads(self) -> int:
@@ -264,33 +303,17 @@ class Core:
             held = self._pointers[name] = array, address(array)
         return held[1]
 
-    def extent(self, n: int, x: np.ndarray, y: np.ndarray, domain: tuple[float, ...]) -> Box:
-        """As `Loops.extent`."""
-        box = (c_double * 4)()
-        lost = _extent(n, self._pointer("x", x), self._pointer("y", y), (c_double * 4)(*domain), box)
-        a, b, c, d = box
-        return a, b, c, d, lost
+    def outside(self, n: int, x: np.ndarray, y: np.ndarray, domain: tuple[float, ...]) -> int:
+        """As `Loops.outside`."""
+        return _outside(n, self._pointer("x", x), self._pointer("y", y), (c_double * 4)(*domain))
 
-    def sort(self, discs: Any, cells: Cells) -> None:
-        """As `Loops.sort`."""
-        d, of = discs, self._pointer
-        size = (cells.columns + 2) * (cells.rows + 2) + 2
-        grid, counts = (c_double * 3)(*cells[:3]), (c_int64 * 4)(*cells[3:], size)
-        order = of("order", d.order)
-        _sort(d.n, of("x", d.x), of("y", d.y), grid, counts, of("cell_start", d.cell_start), of("cell", d.cell), order)
-        for name, column in d.columns.items():
-            if column.sorted:
-                array = getattr(d, name)
-                scratch = d.scratch[array.dtype, array.ndim]
-                _permute(d.n, max(1, column.width), of(name, array), order, of(f"scratch {column}", scratch))
-
-    def pair_list(self, discs: Any, reach: float, rows: int) -> int:
-        """As `Loops.pair_list`."""
-        d, of = discs, self._pointer
-        return _pair_list(
-            d.n, of("x", d.x), of("y", d.y), of("radius", d.radius), reach, rows, of("cell_start", d.cell_start),
-            of("cell", d.cell), of("start", d.start), of("neighbours", d.neighbours), d.neighbours.size,
-        )  # fmt: skip
+    def list_pairs(self, state: State) -> int:
+        """As `Loops.list_pairs`."""
+        bound = self._bind(state)
+        self._state.lists = addressof(self._lists)
+        found = _list_pairs(bound, self._crew)
+        self._take_list(state.discs)
+        return found
 
     def image_rows(self, discs: Any, reach: tuple[float, float, float], owner: np.ndarray, shift: np.ndarray) -> int:
         """As `Loops.image_rows`."""

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from itertools import count
-from math import sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,11 +11,7 @@ import numpy as np
 from lammps_jump.scene.scene import Earlier, Scene
 from lammps_jump.scene.walls import Interval
 
-from .arrays import Cells, Loops, Pairs
-
-CELLS_A_DISC = 16
-"""Cells of the search grid at most, over the number of discs."""
-
+from .arrays import LISTED, Loops, Pairs, State
 
 EXACT = ("x0", "y0", "ux", "uy", "uomega", "fx", "fy", "torque")
 """Arrays that another run needs to go on bit for bit."""
@@ -169,7 +164,6 @@ class DiscArrays:
         self.shift: np.ndarray | None = None
         self.start = np.zeros(self._rows + 1, np.int64)
         self.neighbours = np.empty(6 * self.room + 256, np.int32)
-        self.cell_start = np.zeros(16, np.int64)
         self._make_work_arrays()
 
     @property
@@ -249,10 +243,6 @@ class DiscArrays:
                 getattr(self, force)[: self.n][same] = own[force][same]
 
     def _make_work_arrays(self) -> None:
-        kept = (getattr(self, name) for name, column in self.columns.items() if column.sorted)
-        self.scratch = {(array.dtype, array.ndim): np.empty_like(array) for array in kept}
-        self.order = np.empty(self.room, np.int64)
-        self.cell = np.empty(self.room, np.int64)
         self.touched = np.zeros((self.room, self.slots), np.int8)
 
     def grow(self) -> None:
@@ -269,7 +259,7 @@ class DiscArrays:
         """Index of a disc outside the domain, or -1; of a periodic one discs may leave by a skin (m) between lists."""
         (a, b), (c, e) = scene.domain
         beyond = 0.0 if self.period is None else skin
-        return self._loops.extent(self.n, self.x, self.y, (a - beyond, b + beyond, c, e))[4]
+        return self._loops.outside(self.n, self.x, self.y, (a - beyond, b + beyond, c, e))
 
     def place(self, i: int, scene: Scene, step: int) -> str:
         """Where a disc is, in words."""
@@ -294,42 +284,28 @@ class DiscArrays:
         x = self.x[: self.n]
         x -= period * np.floor((x - low) / period)
 
-    def sort_and_list(self, skin: float, diameter: float, domain: tuple[Interval, Interval]) -> int:
-        """Sort by cell and list all pairs closer than a skin (m); index of a disc outside the domain, or -1.
+    def list_pairs(self, state: State) -> int:
+        """Sort by cell and list all pairs as `Loops.list_pairs` does, with those across the seam of a periodic channel.
 
-        `diameter` (m) is that of equal discs, or the largest. Where a disc is outside (or its position is NaN), nothing
-        else is done.
+        Returns the index of a disc outside the domain, or -1.
         """
-        reach = diameter + skin
-        n = self.sorted_rows = self.n
-        self.listed_as = next(LISTS)
-        a, b, c, d, lost = self._loops.extent(n, self.x, self.y, (*domain[0], *domain[1]))
-        if lost >= 0:
-            return lost
-        if n == 0:
-            self.start[0] = 0
-            return -1
-        # a few discs far apart get wider cells, so that cells never outnumber discs by much
-        width = max(reach, sqrt((b - a) * (d - c) / max(CELLS_A_DISC * n, 4096)), (b - a) / 1e6, (d - c) / 1e6)
-        inverse = 1.0 / width
-        columns, rows = int((b - a) * inverse) + 1, int((d - c) * inverse) + 1
-        transpose = rows > columns
-        if transpose:
-            columns, rows = rows, columns
-        cells = (columns + 2) * (rows + 2)
-        if self.cell_start.size < cells + 2:
-            self.cell_start = np.zeros(cells + cells // 4 + 2, np.int64)
-        self._loops.sort(self, Cells(a, c, inverse, columns, rows, transpose))
-        self.x0[:n] = self.x[:n]
-        self.y0[:n] = self.y[:n]
+        lists = state.lists
+        assert lists is not None
         while True:
-            count = self._loops.pair_list(self, reach if self.radius is None else skin, rows)
-            if count >= 0 and (self.period is None or self._list_images(skin, diameter, domain[0][0])):
+            lost = self._loops.list_pairs(state._replace(pairs=self.pairs))
+            if lost >= 0:
+                return lost
+            if lost == LISTED and self._list_images(lists.skin, lists.widest, lists.domain[0]):
                 return -1
             self.neighbours = np.empty(2 * self.neighbours.size, np.int32)
 
     def _list_images(self, skin: float, diameter: float, low: float) -> bool:
-        """Rows of the list for pairs across the seam; False where there is no room for them."""
+        """Rows of the list for pairs across the seam of a periodic channel; False where there is no room for them.
+
+        `diameter` (m) is that of equal discs, or the largest.
+        """
+        if self.period is None:
+            return True
         owner, shift = np.empty(self._rows, np.int32), np.empty(self._rows)
         reach = diameter + skin
         rows = self._loops.image_rows(self, (reach if self.radius is None else skin, reach, low), owner, shift)
@@ -360,7 +336,7 @@ class DiscArrays:
         self.n = i + 1
 
     def _append_row(self, i: int, reach: float) -> None:
-        """List row of disc i, the newest: every older disc within the reach (m), of `Loops.pair_list`."""
+        """List row of disc i, the newest: every older disc within the reach (m), as of `Loops.image_rows`."""
         dx, dy = self.x[i] - self.x[:i], self.y[i] - self.y[:i]
         apart = reach if self.radius is None else reach + self.radius[i] + self.radius[:i]
         close = np.flatnonzero(dx * dx + dy * dy < apart * apart)

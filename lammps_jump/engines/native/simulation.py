@@ -25,7 +25,7 @@ from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.scene.motion import PUSHED_THERE
 from lammps_jump.scene.scene import Scene
 
-from .arrays import Grid, Loops, Pairs, State
+from .arrays import LOOK, OLD, Grid, Lists, Loops, Pairs, State
 from .bound import Core
 from .constants import Memories, constants_of
 from .discs import DiscArrays, starting
@@ -109,6 +109,9 @@ class NativeSimulation:
         self._share = (scene.largest / scene.diameter) ** 2  # of a disc that enters, in the nominal mass
         self._weight = scene.mass * self._share * scene.gravity[0], scene.mass * self._share * scene.gravity[1]
         self._constants, self._memories = constants_of(scene, self.skin), Memories(scene)
+        # with bodies corners are listed too; the seam of a periodic channel is looked at
+        inside = self._grid is None and scene.period is None and not scene.bodies
+        self._lists = Lists((*scene.domain[0], *scene.domain[1]), self.skin, scene.largest, inside, np.zeros(2))
         self._ledger_on = ledger
         self.boundaries = OpenBoundaries(scene)
         self.windows = Windows(scene)
@@ -201,13 +204,15 @@ class NativeSimulation:
 
     def _drift(self, stop: int) -> None:
         """To the drift of step `stop`, its forces excluded; lists that have become too old are made anew."""
-        owed = False
+        left = 0
         while self.step < stop:
-            done, owed = self._advance(stop - self.step, owed)
+            done, left = self._advance(stop - self.step, left != 0)
             self.step += done
             self.disc_steps += done * self.discs.n
-            if owed:
+            if left == OLD:
                 self._rebuild()
+            elif left == LOOK:
+                self._check_overlap()
 
     def _forces(self) -> None:
         """The forces after a drift."""
@@ -219,12 +224,17 @@ class NativeSimulation:
         memory = self._memories.of(self.discs, self.walls, self._full, time_step)
         bodies = self.walls.body_state(self._constants, memory)
         return State(
-            self.discs, self.listed_pairs(), self.walls, self._constants, memory, self.books.work, self._grid, bodies
-        )
+            self.discs, self.listed_pairs(), self.walls, self._constants, memory, self.books.work, self._grid, bodies,
+            self._lists,
+        )  # fmt: skip
 
-    def _advance(self, steps: int, owed: bool) -> tuple[int, bool]:
+    def _advance(self, steps: int, owed: bool) -> tuple[int, int]:
         self.walls.place(self.step)
         found = self.loops.advance(self._state(self.scene.time_step if self._started else 0.0), steps, owed)
+        lists, seconds = self._lists.made.tolist()
+        self._lists.made[:] = 0.0
+        self.rebuilds += int(lists)
+        self.rebuild_seconds += seconds
         if self._full[0]:
             raise RunError(
                 f"disc {self._full[0]} touches more than the {self.scene.slots} others it can remember: contacts "
@@ -308,7 +318,7 @@ class NativeSimulation:
         started = perf_counter()
         if self.scene.period is not None:
             self._wrap(self.scene.period)
-        self._require_inside(self.discs.sort_and_list(self.skin, self.scene.largest, self.scene.domain))
+        self._require_inside(self.discs.list_pairs(self._state()))
         self._list_walls()
         wrong = self.walls.trouble_at_seam(self.scene)
         self._require(wrong and f"{wrong}; {PUSHED_THERE}")

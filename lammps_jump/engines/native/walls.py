@@ -141,6 +141,7 @@ class Walls:
     chain, around : ndarray, shape (faces,)
         As in `Memory`.
     bodies : Bodies or None
+    grid : FaceGrid
     sums : ndarray, shape (walls, 4)
         `SumsOnWallColumns`, per m of width.
     """
@@ -154,7 +155,7 @@ class Walls:
         self.moves = _moves(there, self.faces, scene, skin) if any(one.motion.kind for one in there) else None
         # from where the discs were when their list was made, they have moved by half a skin at most; and so has a wall
         reach = 0.5 * scene.largest + (0.5 if self.moves is None else 1.0) * skin
-        self._grid: FaceGrid = grid_of(self.faces, scene.largest, reach, loops.mark_cells)
+        self.grid: FaceGrid = grid_of(self.faces, scene.largest, reach, loops.mark_cells)
         self.sums = np.zeros((len(walls), SumsOnWallColumns.width()))
         about = [one.motion.about if one.motion.kind else one.wall.moment_point for one in there]
         rows, last = np.zeros(len(walls) + 1, np.int64), np.zeros(1, np.int64)
@@ -280,7 +281,7 @@ class Walls:
     def list_discs(self, n: int, x: np.ndarray, y: np.ndarray) -> None:
         """List the discs near each wall, and the corners of bodies; `x` and `y` (m) are of the first n discs."""
         self.near = _list_near(
-            self._loops, self.faces, self._grid, self.near, lambda wall: (n, *self._inward(wall, x, y))
+            self._loops, self.faces, self.grid, self.near, lambda wall: (n, *self._inward(wall, x, y))
         )
         self.list_corners()
 

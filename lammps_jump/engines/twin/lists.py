@@ -6,48 +6,78 @@ The order of rows and of the discs in them is that of the core, because it decid
 
 from __future__ import annotations
 
+from math import sqrt
+
 import numpy as np
 
-from lammps_jump.engines.native.arrays import Box, Cells, Near, State
-from lammps_jump.engines.native.discs import DiscArrays
+from lammps_jump.engines.native.arrays import LISTED, NO_ROOM, Near, State
+from lammps_jump.engines.native.discs import LISTS, DiscArrays
 from lammps_jump.scene.chains import Faces
 from lammps_jump.scene.near import FaceGrid, list_near
 
 from .contact import radius_of
 
+CELLS_A_DISC = 16
+"""Cells of the search at most, over the number of discs."""
 
-def extent(n: int, x: np.ndarray, y: np.ndarray, domain: tuple[float, ...]) -> Box:
-    """Smallest box around the discs, and the last of those outside the domain or not a number, or -1."""
+
+def outside(n: int, x: np.ndarray, y: np.ndarray, domain: tuple[float, ...]) -> int:
+    """The last of n discs outside the domain or not a number, or -1."""
     x, y = x[:n], y[:n]
     inside = (x >= domain[0]) & (x <= domain[1]) & (y >= domain[2]) & (y <= domain[3])
     lost = np.flatnonzero(~inside)
-    a, b = np.min(x, initial=domain[1]), np.max(x, initial=domain[0])
-    c, d = np.min(y, initial=domain[3]), np.max(y, initial=domain[2])
-    return float(a), float(b), float(c), float(d), int(lost[-1]) if lost.size else -1
+    return int(lost[-1]) if lost.size else -1
 
 
-def sort(discs: DiscArrays, cells: Cells) -> None:
-    """Counting sort by cell: the first disc of each cell, the cell of each place, the place of each disc.
+def _cells_of(discs: DiscArrays, reach: float) -> tuple[np.ndarray, int, int]:
+    """Cell of each disc, how many cells there are, and cells in a column.
 
-    A frame of empty cells surrounds the grid: (columns + 2) x (rows + 2) cells, rows counted fastest; `transpose` puts
-    x along the rows. The columns of the discs move to their places.
+    Cells are as wide as the reach (m), wider where a few discs are far apart, so that cells never outnumber discs by
+    much. A frame of empty cells surrounds the discs. Those along the shorter side are counted fastest.
     """
-    n = discs.n
-    across = ((discs.x[:n] - cells.x_low) * cells.inverse).astype(np.int64)
-    up = ((discs.y[:n] - cells.y_low) * cells.inverse).astype(np.int64)
-    if cells.transpose:
-        across, up = up, across
-    height = cells.rows + 2
-    cell = (np.minimum(across, cells.columns - 1) + 1) * height + np.minimum(up, cells.rows - 1) + 1
+    n, x, y = discs.n, discs.x[: discs.n], discs.y[: discs.n]
+    wide, high = float(x.max() - x.min()), float(y.max() - y.min())
+    width = max(reach, sqrt(wide * high / max(CELLS_A_DISC * n, 4096)), wide / 1e6, high / 1e6)
+    inverse = 1.0 / width
+    columns, rows = int(wide * inverse) + 1, int(high * inverse) + 1
+    across, up = ((x - x.min()) * inverse).astype(np.int64), ((y - y.min()) * inverse).astype(np.int64)
+    if rows > columns:
+        columns, rows, across, up = rows, columns, up, across
+    height = rows + 2
+    cell = (np.minimum(across, columns - 1) + 1) * height + np.minimum(up, rows - 1) + 1
+    return cell, (columns + 2) * height, height
+
+
+def list_pairs(state: State) -> int:
+    """Sort the discs by cell and list all pairs closer than the reach; a disc outside, `LISTED` or `NO_ROOM`.
+
+    Candidates of a disc are the rest of its own cell with the next cell of the column, and three of the next column.
+    """
+    d, lists = state.discs, state.lists
+    assert lists is not None
+    n = d.sorted_rows = d.n
+    d.listed_as = next(LISTS)
+    if (lost := outside(n, d.x, d.y, lists.domain)) >= 0:
+        return lost
+    d.start[0] = 0
+    if n == 0:
+        return LISTED
+    cell, count, height = _cells_of(d, lists.widest + lists.skin)
     order = np.argsort(cell, kind="stable")
-    discs.cell[:n] = cell[order]
-    count = (cells.columns + 2) * height
-    discs.cell_start[: count + 1] = np.searchsorted(discs.cell[:n], np.arange(count + 1))
-    discs.cell_start[count + 1] = n
-    for name, column in discs.columns.items():
+    cell = cell[order]
+    first = np.searchsorted(cell, np.arange(count + 2))
+    for name, column in d.columns.items():
         if column.sorted:
-            array = getattr(discs, name)
-            array[:n] = array[order]
+            array = getattr(d, name)
+            array[:n] = array[:n][order]
+    d.x0[:n], d.y0[:n] = d.x[:n], d.y[:n]
+    reach = lists.skin if d.radius is not None else lists.widest + lists.skin
+    for i, c in enumerate(cell.tolist()):
+        own = np.arange(i + 1, first[c + 2])
+        others = np.concatenate([own, np.arange(first[c + height - 1], first[c + height + 2])])
+        if not _put_row(d, i, _close(d, i, others, reach)):
+            return NO_ROOM
+    return LISTED
 
 
 def _close(discs: DiscArrays, i: int, others: np.ndarray, reach: float, shift: float = 0.0) -> np.ndarray:
@@ -65,21 +95,6 @@ def _put_row(discs: DiscArrays, row: int, close: np.ndarray) -> bool:
         return False
     discs.neighbours[begin:end], discs.start[row + 1] = close, end
     return True
-
-
-def pair_list(discs: DiscArrays, reach: float, rows: int) -> int:
-    """Half list of all pairs closer than the reach (m); its length, or -1 where there is no room.
-
-    Candidates of a disc are the rest of its own cell with the next cell of the column, and three of the next column.
-    """
-    height, start = rows + 2, discs.cell_start
-    discs.start[0] = 0
-    for i, c in enumerate(discs.cell[: discs.n].tolist()):
-        own = np.arange(i + 1, start[c + 2])
-        others = np.concatenate([own, np.arange(start[c + height - 1], start[c + height + 2])])
-        if not _put_row(discs, i, _close(discs, i, others, reach)):
-            return -1
-    return int(discs.start[discs.n])
 
 
 def image_rows(discs: DiscArrays, reach: tuple[float, float, float], owner: np.ndarray, shift: np.ndarray) -> int:

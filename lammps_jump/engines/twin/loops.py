@@ -27,9 +27,8 @@ class Twin:
     """The loops of the twin; each is described in `Loops`."""
 
     threads = 1
-    extent = staticmethod(lists.extent)
-    sort = staticmethod(lists.sort)
-    pair_list = staticmethod(lists.pair_list)
+    outside = staticmethod(lists.outside)
+    list_pairs = staticmethod(lists.list_pairs)
     image_rows = staticmethod(lists.image_rows)
     cell_pairs = staticmethod(lists.cell_pairs)
     list_near = staticmethod(lists.near_walls)
