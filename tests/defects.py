@@ -43,7 +43,7 @@ CORE_LAW, CORE_CONTACT, CORE_FACES, CORE_NEAR, CORE_SLOTS, CORE_MOTION, CORE_WAL
 CORE_DRIFT, CORE_PAIRS, CORE_LISTS, CORE_SUMS = (
     f"lammps_jump/core/{name}.cpp" for name in ("drift", "pair_forces", "lists", "sums")
 )
-CORE_CREW = "lammps_jump/core/crew.h"
+CORE_CREW, CORE_RELIST = "lammps_jump/core/crew.h", "lammps_jump/core/relist.cpp"
 TWIN_TESTS = "engines/test_twin.py"
 THREAD_TESTS = "engines/test_native_threads.py"
 CHECKPOINT = "lammps_jump/engines/checkpoint.py"
@@ -93,7 +93,7 @@ DEFECTS = [
     Defect("ends", CORE_NEAR, "- f.y1) < -margin);", "- f.y1) < margin);", TWIN_TESTS),
     Defect("partner", CORE_SLOTS, "row.partner(s) != partner ||", "row.partner(s) == 0 ||", TWIN_TESTS),
     Defect("foot", CORE_SLOTS, "return least(rest, around - rest);", "return rest;", TWIN_TESTS),
-    Defect("candidates", CORE_LISTS, "(int64_t j = low; j < high; j++)", "(int64_t j = low + 1; j < high; j++)",
+    Defect("candidates", CORE_RELIST, "add(s.x[i], s.y[i], far, low, high,", "add(s.x[i], s.y[i], far, low + 1, high,",
            TWIN_TESTS),
     Defect("pose", CORE_MOTION, "x = cx + wall.c * dx + wall.s * dy;", "x = cx + wall.c * dx - wall.s * dy;",
            TWIN_TESTS),

@@ -65,15 +65,14 @@ LONG_C_CALLS: dict[str, int] = {
     "lammps_jump/core/kinds.h:pair_of": 9,
     "lammps_jump/core/lists.cpp:jump_image_rows": 11,
     "lammps_jump/core/lists.cpp:jump_list_near": 10,
-    "lammps_jump/core/lists.cpp:jump_pair_list": 11,
     "lammps_jump/core/sums.cpp:contact_of": 10,
 }
 """Functions of C++ over `MOST_PARAMETERS`, with their parameters today: entries of the core take arrays one by one."""
 TWO_MEANINGS: dict[str, int] = {}
 """Names that several classes have, with their number today."""
 ONE_THING = {
-    "Control", "Face", "LawNumbers", "Motion", "Placed", "Pose", "Swarm", "Wall", "jump_grid", "jump_springs",
-    "jump_state", "jump_stations",
+    "Control", "Face", "LawNumbers", "Motion", "Placed", "Pose", "Swarm", "Wall", "jump_grid", "jump_lists",
+    "jump_springs", "jump_state", "jump_stations",
 }  # fmt: skip
 """Names that a class of Python and one of C++ share, because both hold the same."""
 FULL_FOLDERS: dict[str, int] = {}

@@ -21,11 +21,11 @@ int64_t cell_of(uint64_t disc) { return (int64_t) (disc >> 32); }
 size_t was_at(uint64_t disc) { return (size_t) (uint32_t) disc; }
 
 /** Smallest box around discs, and the last of those outside the domain, or -1. */
-struct Around {
+struct BoxOfDiscs {
   double xlo, xhi, ylo, yhi;
   int64_t lost = -1;
 
-  explicit Around(const jump_lists &l) : xlo(l.xhi), xhi(l.xlo), ylo(l.yhi), yhi(l.ylo) {}
+  explicit BoxOfDiscs(const jump_lists &l) : xlo(l.xhi), xhi(l.xlo), ylo(l.yhi), yhi(l.ylo) {}
 
   void see(const jump_state &s, const jump_lists &l, int64_t from, int64_t to)
   {
@@ -39,7 +39,7 @@ struct Around {
     }
   }
 
-  void join(const Around &other)
+  void join(const BoxOfDiscs &other)
   {
     xlo = least(other.xlo, xlo);
     xhi = most(other.xhi, xhi);
@@ -50,13 +50,13 @@ struct Around {
 };
 
 /** The cells that discs are sorted by. A frame of empty ones surrounds them, rows counted fastest. */
-struct Lattice {
+struct SearchCells {
   double x_low, y_low, inverse;
   int64_t columns, rows;
   bool turned;    // x runs along the rows
 
   /** A few discs far apart get wider cells, so that cells never outnumber discs by much. */
-  Lattice(const Around &box, double reach, int64_t n) : x_low(box.xlo), y_low(box.ylo)
+  SearchCells(const BoxOfDiscs &box, double reach, int64_t n) : x_low(box.xlo), y_low(box.ylo)
   {
     const double wide = box.xhi - box.xlo, high = box.yhi - box.ylo;
     const double sparse = std::sqrt(wide * high / most(CELLS_A_DISC * (double) n, 4096.0));
@@ -155,7 +155,7 @@ void sort_column(uint64_t *from, uint64_t *to)
 }
 
 /** Cells of the discs in their order, and where each disc was. */
-void sort_discs(const jump_state &s, const Lattice &lattice, Crew &crew)
+void sort_discs(const jump_state &s, const SearchCells &cells, Crew &crew)
 {
   ListRoom &work = crew.lists;
   work.cells.resize((size_t) s.n);
@@ -163,19 +163,19 @@ void sort_discs(const jump_state &s, const Lattice &lattice, Crew &crew)
   work.sorted.resize((size_t) s.n);
   crew.stretches(s.n, [&](int, int64_t from, int64_t to) {
     for (int64_t i = from; i < to; i++) {
-      const auto [column, cell] = lattice.of(s.x[i], s.y[i]);
+      const auto [column, cell] = cells.of(s.x[i], s.y[i]);
       work.columns[(size_t) i] = (int32_t) column;
       work.cells[(size_t) i] = (int32_t) cell;
     }
   });
-  work.ends.assign((size_t) lattice.columns + 2, 0);
+  work.ends.assign((size_t) cells.columns + 2, 0);
   int64_t *const ends = work.ends.data();
   for (int64_t i = 0; i < s.n; i++) ends[work.columns[(size_t) i] + 1]++;
-  for (int64_t c = 0; c <= lattice.columns; c++) ends[c + 1] += ends[c];
+  for (int64_t c = 0; c <= cells.columns; c++) ends[c + 1] += ends[c];
   for (int64_t i = 0; i < s.n; i++)    // ends[c] runs from the first disc of column c to the first of the next one
     work.sorted[(size_t) ends[work.columns[(size_t) i]]++] = (uint64_t) work.cells[(size_t) i] << 32 | (uint64_t) i;
   uint64_t *const sorted = work.sorted.data();
-  crew.stretches(lattice.columns, [&](int, int64_t from, int64_t to) {
+  crew.stretches(cells.columns, [&](int, int64_t from, int64_t to) {
     for (int64_t c = from; c < to; c++) sort_column(sorted + ends[c], sorted + ends[c + 1]);
   });
 }
@@ -219,25 +219,25 @@ bool list_rows(jump_state &s, const RowsOf &rows, Crew &crew)
 
 int64_t list_pairs(jump_state &s, const jump_lists &l, Crew &crew)
 {
-  Around box(l);
-  std::vector<Around> parts((size_t) crew.shares(), box);
+  BoxOfDiscs box(l);
+  std::vector<BoxOfDiscs> parts((size_t) crew.shares(), box);
   crew.stretches(s.n, [&](int k, int64_t from, int64_t to) { parts[(size_t) k].see(s, l, from, to); });
-  for (const Around &part : parts) box.join(part);
+  for (const BoxOfDiscs &part : parts) box.join(part);
   if (box.lost >= 0) return box.lost;
   s.rows = s.sorted = s.n;
   s.listed_as = crew.next_list();
   s.start[0] = 0;
   if (s.n == 0) return LISTED;
   const double reach = l.widest + l.skin;
-  const Lattice lattice(box, reach, s.n);
-  sort_discs(s, lattice, crew);
+  const SearchCells cells(box, reach, s.n);
+  sort_discs(s, cells, crew);
   crew.lists.scratch.resize((size_t) l.columns);
   crew.tasks((int) l.columns, [&](int k) {
     permute(s, l.column[k], l.width[k], crew.lists.sorted, crew.lists.scratch[(size_t) k]);
   });
   std::copy_n(s.x, s.n, s.x0);
   std::copy_n(s.y, s.n, s.y0);
-  return list_rows(s, RowsOf(s, crew.lists, s.radius ? l.skin : reach, lattice.height()), crew) ? LISTED : NO_ROOM;
+  return list_rows(s, RowsOf(s, crew.lists, s.radius ? l.skin : reach, cells.height()), crew) ? LISTED : NO_ROOM;
 }
 
 }    // namespace jump

@@ -193,8 +193,8 @@ class Core:
         if held["grids"] is None:
             grids = [self._grid(wall, walls.faces, walls.grid) for wall in range(len(walls.faces.deep))]
             bound.rows_room, bound.faces_room = walls.near.last.size, walls.near.faces.size
-            held["grids"] = grids = (jump_grid * len(grids))(*grids)
-            bound.grids = addressof(grids)
+            held["grids"] = together = (jump_grid * len(grids))(*grids)
+            bound.grids = addressof(together)
 
     def _bind_walls(self, walls: Any) -> None:
         put, near = self._put, walls.near

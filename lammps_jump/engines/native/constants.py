@@ -10,7 +10,7 @@ import numpy as np
 from lammps_jump.physics.slots import Slots
 from lammps_jump.scene.scene import Scene
 
-from .arrays import Constants, Memory, StepConstants
+from .arrays import Constants, Lists, Memory, StepConstants
 from .ledger import inertia
 
 
@@ -50,3 +50,12 @@ def motion_of(scene: Scene, skin: float) -> StepConstants:
     mass = scene.mass / square
     weight = mass * scene.gravity[0], mass * scene.gravity[1]
     return StepConstants(scene.time_step, mass, inertia(scene) / square**2, *weight, (0.5 * skin) ** 2)
+
+
+def lists_of(scene: Scene, skin: float, *, inside: bool) -> Lists:
+    """What lists of this skin (m) take; where `inside` is true, loops make them within `Loops.advance`.
+
+    They do not where bodies have corners that are listed too, nor where there is a seam to look at.
+    """
+    inside = inside and scene.period is None and not scene.bodies
+    return Lists((*scene.domain[0], *scene.domain[1]), skin, scene.largest, inside, np.zeros(2))

@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lammps_jump.scene.scene import Earlier, Scene
-from lammps_jump.scene.walls import Interval
 
 from .arrays import LISTED, Loops, Pairs, State
 

@@ -25,9 +25,9 @@ from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.scene.motion import PUSHED_THERE
 from lammps_jump.scene.scene import Scene
 
-from .arrays import LOOK, OLD, Grid, Lists, Loops, Pairs, State
+from .arrays import LOOK, OLD, Grid, Loops, Pairs, State
 from .bound import Core
-from .constants import Memories, constants_of
+from .constants import Memories, constants_of, lists_of
 from .discs import DiscArrays, starting
 from .events import Event, EventList, OpenBoundaries, Tailgates, WindowForce, Windows
 from .ledger import (
@@ -109,9 +109,7 @@ class NativeSimulation:
         self._share = (scene.largest / scene.diameter) ** 2  # of a disc that enters, in the nominal mass
         self._weight = scene.mass * self._share * scene.gravity[0], scene.mass * self._share * scene.gravity[1]
         self._constants, self._memories = constants_of(scene, self.skin), Memories(scene)
-        # with bodies corners are listed too; the seam of a periodic channel is looked at
-        inside = self._grid is None and scene.period is None and not scene.bodies
-        self._lists = Lists((*scene.domain[0], *scene.domain[1]), self.skin, scene.largest, inside, np.zeros(2))
+        self._lists = lists_of(scene, self.skin, inside=self._grid is None)
         self._ledger_on = ledger
         self.boundaries = OpenBoundaries(scene)
         self.windows = Windows(scene)
