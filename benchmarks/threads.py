@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What two threads bring beside two processes at once: both engines, boxes and jets, a small and a large number of discs.
+"""What two threads bring beside two processes at once: both engines, boxes and jets, few and many discs.
 
-Run as ``python benchmarks/threads.py [DISCS ...] [--engines compiled native] [--quick] [--rounds 7] [--out DIR]``. The box is
-the column of inputs/dam_break.yaml at its release, the jet inputs/stable_jump.yaml with its inlets, sizes and outlets. Each
-way of running is a process that stays: one thread, two threads, ``auto``, and two processes of one thread at once. They take
-turns, and each turn does the same steps of the same motion, without output. Printed are medians of wall time, ns a
-disc-step, and of the ratios within a round:
+Run as ``python benchmarks/threads.py [DISCS ...] [--engines compiled native] [--quick] [--rounds 7] [--out DIR]``.
+The box is the column of inputs/dam_break.yaml at its release, the jet inputs/stable_jump.yaml with its inlets, sizes
+and outlets. Each way of running is a process that stays: one thread, two threads, ``auto``, and two processes of one
+thread at once. They take turns, and each turn does the same steps of the same motion, without output. Printed are
+medians of wall time, ns a disc-step, and of the ratios within a round:
 
 - processes: work of two processes at once over that of one, the most that two threads can give on this machine;
 - threads: one thread over two threads;
@@ -67,7 +67,9 @@ def case_of(flow: str, discs: int) -> lj.Case:
     shared = {"run.duration": LONG, "run.output_interval": LONG}
     if flow == "jet":
         size = math.sqrt(JUMP / discs)
-        return lj.load_case(INPUTS / "stable_jump.yaml", {**shared, "discs.diameter": size, "analysis.window": [4, LONG]})
+        return lj.load_case(
+            INPUTS / "stable_jump.yaml", {**shared, "discs.diameter": size, "analysis.window": [4, LONG]}
+        )
     size = math.sqrt(COLUMN / discs)
     room = {"domain.x": [-1, 40], "domain.y": [-1, 20], "outflow": [{"x_beyond": 35}], "probes": {}}
     return lj.load_case(INPUTS / "dam_break.yaml", {**shared, **room, "discs.diameter": size})
@@ -165,7 +167,11 @@ def measure(engine: str, flow: str, wanted: int, asked: argparse.Namespace, room
 
 def machine() -> str:
     """Processor, cores and load."""
-    names = [line.partition(":")[2].strip() for line in Path("/proc/cpuinfo").read_text().splitlines() if "model name" in line]
+    names = [
+        line.partition(":")[2].strip()
+        for line in Path("/proc/cpuinfo").read_text().splitlines()
+        if "model name" in line
+    ]
     return f"{names[0] if names else 'unknown processor'}, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}"
 
 

@@ -7,6 +7,7 @@ No random generator and no file: every engine computes the same diameters, on an
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -62,7 +63,7 @@ class Sizes:
         """What the seed adds to an id."""
         return self.seed * SEED_STEP
 
-    @property
+    @cached_property
     def pieces(self) -> np.ndarray:
         """Quantile where each piece begins, where it ends, its least diameter (m) and its slope (m); shape (n, 4)."""
         ends = np.cumsum(self.shares)

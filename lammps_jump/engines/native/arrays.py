@@ -295,10 +295,10 @@ class Loops(Protocol):
     def place_walls(self, moves: Moves, step: int) -> None:
         """Put the moving walls where they are at a step."""
 
-    def elastic(self, state: State, begin: int, known: int) -> tuple[float, float, int, int]:
+    def elastic(self, state: State, chosen: np.ndarray | None = None) -> tuple[float, float, int, int]:
         """Elastic energy (J per m of width), largest overlap (m), its disc, and its wall or -1 (two discs).
 
-        Rows of the list before `begin` are left out, and contacts of discs with ids up to `known` alone, if not -1.
+        With `chosen`, a mask of shape (n,), it is that of the contacts of these discs alone.
         """
 
     def contacts(self, state: State, at_step: Seen, seen: Seen, who: np.ndarray, found: np.ndarray) -> int:
@@ -326,6 +326,15 @@ class Loops(Protocol):
         """Sort the discs by cell and list all pairs closer than the skin; a disc outside, `LISTED` or `NO_ROOM`.
 
         Where a disc is outside the domain (or its position is NaN), its index is returned and nothing else is done.
+        """
+
+    def closest(self, discs: Any, x: float, y: float) -> float:
+        """Square of the distance from a point to the closest disc (m^2); infinite where there is none."""
+
+    def append_row(self, discs: Any, i: int, reach: float) -> bool:
+        """List row of disc i, the newest: every older disc within the reach (m); False where there is no room.
+
+        The reach is of centres, and of surfaces where discs have radii of their own.
         """
 
     def image_rows(self, discs: Any, reach: tuple[float, float, float], owner: np.ndarray, shift: np.ndarray) -> int:

@@ -93,7 +93,7 @@ _threads = function("jump_crew_threads", c_void_p, result=INTEGER)
 _advance = function("jump_advance", STATE, c_void_p, INTEGER, INTEGER, POINTER(c_int64), result=INTEGER)
 _place_walls = function("jump_place_walls", STATE, INTEGER)
 _search_cells = function("jump_search_cells", STATE, result=INTEGER)
-_elastic = function("jump_elastic", STATE, INTEGER, INTEGER, POINTER(c_double), INTEGERS, result=REAL)
+_elastic = function("jump_elastic", STATE, ARRAY, POINTER(c_double), ARRAY, result=REAL)
 _contacts = function(
     "jump_contacts", STATE, POINTER(jump_seen), POINTER(jump_seen), ARRAY, ARRAY, INTEGER, result=INTEGER
 )
@@ -101,6 +101,8 @@ _give_sizes = function("jump_give_sizes", STATE, INTEGER, REALS, result=REAL)
 _between = function("jump_between", STATE, POINTER(jump_stations), REALS)
 _outside = function("jump_outside", INTEGER, *[ARRAY] * 3, result=INTEGER)
 _list_pairs = function("jump_list_pairs", STATE, c_void_p, result=INTEGER)
+_closest = function("jump_closest", INTEGER, ARRAY, ARRAY, REAL, REAL, result=REAL)
+_append_row = function("jump_append_row", INTEGER, *[ARRAY] * 3, REAL, *[ARRAY] * 2, INTEGER, result=INTEGER)
 _image_rows = function("jump_image_rows", INTEGER, *[ARRAY] * 6, INTEGER, *[ARRAY] * 3, result=INTEGER)
 _list_near = function("jump_list_near", GRID, INTEGER, *[ARRAY] * 8)
 _mark_cells = function("jump_mark_cells", GRID, INTEGER, INTEGER, INTEGERS, ARRAY)
@@ -275,11 +277,11 @@ class Core:
 
     # --- sums -------------------------------------------------------------------------------------------------------
 
-    def elastic(self, state: State, begin: int, known: int) -> tuple[float, float, int, int]:
+    def elastic(self, state: State, chosen: np.ndarray | None = None) -> tuple[float, float, int, int]:
         """As `Loops.elastic`."""
-        worst, where = c_double(), np.empty(2, np.int64)
-        energy = _elastic(self._bind(state), begin, known, byref(worst), where)
-        return energy, worst.value, int(where[0]), int(where[1])
+        worst, where = c_double(), (c_int64 * 2)()
+        energy = _elastic(self._bind(state), address(chosen), byref(worst), where)
+        return energy, worst.value, where[0], where[1]
 
     def contacts(self, state: State, at_step: Seen, seen: Seen, who: np.ndarray, found: np.ndarray) -> int:
         """As `Loops.contacts`."""
@@ -314,6 +316,16 @@ class Core:
         found = _list_pairs(bound, self._crew)
         self._take_list(state.discs)
         return found
+
+    def closest(self, discs: Any, x: float, y: float) -> float:
+        """As `Loops.closest`."""
+        return _closest(discs.n, self._pointer("x", discs.x), self._pointer("y", discs.y), x, y)
+
+    def append_row(self, discs: Any, i: int, reach: float) -> bool:
+        """As `Loops.append_row`."""
+        d, of = discs, self._pointer
+        lists = of("start", d.start), of("neighbours", d.neighbours), d.neighbours.size
+        return bool(_append_row(i, of("x", d.x), of("y", d.y), of("radius", d.radius), reach, *lists))
 
     def image_rows(self, discs: Any, reach: tuple[float, float, float], owner: np.ndarray, shift: np.ndarray) -> int:
         """As `Loops.image_rows`."""

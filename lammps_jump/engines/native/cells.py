@@ -75,9 +75,8 @@ class CellSimulation(NativeSimulation):
         if self._between.next_after(stop - 1) == stop:
             self._rebuild()
 
-    def _list_newcomers(self, before: int) -> int:
+    def _list_newcomers(self) -> None:
         self._rebuild()
-        return 0
 
     def _list_walls(self) -> None:
         self.walls.list_all(self.discs.n)

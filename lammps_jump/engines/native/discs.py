@@ -331,19 +331,13 @@ class DiscArrays:
         reach = diameter + skin
         if self.radius is not None:
             self.radius[i], reach = 0.5 * diameter, skin
-        self._append_row(i, reach)
+        while not self._loops.append_row(self, i, reach):
+            self.neighbours = np.pad(self.neighbours, (0, self.neighbours.size))
         self.n = i + 1
 
-    def _append_row(self, i: int, reach: float) -> None:
-        """List row of disc i, the newest: every older disc within the reach (m), as of `Loops.image_rows`."""
-        dx, dy = self.x[i] - self.x[:i], self.y[i] - self.y[:i]
-        apart = reach if self.radius is None else reach + self.radius[i] + self.radius[:i]
-        close = np.flatnonzero(dx * dx + dy * dy < apart * apart)
-        begin, end = self.start[i], self.start[i] + close.size
-        while end > self.neighbours.size:
-            self.neighbours = np.pad(self.neighbours, (0, self.neighbours.size))
-        self.neighbours[begin:end] = close
-        self.start[i + 1] = end
+    def is_free(self, x: float, y: float, clearance: float) -> bool:
+        """Whether no disc is closer to a point than this (m)."""
+        return self._loops.closest(self, x, y) >= clearance * clearance
 
     def keep(self, mask: np.ndarray) -> None:
         """Drop the discs where mask, shape (n,), is False; the list is then out of date."""

@@ -144,7 +144,7 @@ class OpenBoundaries:
         `loaded` are the poses of walls that the discs push.
         """
         for row, state in zip(self.scene.inlets, self.rows, strict=True):
-            if state.due(step) and self._free(discs, row.x, row.y, row.clearance):
+            if state.due(step) and discs.is_free(row.x, row.y, row.clearance):
                 state.entered += 1
                 yield Newcomer(self._new_id(), row.x, row.y, row.speed_at(step), row.vy)
         for state in self.pours:
@@ -152,17 +152,13 @@ class OpenBoundaries:
                 continue
             wanted = min(state.batch, state.pour.count - state.entered)
             for x, y, vy in state.places():
-                if not self._free(discs, x, y, self.scene.largest) or self._in_wall(step, loaded, x, y):
+                if not discs.is_free(x, y, self.scene.largest) or self._in_wall(step, loaded, x, y):
                     continue
                 state.entered += 1
                 wanted -= 1
                 yield Newcomer(self._new_id(), x, y, 0.0, vy)
                 if wanted == 0:
                     break
-
-    def _free(self, discs: DiscArrays, x: float, y: float, clearance: float) -> bool:
-        dx, dy = x - discs.x[: discs.n], y - discs.y[: discs.n]
-        return bool(np.min(dx * dx + dy * dy, initial=inf) >= clearance * clearance)
 
     def _in_wall(self, step: int, loaded: Mapping[str, Pose], x: float, y: float) -> bool:
         radius = 0.5 * self.scene.largest

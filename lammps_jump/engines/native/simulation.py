@@ -264,27 +264,23 @@ class NativeSimulation:
         leaving = self.boundaries.leaving(self.step, self.discs)
         if leaving is None:
             return
-        elastic = 0.0
         if self._ledger_on:
-            elastic = self._elastic()
-            for energy in energy_of_leaving(self.scene, self.discs, leaving):
+            for energy in (*energy_of_leaving(self.scene, self.discs, leaving), self._elastic_of(leaving)):
                 self.books.exchanged["carried_out"] += energy
         self.boundaries.removed += int(leaving.sum())
         self.discs.keep(leaving ^ True)
         self._rebuild()
-        if self._ledger_on:
-            self.books.exchanged["carried_out"] += elastic - self._elastic()
 
     def _let_enter(self) -> None:
         """Add the discs that enter at this step."""
-        known, before = self.boundaries.inserted, self.discs.n
+        known = self.boundaries.inserted
         skin = 1.5 * self.skin  # the others may have moved half a skin since the list was made
         for new in self.boundaries.arrivals(self.step, self.discs, self.walls.poses()):
             self.discs.append(new, self._weight, skin, self.scene.largest)
             self.books.exchanged["brought_in"] += free_energy(self.scene, (new.x, new.y), (new.vx, new.vy), self._share)
         if self.boundaries.inserted > known:
-            elastic = self._elastic_of_newcomers(known, self._list_newcomers(before))
-            self.books.exchanged["brought_in"] += elastic
+            self._list_newcomers()
+            self.books.exchanged["brought_in"] += self._elastic_of_newcomers(known)
 
     def _change_walls(self) -> None:
         """Lay the walls anew where one of them goes."""
@@ -296,9 +292,13 @@ class NativeSimulation:
     def _close_window(self) -> None:
         self.windows.close(self.step, self.walls)
 
-    def _elastic_of_newcomers(self, known: int, begin: int = 0) -> float:
-        """Elastic energy of the contacts of discs with ids above `known`, from row `begin` on; 0 without a ledger."""
-        return self._elastic_and_worst(known, begin)[0] if self._ledger_on else 0.0
+    def _elastic_of(self, chosen: np.ndarray) -> float:
+        """Elastic energy of the contacts of some discs, a mask of shape (n,); 0 without a ledger."""
+        return self.loops.elastic(self._state(), chosen)[0] if self._ledger_on else 0.0
+
+    def _elastic_of_newcomers(self, known: int) -> float:
+        """That of the contacts of discs with ids above `known`."""
+        return self._elastic_of(self.discs.ids[: self.discs.n] > known)
 
     def _give_sizes(self) -> None:
         """Give discs of the largest diameter their own; the energy balance counts the difference as inflow."""
@@ -335,17 +335,12 @@ class NativeSimulation:
         self.walls.place(self.step)
         self.walls.list_discs(self.discs.n, self.discs.x0, self.discs.y0)
 
-    def _list_newcomers(self, before: int) -> int:
-        """Complete the lists for discs that have rows of their own, from row `before` on; their first row."""
+    def _list_newcomers(self) -> None:
+        """Complete the lists for discs that have rows of their own behind the others."""
         self._list_walls()
-        return before
-
-    def _elastic_and_worst(self, known: int = -1, begin: int = 0) -> tuple[float, float, int, int]:
-        """What `Loops.elastic` finds: of all contacts, or of those of discs with ids above `known`."""
-        return self.loops.elastic(self._state(), begin, known)
 
     def _elastic(self) -> float:
-        return self._elastic_and_worst()[0]
+        return self.loops.elastic(self._state())[0]
 
     def check(self) -> None:
         """Look for NaN, lost discs and overlaps beyond the limit now; RunError where there are any."""
@@ -356,7 +351,7 @@ class NativeSimulation:
         limit = self.scene.overlap_limit
         if limit <= 0:
             return
-        _, worst, i, _ = self._elastic_and_worst()
+        _, worst, i, _ = self.loops.elastic(self._state())
         if worst > limit:
             raise RunError(
                 f"overlap {worst:z.4g} m of disc {self.discs.place(i, self.scene, self.step)} is beyond the limit of "

@@ -161,12 +161,10 @@ def pair_contact(state: State, i: int, j: int, shift: float, seen: Seen, slope: 
     return ActingContact((nx, ny), point, overlap, (fx, fy), rub, dashpot, torques)
 
 
-def pair_contacts(
-    state: State, seen: Seen, slope: float | None, begin: int = 0
-) -> Iterator[tuple[int, int, ActingContact]]:
-    """Two discs and their contact, for all that touch, of the rows of the list from `begin` on."""
+def pair_contacts(state: State, seen: Seen, slope: float | None) -> Iterator[tuple[int, int, ActingContact]]:
+    """Two discs and their contact, for all that touch."""
     pairs = state.pairs
-    for row in range(begin, pairs.rows):
+    for row in range(pairs.rows):
         i = row if pairs.owner is None else int(pairs.owner[row])
         shift = 0.0 if pairs.shift is None else float(pairs.shift[row])
         for j in pairs.neighbours[pairs.start[row] : pairs.start[row + 1]].tolist():

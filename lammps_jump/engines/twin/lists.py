@@ -6,7 +6,7 @@ The order of rows and of the discs in them is that of the core, because it decid
 
 from __future__ import annotations
 
-from math import sqrt
+from math import inf, sqrt
 
 import numpy as np
 
@@ -95,6 +95,17 @@ def _put_row(discs: DiscArrays, row: int, close: np.ndarray) -> bool:
         return False
     discs.neighbours[begin:end], discs.start[row + 1] = close, end
     return True
+
+
+def closest(discs: DiscArrays, x: float, y: float) -> float:
+    """Square of the distance from a point to the closest disc (m^2); infinite where there is none."""
+    dx, dy = x - discs.x[: discs.n], y - discs.y[: discs.n]
+    return float(np.min(dx * dx + dy * dy, initial=inf))
+
+
+def append_row(discs: DiscArrays, i: int, reach: float) -> bool:
+    """List row of disc i, the newest: every older disc within the reach (m); False where there is no room."""
+    return _put_row(discs, i, _close(discs, i, np.arange(i), reach))
 
 
 def image_rows(discs: DiscArrays, reach: tuple[float, float, float], owner: np.ndarray, shift: np.ndarray) -> int:

@@ -29,6 +29,8 @@ class Twin:
     threads = 1
     outside = staticmethod(lists.outside)
     list_pairs = staticmethod(lists.list_pairs)
+    closest = staticmethod(lists.closest)
+    append_row = staticmethod(lists.append_row)
     image_rows = staticmethod(lists.image_rows)
     cell_pairs = staticmethod(lists.cell_pairs)
     list_near = staticmethod(lists.near_walls)

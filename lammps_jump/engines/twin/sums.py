@@ -15,24 +15,24 @@ from lammps_jump.physics.law import contact_energy
 from . import bodies, contact
 
 
-def elastic(state: State, begin: int, known: int) -> tuple[float, float, int, int]:
+def elastic(state: State, chosen: np.ndarray | None = None) -> tuple[float, float, int, int]:
     """Elastic energy and the largest overlap; see `Loops.elastic`."""
-    ids, law = state.discs.ids, state.constants.law
+    law = state.constants.law
     energy, worst = 0.0, (0.0, -1, -1)
     still = _stored(state)
-    for i, j, found in contact.pair_contacts(still, contact.seen_by(state), None, begin):
-        if known >= 0 and ids[i] <= known and ids[j] <= known:
+    for i, j, found in contact.pair_contacts(still, contact.seen_by(state), None):
+        if chosen is not None and not chosen[i] and not chosen[j]:
             continue
         energy += contact_energy(found.overlap, law)
         worst = max(worst, (found.overlap, i, -1), key=lambda one: one[0])
     for wall, law in enumerate(state.walls.near.laws):
         for i, _, gap, _ in contact.touched_faces(state, wall):
-            if known >= 0 and ids[i] <= known:
+            if chosen is not None and not chosen[i]:
                 continue
             overlap = contact.radius_of(state, i) - gap
             energy += contact_energy(overlap, law)
             worst = max(worst, (overlap, i, wall), key=lambda one: one[0])
-    if state.bodies is not None and known < 0:
+    if state.bodies is not None and chosen is None:
         energy += bodies.elastic(state)
     return float(energy), *worst
 
