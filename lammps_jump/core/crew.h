@@ -16,7 +16,7 @@ struct ListRoom {
   std::vector<int64_t> ends;                    // of columns
   std::vector<uint64_t> sorted;                 // cells of discs in their order, and where these were
   std::vector<std::vector<int32_t>> rows;       // of the list, those of each thread
-  std::vector<std::vector<int64_t>> scratch;    // of each array that is sorted
+  std::vector<std::vector<int64_t>> copy;       // of each array that is sorted
 };
 
 class Crew {
@@ -37,19 +37,28 @@ class Crew {
     taken.resize((size_t) blocks);
     at.resize((size_t) n);
     team.resize((int) count);
+    if ((int64_t) parts.size() == count) learn();
+    else past.assign((size_t) count, {n, 1.0});
     parts.resize((size_t) count);
+    const double all = work(s, blocks);
     int64_t block = 0;
     for (int64_t k = 0; k < count; k++) {
       Part &part = parts[(size_t) k];
       part.begin = std::min(block * BLOCK, n);
-      while (block < blocks && weight(s, block) * count < weight(s, blocks) * (k + 1)) block++;
+      while (block < blocks && work(s, block) * (double) count < all * (double) (k + 1)) block++;
       part.end = k + 1 == count ? n : std::min(block * BLOCK, n);
       part.sorted = sorted;
       part.first = first.data();
       part.at = rows();
       part.behind = std::min(part.end, sorted);
-      const int64_t own = std::min(part.begin, sorted), inside = part.end < n ? part.behind - reach : part.behind;
-      part.before = std::max<int64_t>(own - reach, 0);
+      part.weight = weight(s, part.end) - weight(s, part.begin);
+      part.spent = 0.0;
+      const int64_t own = std::min(part.begin, sorted);
+      part.before = reaching(s, own);
+      const int64_t inside = part.end < n ? reaching(s, part.behind) : part.behind;
+      part.beyond = part.end;
+      for (int64_t row = inside; row < part.behind; row++)
+        if (s.start[row + 1] > s.start[row]) part.beyond = most<int64_t>(s.neighbours[s.start[row + 1] - 1] + 1, part.beyond);
       cut(s, own, std::max(own, inside), part.blocks);
     }
   }
@@ -57,19 +66,24 @@ class Crew {
   /** Call run(part) for each part. */
   template <class Run> void each(const Run &run)
   {
-    team.run((int) parts.size(), [&](int part) { run(parts[(size_t) part]); });
+    if (parts.size() == 1) return run(parts[0]);
+    team.run((int) parts.size(), [&](int k) {
+      Part &part = parts[(size_t) k];
+      const auto begun = WallClock::now();
+      run(part);
+      part.spent += std::chrono::duration<double>(WallClock::now() - begun).count();
+    });
   }
 
-  /** Call run(k, from, to) for equal stretches of n things, one for each thread. */
-  template <class Run> void stretches(int64_t n, const Run &run)
+  /** Call run(k, from, to) for stretches of n things, one for each thread: of as many discs as were divided, its own. */
+  template <class Run> void stretches(int64_t count, const Run &run)
   {
-    const int count = shares();
-    team.run(count, [&](int k) { run(k, n * k / count, n * (k + 1) / count); });
+    const int of = shares();
+    const bool own = !parts.empty() && parts.back().end == count;
+    const auto cut = [&](int k) { return own && k < of ? parts[(size_t) k].begin : count * k / of; };
+    team.run(of, [&](int k) { run(k, cut(k), cut(k + 1)); });
   }
   int shares() const { return most((int) parts.size(), 1); }
-
-  /** Call run(k) for k below `count`, at most MOST_THREADS. */
-  template <class Run> void tasks(int count, const Run &run) { team.run(count, run); }
 
   /** Number of a list that is made here; those of Python are positive. */
   int64_t next_list() { return --number; }
@@ -87,6 +101,12 @@ class Crew {
   int64_t listed_as = -1, sorted = -1, n = -1;    // the list that is known, and the discs that are divided
   int64_t reach = 0;             // a pair of a sorted row has its second disc at most so far behind the first
   std::vector<int32_t> first;    // first disc of each pair of sorted rows
+  /** Where a part ended that was divided before, and the time of its work over that of all. */
+  struct Past {
+    int64_t end;
+    double rate;
+  };
+  std::vector<Past> past;
   std::vector<DiscRow, LineAllocator<DiscRow>> at;
 
   /** Look at a list that is new. */
@@ -94,14 +114,17 @@ class Crew {
   {
     listed_as = s.listed_as;
     sorted = s.sorted;
-    reach = 0;
     first.resize((size_t) (s.sorted > 0 ? s.start[s.sorted] : 0));
-    for (int64_t row = 0; row < s.sorted; row++) {
-      const int64_t from = s.start[row], to = s.start[row + 1];
-      if (to == from) continue;
-      std::fill(first.begin() + from, first.begin() + to, (int32_t) row);
-      reach = most<int64_t>(s.neighbours[to - 1] - row, reach);
-    }
+    std::vector<int64_t> far((size_t) shares(), 0);
+    stretches(s.sorted, [&](int k, int64_t begin, int64_t end) {
+      for (int64_t row = begin; row < end; row++) {
+        const int64_t from = s.start[row], to = s.start[row + 1];
+        if (to == from) continue;
+        std::fill(first.begin() + from, first.begin() + to, (int32_t) row);
+        far[(size_t) k] = most<int64_t>(s.neighbours[to - 1] - row, far[(size_t) k]);
+      }
+    });
+    reach = *std::max_element(far.begin(), far.end());
   }
 
   /** Ends of blocks of rows, each with at most BATCH rows and pairs, or one row. */
@@ -115,11 +138,47 @@ class Crew {
     if (to > from) blocks.push_back(to);
   }
 
-  /** Work of the discs before a block. */
-  static int64_t weight(const jump_state &s, int64_t block)
+  /** First of the rows that may have pairs across a cut of the sorted discs. */
+  int64_t reaching(const jump_state &s, int64_t cut) const
   {
-    const int64_t row = std::min(block * BLOCK, s.n), pairs = s.sorted > 0 ? s.start[std::min(row, s.sorted)] : 0;
-    return pairs + 3 * row;    // motion and sums take as long as some three pairs
+    for (int64_t row = most<int64_t>(cut - reach, 0); row < cut; row++)
+      if (s.start[row + 1] > s.start[row] && s.neighbours[s.start[row + 1] - 1] >= cut) return row;
+    return cut;
+  }
+
+  /** What the discs before a row take, but for their contacts: motion and sums take as long as some three pairs. */
+  double weight(const jump_state &s, int64_t row) const
+  {
+    return (double) ((sorted > 0 ? s.start[std::min(row, sorted)] : 0) + 3 * row);
+  }
+
+  /** Learn from the time that the parts took: where discs touch, each takes longer. */
+  void learn()
+  {
+    double spent = 0.0, of_all = 0.0;
+    for (const Part &part : parts) {
+      spent += part.spent;
+      of_all += part.weight;
+    }
+    for (size_t k = 0; k < parts.size(); k++) {
+      past[k].end = parts[k].end;
+      if (!(spent > 0.0 && parts[k].weight > 0.0)) continue;
+      const double found = parts[k].spent / spent * of_all / parts[k].weight;    // a part that had to wait for a core shows more
+      past[k].rate = 0.5 * past[k].rate + 0.5 * std::clamp(found, 0.5, 2.0);
+    }
+  }
+
+  /** Work of the discs before a block. */
+  double work(const jump_state &s, int64_t block) const
+  {
+    const double to = weight(s, std::min(block * BLOCK, s.n));
+    double sum = 0.0, from = 0.0;
+    for (size_t k = 0; k < past.size(); k++) {
+      const double end = k + 1 == past.size() ? to : least(weight(s, std::min(past[k].end, s.n)), to);
+      sum += past[k].rate * most(end - from, 0.0);
+      from = most(end, from);
+    }
+    return sum;
   }
 };
 

@@ -52,19 +52,23 @@ struct Rubbed : PairGiven {
   double slid_x = 0.0, slid_y = 0.0, torque = 0.0;
 };
 
-/** Calls run(row, i, j, dx, dy) for the pairs of some rows that touch and have a disc of the part, in their order. */
+/** Calls run(row, i, j, apart) for the pairs of some rows that touch and have a disc of the part, in their order; `apart` has
+    their differences of place and velocity. It reads `at` alone: each line of memory of another part costs. */
 template <class Run>
 void each_across(const jump_state &s, const Part &part, int64_t from, int64_t to, const Run &run)
 {
   for (int64_t row = from; row < to; row++) {
     const int64_t i = s.owner ? s.owner[row] : row;
     const bool own = part.owns(i);
-    const double xi = s.shift ? s.x[i] + s.shift[row] : s.x[i], yi = s.y[i], a = radius_of(s, i);
+    Four one = *reinterpret_cast<const Four *>(part.at[i]);
+    if (s.shift) one[0] += s.shift[row];
+    const double a = radius_of(s, i);
     for (int64_t p = s.start[row]; p < s.start[row + 1]; p++) {
       const int64_t j = s.neighbours[p];
       if (!own && !part.owns(j)) continue;
-      const double dx = xi - s.x[j], dy = yi - s.y[j], reach = a + radius_of(s, j);
-      if (dx * dx + dy * dy < reach * reach) run(row, i, j, dx, dy);
+      const Four apart = one - *reinterpret_cast<const Four *>(part.at[j]);
+      const double reach = a + radius_of(s, j);
+      if (apart[0] * apart[0] + apart[1] * apart[1] < reach * reach) run(row, i, j, apart);
     }
   }
 }
@@ -132,11 +136,11 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
       b.n = 0;
     };
     b.n = 0;
-    each_across(s, part, from, to, [&](int64_t row, int64_t i, int64_t j, double dx, double dy) {
+    each_across(s, part, from, to, [&](int64_t row, int64_t i, int64_t j, const Four &apart) {
       b.i[b.n] = (int32_t) i;
       b.j[b.n] = (int32_t) j;
       b.row[b.n] = row;
-      difference(b.n) = Four{dx, dy, seen.vx[i] - seen.vx[j], seen.vy[i] - seen.vy[j]};
+      difference(b.n) = apart;
       b.n++;
       if (b.n == BATCH) flush();
     });
@@ -374,8 +378,16 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
 
 }    // namespace
 
+/** Ask for what the part reads of others, all at once: it was written by other cores a moment ago. */
+static void fetch_others(const Part &part)
+{
+  for (int64_t i = part.before; i < part.begin; i += 2) __builtin_prefetch(part.at[i]);
+  for (int64_t i = part.end; i < part.beyond; i += 2) __builtin_prefetch(part.at[i]);
+}
+
 void pair_forces(const jump_state &s, double slope, Part &part)
 {
+  fetch_others(part);
   with_law(s, slope, [&](const auto &law, auto sizes, auto spin) {
     PairSums<sizes.value, spin.value, std::decay_t<decltype(law)>> sums(s, law, part);
     each_stretch(s, part, [&](int64_t from, int64_t to) { sums.across(from, to); },
@@ -387,7 +399,7 @@ void borrow(const jump_state &s, Part &part)
 {
   part.lent.clear();
   const auto take = [&](int64_t from, int64_t to) {
-    each_across(s, part, from, to, [&](int64_t, int64_t i, int64_t j, double, double) {
+    each_across(s, part, from, to, [&](int64_t, int64_t i, int64_t j, const Four &) {
       const PairMemory memory(s, i, j);
       if (!part.owns(memory.disc)) part.lent.push_back(memory.look(s).begin(memory.way));
     });

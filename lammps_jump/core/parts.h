@@ -29,11 +29,12 @@ struct Ends {
 /** Candidates of the list that are looked at together: what belongs to them stays in the first-level cache. */
 constexpr int BATCH = 128;
 
-struct Part {
+struct alignas(128) Part {
   int64_t begin = 0, end = 0;    // its discs
   int64_t sorted = 0;            // rows of the list that are sorted; others stand behind them
   int64_t before = 0;            // first of the rows that may reach into it
   int64_t behind = 0;            // where its own sorted rows end
+  int64_t beyond = 0;            // behind the last disc that these reach
   std::vector<int64_t> blocks;   // ends of blocks of those that reach out of it nowhere
   const int32_t *first = nullptr;       // first disc of each pair of the list
   const double (*at)[4] = nullptr;      // place and velocity of each disc, as contacts see them
@@ -42,6 +43,7 @@ struct Part {
   std::vector<Lost> lost_at_walls;      // of those with walls that move
   std::vector<Ends> walls_end;
   int64_t moved = 0;                    // discs that have gone further than the list allows
+  double weight = 0.0, spent = 0.0;     // of its discs and their pairs; time that it took since it was cut, s
   double fastest = 0.0;                 // square of the largest velocity, (m/s)^2
 
   bool owns(int64_t disc) const { return disc >= begin && disc < end; }

@@ -180,14 +180,31 @@ void sort_discs(const jump_state &s, const SearchCells &cells, Crew &crew)
   });
 }
 
-/** Rows of `width` words of 8 bytes go to their places. */
-void permute(const jump_state &s, int64_t *of, int64_t width, const std::vector<uint64_t> &sorted, std::vector<int64_t> &room)
+/** Put a stretch of the sorted discs of an array, of `width` words of 8 bytes a disc, in its place, from a copy of all. */
+void gather(const std::vector<uint64_t> &sorted, const int64_t *from, int64_t *to, int64_t width, int64_t begin, int64_t end)
 {
-  room.assign(of, of + s.n * width);
   if (width == 1)
-    for (int64_t i = 0; i < s.n; i++) of[i] = room[was_at(sorted[(size_t) i])];
+    for (int64_t i = begin; i < end; i++) to[i] = from[was_at(sorted[(size_t) i])];
   else
-    for (int64_t i = 0; i < s.n; i++) std::copy_n(room.data() + was_at(sorted[(size_t) i]) * width, width, of + i * width);
+    for (int64_t i = begin; i < end; i++) std::copy_n(from + was_at(sorted[(size_t) i]) * width, width, to + i * width);
+}
+
+/** Sort all arrays of the discs. Each thread has a stretch of all of them, so that its discs stay in its cache. */
+void move_discs(const jump_state &s, const jump_lists &l, Crew &crew)
+{
+  std::vector<std::vector<int64_t>> &copy = crew.lists.copy;
+  copy.resize((size_t) l.columns);
+  for (int64_t k = 0; k < l.columns; k++) copy[(size_t) k].resize((size_t) (s.n * l.width[k]));
+  crew.stretches(s.n, [&](int, int64_t from, int64_t to) {
+    for (int64_t k = 0; k < l.columns; k++)
+      std::copy(l.column[k] + from * l.width[k], l.column[k] + to * l.width[k], copy[(size_t) k].data() + from * l.width[k]);
+  });
+  crew.stretches(s.n, [&](int, int64_t from, int64_t to) {
+    for (int64_t k = 0; k < l.columns; k++)
+      gather(crew.lists.sorted, copy[(size_t) k].data(), l.column[k], l.width[k], from, to);
+    std::copy(s.x + from, s.x + to, s.x0 + from);
+    std::copy(s.y + from, s.y + to, s.y0 + from);
+  });
 }
 
 /** List the rows of the sorted discs; false where there is no room. */
@@ -231,12 +248,7 @@ int64_t list_pairs(jump_state &s, const jump_lists &l, Crew &crew)
   const double reach = l.widest + l.skin;
   const SearchCells cells(box, reach, s.n);
   sort_discs(s, cells, crew);
-  crew.lists.scratch.resize((size_t) l.columns);
-  crew.tasks((int) l.columns, [&](int k) {
-    permute(s, l.column[k], l.width[k], crew.lists.sorted, crew.lists.scratch[(size_t) k]);
-  });
-  std::copy_n(s.x, s.n, s.x0);
-  std::copy_n(s.y, s.n, s.y0);
+  move_discs(s, l, crew);
   return list_rows(s, RowsOf(s, crew.lists, s.radius ? l.skin : reach, cells.height()), crew) ? LISTED : NO_ROOM;
 }
 
