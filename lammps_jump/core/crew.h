@@ -31,11 +31,13 @@ class Crew {
   {
     const int64_t blocks = (s.n + BLOCK - 1) / BLOCK;
     const int64_t count = std::max<int64_t>(1, std::min<int64_t>(s.grid_first ? 1 : pace.threads(), blocks));
-    if (s.listed_as == listed_as && s.n == n && s.sorted == sorted && count == team.size()) return;
-    if (s.listed_as != listed_as || s.sorted != sorted) know(s);
+    const bool known = s.listed_as == listed_as && s.sorted == sorted;
+    if (known && divided_as == listed_as && s.n == n && count == team.size()) return;
+    if (!known) know(s);
+    divided_as = listed_as;
     n = s.n;
     taken.resize((size_t) blocks);
-    at.resize((size_t) n);
+    for (auto &rows : at) rows.resize((size_t) n);
     team.resize((int) count);
     if ((int64_t) parts.size() == count) learn();
     else past.assign((size_t) count, {n, 1.0});
@@ -85,11 +87,26 @@ class Crew {
   }
   int shares() const { return most((int) parts.size(), 1); }
 
+  /** How far a pair of a sorted row has its second disc behind the first, at most. */
+  int64_t reach_of(const jump_state &s)
+  {
+    if (s.listed_as != listed_as || s.sorted != sorted) know(s);
+    return reach;
+  }
+
   /** Number of a list that is made here; those of Python are positive. */
   int64_t next_list() { return --number; }
 
-  /** Place and velocity of each disc, as contacts see them. */
-  double (*rows())[4] { return reinterpret_cast<double (*)[4]>(at.data()); }
+  /** Place and velocity of each disc, as contacts see them; and the rows of the next step. */
+  double (*rows())[4] { return rows_of(now); }
+  double (*other_rows())[4] { return rows_of(1 - now); }
+
+  /** From here on contacts see the other rows. */
+  void turn_rows()
+  {
+    now = 1 - now;
+    for (Part &part : parts) part.at = rows();
+  }
 
  private:
   struct alignas(32) DiscRow {
@@ -98,7 +115,8 @@ class Crew {
 
   Team team;
   int64_t number = -1;    // of the list made last
-  int64_t listed_as = -1, sorted = -1, n = -1;    // the list that is known, and the discs that are divided
+  int64_t listed_as = -1, sorted = -1;            // the list that is known
+  int64_t divided_as = -1, n = -1;                // and that by which discs are divided
   int64_t reach = 0;             // a pair of a sorted row has its second disc at most so far behind the first
   std::vector<int32_t> first;    // first disc of each pair of sorted rows
   /** Where a part ended that was divided before, and the time of its work over that of all. */
@@ -107,24 +125,38 @@ class Crew {
     double rate;
   };
   std::vector<Past> past;
-  std::vector<DiscRow, LineAllocator<DiscRow>> at;
+  std::vector<DiscRow, LineAllocator<DiscRow>> at[2];
+  int now = 0;    // those that contacts see
+
+  double (*rows_of(int which))[4] { return reinterpret_cast<double (*)[4]>(at[which].data()); }
 
   /** Look at a list that is new. */
   void know(const jump_state &s)
   {
     listed_as = s.listed_as;
     sorted = s.sorted;
+    divided_as = -1;
     first.resize((size_t) (s.sorted > 0 ? s.start[s.sorted] : 0));
     std::vector<int64_t> far((size_t) shares(), 0);
     stretches(s.sorted, [&](int k, int64_t begin, int64_t end) {
+      int64_t most_far = 0;
       for (int64_t row = begin; row < end; row++) {
         const int64_t from = s.start[row], to = s.start[row + 1];
-        if (to == from) continue;
-        std::fill(first.begin() + from, first.begin() + to, (int32_t) row);
-        far[(size_t) k] = most<int64_t>(s.neighbours[to - 1] - row, far[(size_t) k]);
+        put_four(from, to, s.start[end], (int32_t) row);
+        if (to > from) most_far = most<int64_t>(s.neighbours[to - 1] - row, most_far);
       }
+      far[(size_t) k] = most_far;
     });
     reach = *std::max_element(far.begin(), far.end());
+  }
+
+  /** Write a row's number for each of its pairs, four at a time: what is behind them is written next, up to `end`. */
+  void put_four(int64_t from, int64_t to, int64_t end, int32_t row)
+  {
+    int32_t *const at = first.data();
+    for (; from < to && from + 4 <= end; from += 4)
+      for (int k = 0; k < 4; k++) at[from + k] = row;
+    for (; from < to; from++) at[from] = row;
   }
 
   /** Ends of blocks of rows, each with at most BATCH rows and pairs, or one row. */

@@ -83,27 +83,42 @@ static void end_walls(const jump_state &s)
   whole.walls += of_walls.walls;
 }
 
-static void forces(const jump_state &s, Crew &crew)
+/** Forces on the discs of a part. */
+static void forces_on(const jump_state &s, double slope, Part &part)
 {
-  const double slope = slope_now(s, crew);
-  const bool goes_on = s.partner && s.memory_step > 0.0;
-  if (s.partner && crew.parts.size() > 1) crew.each([&](Part &part) { borrow(s, part); });
-  crew.each([&](Part &part) {
-    pair_forces(s, slope, part);
-    wall_forces(s, slope, part);
-    if (s.fixed) hold(s, part);
-    if (goes_on) end_contacts(s, part.begin, part.end);
-  });
+  pair_forces(s, slope, part);
+  wall_forces(s, slope, part);
+  if (s.fixed) hold(s, part);
+  if (s.partner && s.memory_step > 0.0) end_contacts(s, part.begin, part.end);
+}
+
+/** What follows the forces on discs. */
+static void end_forces(const jump_state &s, double slope, Crew &crew)
+{
   sum_walls(s, crew.parts);
   if (s.corners) body_forces(s, slope);
   if (s.moving) end_walls(s);
-  if (s.corners && goes_on) end_contacts(*s.corners, 0, s.corners->n);
+  if (s.corners && s.partner && s.memory_step > 0.0) end_contacts(*s.corners, 0, s.corners->n);
 }
 
-/** Drift all discs; the number of those that have gone further than the list allows. */
-static int64_t drift(const jump_state &s, Crew &crew)
+/** What goes before them: the slope of the sign law, and what parts read of each other's memory. */
+static double begin_forces(const jump_state &s, Crew &crew)
 {
-  crew.each([&](Part &part) { part.moved = drift(s, part.begin, part.end, crew.taken.data(), crew.rows()); });
+  const double slope = slope_now(s, crew);
+  if (s.partner && crew.parts.size() > 1) crew.each([&](Part &part) { borrow(s, part); });
+  return slope;
+}
+
+static void forces(const jump_state &s, Crew &crew)
+{
+  const double slope = begin_forces(s, crew);
+  crew.each([&](Part &part) { forces_on(s, slope, part); });
+  end_forces(s, slope, crew);
+}
+
+/** What follows the drift of all discs; the number of those that have gone further than the list allows. */
+static int64_t end_drift(const jump_state &s, const Crew &crew)
+{
   int64_t moved = 0;
   for (const Part &part : crew.parts) moved += part.moved;
   if (!s.dash_x) return moved;
@@ -118,6 +133,29 @@ static int64_t drift(const jump_state &s, Crew &crew)
   s.work->whole.friction -= s.time_step * all.friction;
   if (s.omega) s.work->whole.friction -= s.time_step * all.turning;
   return moved;
+}
+
+static int64_t drift(const jump_state &s, Crew &crew)
+{
+  crew.each([&](Part &part) { part.moved = drift(s, part.begin, part.end, crew.taken.data(), crew.rows()); });
+  return end_drift(s, crew);
+}
+
+/** Forces, and the drift behind them. Threads meet once: what others read of a disc is written to the other rows. */
+static int64_t forces_and_drift(const jump_state &s, Crew &crew)
+{
+  if (crew.parts.size() == 1 || s.omega || s.corners) {    // spins have no rows
+    forces(s, crew);
+    return drift(s, crew);
+  }
+  const double slope = begin_forces(s, crew);
+  crew.each([&](Part &part) {
+    forces_on(s, slope, part);
+    part.moved = drift(s, part.begin, part.end, crew.taken.data(), crew.other_rows());
+  });
+  crew.turn_rows();
+  end_forces(s, slope, crew);
+  return end_drift(s, crew);
 }
 
 /** Put the moving walls where they are at a step; true where one has gone over half the skin since it was listed. */
@@ -174,15 +212,15 @@ static int64_t advance(jump_state &s, Crew &crew, int64_t steps, bool owed, Left
   while (true) {
     crew.pace.begin_step((int) s.n);
     const bool whole = owed && steps > 0;
-    if (owed) {
-      if (s.grid_first && !search_cells(s)) {
-        left = OLD;
-        return done;
-      }
-      forces(s, crew);
+    if (owed && s.grid_first && !search_cells(s)) {
+      left = OLD;
+      return done;
     }
-    if (steps == 0) return 0;
-    bool old = drift(s, crew) > 0;
+    if (steps == 0) {
+      if (owed) forces(s, crew);
+      return 0;
+    }
+    bool old = (owed ? forces_and_drift(s, crew) : drift(s, crew)) > 0;
     done++;
     owed = true;
     if (s.moving && move_walls(s, s.clock->step + (double) done)) old = true;

@@ -182,7 +182,7 @@ JUMP_API void jump_list_near(const jump_grid *grid, int64_t n, const double *x, 
 JUMP_API void jump_mark_cells(const jump_grid *grid, int64_t begin, int64_t end, int64_t *start, int64_t *listed);
 
 /** Sums: see sums.cpp. */
-JUMP_API double jump_elastic(const jump_state *state, const int8_t *chosen, double *worst, int64_t *where);
+JUMP_API double jump_elastic(const jump_state *state, jump::Crew *crew, const int8_t *mask, double *worst, int64_t *where);
 JUMP_API int64_t jump_contacts(const jump_state *state, const jump::Seen *at_step, const jump::Seen *seen, int64_t (*who)[2],
                                double (*found)[5], int64_t room);
 JUMP_API double jump_give_sizes(const jump_state *state, int64_t known, const double *radii);

@@ -2,19 +2,38 @@
 /* What the native engine sums over contacts: elastic energy, the list of contacts, energy between two stations; and what
    discs that get their own size change. */
 
+#include "crew.h"
 #include "kinds.h"
+
+#include <cstring>
 
 namespace jump {
 
-/** Calls run(x, i, j, dx, dy, apart2, a, b) for each two discs that touch; with `chosen`, for those of which one is. */
-template <class Run> static void each_pair(const jump_state &s, const int8_t *chosen, const Run &run)
+/** Discs whose contacts are asked for, by a mask; all where it is NULL. A sorted row reaches so many rows on. */
+struct Chosen {
+  const int8_t *mask = nullptr;
+  int64_t reach = 0;
+
+  /** First row from `row` on that may have one of them. */
+  int64_t next(const jump_state &s, int64_t row) const
+  {
+    if (!mask || row >= s.sorted) return row;
+    const void *const found = std::memchr(mask + row, 1, (size_t) (s.sorted - row));
+    return found ? most(static_cast<const int8_t *>(found) - mask - reach, row) : s.sorted;
+  }
+};
+
+/** Calls run(x, i, j, dx, dy, apart2, a, b) for each two discs that touch and of which one is chosen. */
+template <class Run> static void each_pair(const jump_state &s, const Chosen &of, const Run &run)
 {
-  for (int64_t row = 0; row < s.rows; row++) {
+  const int8_t *const chosen = of.mask;
+  for (int64_t row = of.next(s, 0); row < s.rows; row = of.next(s, row + 1)) {
     const int64_t i = s.owner ? s.owner[row] : row;
     const double xi = s.shift ? s.x[i] + s.shift[row] : s.x[i], a = radius_of(s, i);
+    const int8_t *const asked = chosen && !chosen[i] ? chosen : nullptr;    // of the others
     for (int64_t p = s.start[row]; p < s.start[row + 1]; p++) {
       const int64_t j = s.neighbours[p];
-      if (chosen && !chosen[i] && !chosen[j]) continue;
+      if (asked && !asked[j]) continue;
       const double dx = xi - s.x[j], dy = s.y[i] - s.y[j], r2 = dx * dx + dy * dy, b = radius_of(s, j);
       if (r2 < (a + b) * (a + b)) run(xi, i, j, dx, dy, r2, a, b);
     }
@@ -39,7 +58,7 @@ template <class Run> static void each_wall_contact(const jump_state &s, const Ru
 }
 
 template <class Law>
-static double elastic(const jump_state &s, const Law &law, const int8_t *chosen, double *worst, int64_t *where)
+static double elastic(const jump_state &s, const Law &law, const Chosen &chosen, double *worst, int64_t *where)
 {
   double pairs = 0.0, walls = 0.0;
   const auto note = [&](double overlap, int64_t disc, int64_t wall) {
@@ -55,7 +74,7 @@ static double elastic(const jump_state &s, const Law &law, const int8_t *chosen,
     note(overlap, i, -1);
   });
   each_wall_contact(s, [&](const WallView &, int64_t wall, int64_t i, const FaceContact &found, double, double) {
-    if (chosen && !chosen[i]) return;
+    if (chosen.mask && !chosen.mask[i]) return;
     const double overlap = radius_of(s, i) - found.gap;
     walls += stored_energy(law, s.at_wall[wall], overlap);
     note(overlap, i, wall);
@@ -105,7 +124,7 @@ static PairForce<double> contact_of(const jump_state &s, const Law &law, const S
 template <bool SIZES, bool SPIN, class Law>
 static void list_contacts(const jump_state &s, const Law &law, const Seen &at_step, const Seen &seen, ContactRows &record)
 {
-  each_pair(s, nullptr, [&](double xi, int64_t i, int64_t j, double dx, double dy, double r2, double a, double b) {
+  each_pair(s, {}, [&](double xi, int64_t i, int64_t j, double dx, double dy, double r2, double a, double b) {
     const PairForce<double> out = contact_of<SIZES, SPIN>(s, law, seen, i, j, dx, dy, r2, a, b);
     const double way = way_to_middle(a, out.overlap), sx = at_step.vx[i] - at_step.vx[j], sy = at_step.vy[i] - at_step.vy[j];
     double power = taken(out, out.nx, out.ny, sx, sy);
@@ -185,7 +204,7 @@ static void between(const jump_state &s, const jump_stations &at, double *sums)
   const Seen seen = seen_by(s);
   with_law(s, slope_of(s, seen), [&](const auto &law, auto sizes, auto spin) {
     constexpr bool SIZES = decltype(sizes)::value, SPIN = decltype(spin)::value;
-    each_pair(s, nullptr, [&](double, int64_t i, int64_t j, double, double, double r2, double, double) {
+    each_pair(s, {}, [&](double, int64_t i, int64_t j, double, double, double r2, double, double) {
       const int64_t a = s.x[i] < s.x[j] ? i : j, b = a == i ? j : i;
       // the stations between the two: 1 for that on the left, -1 for that on the right, 0 for both or none
       const auto parts = [&](double x) { return (s.x[a] < x) && (s.x[b] >= x); };
@@ -257,15 +276,16 @@ JUMP_SIZE(jump_seen)
 
 /** Elastic energy, J per m of width; the largest overlap, m, its disc and wall (-1: of two discs).
 
-    With `chosen`, those of the contacts of these discs alone. Contacts of bodies with walls and each other count where all
+    With a mask, those of the contacts of these discs alone. Contacts of bodies with walls and each other count where all
     contacts do. */
-double jump_elastic(const jump_state *state, const int8_t *chosen, double *worst, int64_t *where)
+double jump_elastic(const jump_state *state, Crew *crew, const int8_t *mask, double *worst, int64_t *where)
 {
+  const Chosen chosen{mask, crew->reach_of(*state)};
   *worst = 0.0;
   where[0] = where[1] = -1;
   double energy = 0.0;
   with_normal(state->pair, [&](const auto &law) { energy = elastic(*state, law, chosen, worst, where); });
-  if (state->corners && !chosen) energy += body_elastic(*state);
+  if (state->corners && !mask) energy += body_elastic(*state);
   return energy;
 }
 

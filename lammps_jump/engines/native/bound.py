@@ -93,7 +93,7 @@ _threads = function("jump_crew_threads", c_void_p, result=INTEGER)
 _advance = function("jump_advance", STATE, c_void_p, INTEGER, INTEGER, POINTER(c_int64), result=INTEGER)
 _place_walls = function("jump_place_walls", STATE, INTEGER)
 _search_cells = function("jump_search_cells", STATE, result=INTEGER)
-_elastic = function("jump_elastic", STATE, ARRAY, POINTER(c_double), ARRAY, result=REAL)
+_elastic = function("jump_elastic", STATE, c_void_p, ARRAY, POINTER(c_double), ARRAY, result=REAL)
 _contacts = function(
     "jump_contacts", STATE, POINTER(jump_seen), POINTER(jump_seen), ARRAY, ARRAY, INTEGER, result=INTEGER
 )
@@ -280,7 +280,7 @@ class Core:
     def elastic(self, state: State, chosen: np.ndarray | None = None) -> tuple[float, float, int, int]:
         """As `Loops.elastic`."""
         worst, where = c_double(), (c_int64 * 2)()
-        energy = _elastic(self._bind(state), address(chosen), byref(worst), where)
+        energy = _elastic(self._bind(state), self._crew, address(chosen), byref(worst), where)
         return energy, worst.value, where[0], where[1]
 
     def contacts(self, state: State, at_step: Seen, seen: Seen, who: np.ndarray, found: np.ndarray) -> int:
