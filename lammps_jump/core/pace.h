@@ -25,6 +25,7 @@ class Pace {
 
  private:
   static constexpr int WINDOW = 40, FIRST_REST = 10, LONGEST_REST = 1280, FEW_DISCS = 300;
+  static constexpr double COLD = 8.0;    // steps that it may cost at first until discs are in the caches of other threads
 
   bool fixed = true, probing = false;
   int most = 1, level = 1, probed = 1;
@@ -62,7 +63,7 @@ inline void Pace::end_step(bool odd)
   const double took = std::chrono::duration<double>(WallClock::now() - begun).count() / discs;
   spent += took;
   steps++;
-  const bool lost = probing && spent > 1.5 * WINDOW * cost;    // no need to see the rest of it
+  const bool lost = probing && spent > (1.2 * steps + COLD) * cost;    // no need to see the rest of it
   if (steps == WINDOW || lost) end_window();
 }
 
