@@ -39,6 +39,7 @@ from lammps_jump.cli import app as cli_app
 from lammps_jump.cli import studies as cli_studies
 from lammps_jump.cli import tools
 from lammps_jump.cli.options import Commands
+from lammps_jump.cli.progress import show_markdown
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.dump.write import DumpWriter
 from lammps_jump.engines.native import NativeSimulation
@@ -453,7 +454,7 @@ def twice(value):
 """,
     "study.py": """
 from lammps_jump.studies.points import Point, PointStudy
-from lammps_jump.studies.table import markdown
+from lammps_jump.analysis.tables.markdown import markdown
 
 def study(*, top):
     points = [Point(f"from {top:g} m", "height", "fall.yaml", {"initial.0.positions": [[0, top]]})]
@@ -488,7 +489,7 @@ def test_a_new_study_is_a_folder_and_a_command(monkeypatch, capsys, tmp_path):
 
     @more.command("made-up")
     def made_up(out: Path, laws: Path, top: float = 1.0, fresh: bool = False) -> None:
-        studies.table.show(studies.points.run_named("made-up", out, laws=laws, fresh=fresh, top=top)[1])
+        show_markdown(studies.points.run_named("made-up", out, laws=laws, fresh=fresh, top=top)[1])
 
     words = ("made-up", tmp_path / "out", place.parent, "--top", "0.8")
     status, screen, _ = call(monkeypatch, capsys, *words)

@@ -11,13 +11,13 @@ from typing import Any
 import numpy as np
 
 import lammps_jump as lj
+from lammps_jump.analysis.tables.markdown import markdown
 from lammps_jump.calibration import page, read_calibration
 from lammps_jump.calibration.model import model_of
 from lammps_jump.calibration.posterior import sample
 from lammps_jump.calibration.study import Calibration
 from lammps_jump.identity import short_hash
 from lammps_jump.runs.summary import read_summary
-from lammps_jump.studies.table import markdown
 
 ROOT = Path(__file__).parents[2]
 STUDIES = ROOT / "validation" / "calibrate"

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from lammps_jump.analysis.tables.markdown import Column, markdown
 from lammps_jump.studies.cross_validation.quantities import relative_size
-from lammps_jump.studies.table import Column, markdown
 
 Data = Mapping[str, Any]
 CHECK = ("name", "kernel", "worst", "agrees")

@@ -17,12 +17,12 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import lammps_jump as lj
+from lammps_jump.analysis.tables.markdown import markdown, paragraphs
 from lammps_jump.identity import scene_key
 from lammps_jump.provenance import machine, versions
 from lammps_jump.studies.bench import collision, overhead, page, timing
 from lammps_jump.studies.cross_validation.scenes import micro_scenes
 from lammps_jump.studies.points.find import TREE, load_module
-from lammps_jump.studies.table import markdown, paragraphs
 
 from . import calibrated, crossed, jumps, laws
 

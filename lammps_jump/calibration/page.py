@@ -13,7 +13,6 @@ import numpy as np
 from lammps_jump.analysis.draw.style import BLACK, BLUE, GOLD, GREY, RED, drawing, save
 from lammps_jump.analysis.report.page import (
     Boxes,
-    Code,
     Items,
     NumberBox,
     Player,
@@ -22,12 +21,10 @@ from lammps_jump.analysis.report.page import (
     Table,
     Text,
     picture,
-    render,
 )
-from lammps_jump.files import write_text
 from lammps_jump.folders import require_no_link
-from lammps_jump.provenance import versions
 from lammps_jump.runs.run import Run
+from lammps_jump.sweeps.page import repeating, write_study_page
 from lammps_jump.sweeps.players.members import LARGEST, player_of
 from lammps_jump.sweeps.words import heading, unit
 from lammps_jump.units import ABSENT, shown
@@ -122,7 +119,6 @@ def sections(
 ) -> list[Section]:
     """The parts of the page; `pictures` are those of ``measured`` and ``posterior``."""
     drawn = {part: [picture(path, CAPTIONS[path.stem]) for path in paths] for part, paths in pictures.items()}
-    again = f"`lammps-jump calibrate {folder}` goes on with this study, or does nothing where all is there."
     one = f"`lammps-jump analyze {folder}/RUN --set analysis.figures=default` makes the report of one of these runs."
     told = f"{data['runs']} runs of at most {data['budget']}, {data['failed']} left out. All values in a range were "
     return [
@@ -132,10 +128,7 @@ def sections(
                                        *players(data, folder)]),
         Section("What is likely", [Table(parameter_rows(data), PARAMETER_HEADS), *drawn.get("posterior", ())]),
         Section("Runs", [Table(run_rows(data), RUN_HEADS), Text(one)]),
-        Section("How to repeat it", [
-            Table([("Versions", ", ".join(f"{name} {text}" for name, text in versions("scikit-learn").items()))]),
-            Text(again), Code(study.to_yaml(), "study.yaml"),
-        ]),
+        repeating(f"calibrate {folder}", study.to_yaml(), "scikit-learn"),
     ]  # fmt: skip
 
 
@@ -241,6 +234,5 @@ def write_page(
     study: Calibration, data: Mapping[str, Any], folder: Path, pictures: Mapping[str, Sequence[Path]]
 ) -> Path:
     """Write ``calibration.html``."""
-    name = ": ".join(filter(None, (study.case.name, study.case.fields.description)))
     parts = sections(study, data, folder, pictures)
-    return write_text(folder / PAGE, render(data["verdict"], parts, tab=f"{study.case.name}: calibration", name=name))
+    return write_study_page(folder / PAGE, "calibration", study.case, data["verdict"], parts)

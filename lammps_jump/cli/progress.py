@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, TextIO
 
 from lammps_jump import analysis
 from lammps_jump.engines.result import Progress
+from lammps_jump.quoting import terminal_text
 
 if TYPE_CHECKING:
     import rich.progress
@@ -218,6 +219,18 @@ def _spent(summary: Mapping[str, Any]) -> str:
         f"time: {seconds['run']:z.1f} s run, {seconds['analysis']:z.1f} s analysis; discs: {discs['inserted']} in, "
         f"{discs['removed']} out, {discs['present']} at the end"
     )
+
+
+def show_markdown(text: str) -> None:
+    """Print Markdown: drawn by rich on a terminal, as it is in a file or a pipe. Its own escape sequences are shown."""
+    if not sys.stdout.isatty():
+        print(text)
+        return
+    from rich.console import Console  # 0.08 s
+    from rich.markdown import Markdown
+
+    console = Console(file=getattr(sys.stdout, "terminal", sys.stdout))
+    console.print(Markdown(terminal_text(text)))
 
 
 def ending(

@@ -14,7 +14,7 @@ from lammps_jump import calibration, script, studies, sweeps
 from lammps_jump.errors import CaseError
 
 from . import options
-from .progress import CalibrationLine, StudyLine, ending
+from .progress import CalibrationLine, StudyLine, ending, show_markdown
 
 app = typer.Typer(rich_markup_mode=None)
 
@@ -64,7 +64,7 @@ def sweep(
     if status:
         print(sweeps.slurm.status(found))
     if table:
-        studies.table.show(sweeps.page.table_text(found))
+        show_markdown(sweeps.page.table_text(found))
     return None
 
 
@@ -123,7 +123,7 @@ def run_sweep(
         print("\n".join(lines))
     else:
         print(*(f"note: {text}\n" for text in sweeps.page.doubts(found)), sep="", end="")
-        studies.table.show(sweeps.page.table_text(found))
+        show_markdown(sweeps.page.table_text(found))
         print(f"{found.status()}\npage: {found.folder / 'sweep.html'}")
     if found.failed:
         raise typer.Exit(1)
@@ -177,7 +177,7 @@ def validate(
         report = study.validate(laws or (), folder, laws=place, progress=line, **how)
     finally:
         line.finish()
-    studies.table.show(study.summary_text(report))
+    show_markdown(study.summary_text(report))
     print(f"page: {folder / study.PAGE_FILE}")
     if any(law["failures"] for law in report["laws"].values()):
         raise typer.Exit(1)
@@ -223,10 +223,10 @@ def bench(
     words = {"axes": axes, "fractions": fractions, "kernels": kernels, "diameters": diameters}
     varied = studies.bench.read_axes(quick, members, **words)
     if table and part == "bench":
-        return studies.table.show(studies.bench.stored_table(case, out))
+        return show_markdown(studies.bench.stored_table(case, out))
     read, say = None if case == Path("collision") else lj.load_case(case, set_), options.sayer(quiet)
     text = studies.bench.run_bench(read, out=out, part=part, axes=varied, quick=quick, fresh=fresh, say=say)
-    studies.table.show(text)
+    show_markdown(text)
 
 
 @app.command()
@@ -262,7 +262,7 @@ def sensitivity(
 ) -> None:
     """The jump against disc size, restitution, friction, stiffness and Froude number."""
     how: dict[str, Any] = {"laws": place, "fresh": fresh, "say": options.sayer(quiet), "quick": quick, "only": only}
-    studies.table.show(studies.points.run_named("sensitivity", out, **how)[1])
+    show_markdown(studies.points.run_named("sensitivity", out, **how)[1])
 
 
 @app.command()
@@ -335,4 +335,4 @@ def fluid(
     read = lj.load_case(case, set_)
     study, say = studies.fluid.fluid, options.sayer(quiet)
     found = study(read, out, quick=quick, fresh=fresh, depth=depth, speed=speed, say=say)
-    studies.table.show(found["text"])
+    show_markdown(found["text"])

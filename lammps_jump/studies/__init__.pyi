@@ -4,6 +4,5 @@ from . import cross_validation as cross_validation
 from . import fluid as fluid
 from . import own_data as own_data
 from . import points as points
-from . import table as table
 from . import validation as validation
 from .own_data import compare_with_data as compare_with_data

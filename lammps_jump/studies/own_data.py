@@ -13,6 +13,7 @@ import numpy as np
 
 from lammps_jump.analysis.draw.style import drawing, save
 from lammps_jump.analysis.statistics import student
+from lammps_jump.analysis.tables.markdown import Column, markdown, paragraphs
 from lammps_jump.calibration.measured import FEWEST, curve_of, measured_of, parse_columns
 from lammps_jump.errors import CaseError
 from lammps_jump.files import COMPARED_FILES, write_json, write_text
@@ -180,25 +181,24 @@ def drawn_of(drawn: list[tuple[str, str, Curves]], axis: str, given: Mapping[str
 
 def page(found: list[Distance], folder: Path, data: Path) -> str:
     """The distances as a page in Markdown."""
-    lines = [
-        f"# {visible(folder.absolute().name)} against {visible(data.name)}",
-        "",
-        "| run | measured | points | mean of run - measured | root mean square | over the measured range |",
-        "|---|---|---:|---:|---:|---:|",
-    ]
-    for one in found:
-        sure = f" ± {one.mean_interval:z.2g}" if one.starts > 1 else ""
-        lines.append(
-            f"| {cell(one.column)} | {cell(one.measured)} | {one.points} of {one.points_measured} | "
-            f"{one.mean:z.4g}{sure} | {one.rms:z.3g} | {100 * one.rms_over_range:z.1f} % |"
-        )
+    columns: dict[str, Column] = {
+        "run": lambda one: cell(one["column"]),
+        "measured": lambda one: cell(one["measured"]),
+        "points:": "{points} of {points_measured}",
+        "mean of run - measured:": lambda one: (
+            f"{one['mean']:z.4g}" + (f" ± {one['mean_interval']:z.2g}" if one["starts"] > 1 else "")
+        ),
+        "root mean square:": "{rms:z.3g}",
+        "over the measured range:": lambda one: f"{100 * one['rms_over_range']:z.1f} %",
+    }
     starts = found[0].starts
     told = (
         f"± is the 95 % interval over {starts} starts."
         if starts > 1
         else "One run has no interval: repeat it from other starts."
     )
-    return "\n".join([*lines, "", told, "", "![the curves](compared.png)", ""])
+    head = f"# {visible(folder.absolute().name)} against {visible(data.name)}"
+    return paragraphs(head, markdown(columns, map(asdict, found)), told, "![the curves](compared.png)")
 
 
 def cell(text: str) -> str:

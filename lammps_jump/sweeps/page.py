@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from itertools import starmap
 from math import isfinite
@@ -26,11 +26,13 @@ from lammps_jump.analysis.report.page import (
     picture,
     render,
 )
+from lammps_jump.analysis.tables.markdown import markdown
 from lammps_jump.analysis.tables.rows import tiles, together
 from lammps_jump.analysis.verdicts import verdict
 from lammps_jump.files import write_text
 from lammps_jump.folders import require_no_link
 from lammps_jump.provenance import versions
+from lammps_jump.runs.run import Case
 from lammps_jump.units import shown, two_digits
 
 from .players import by_member, by_point
@@ -62,8 +64,7 @@ def summary_frame(found: StudyResults) -> pd.DataFrame:
 def table_text(found: StudyResults) -> str:
     """The table of `summary_frame` in Markdown."""
     frame = summary_frame(found)
-    lines = [list(frame.columns), ["---"] * len(frame.columns), *frame.values.tolist()]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+    return markdown(dict.fromkeys(frame.columns, ""), frame.to_dict("records"))
 
 
 def draw(found: StudyResults, ending: str = "png") -> dict[Path, str]:
@@ -234,11 +235,7 @@ def sections(found: StudyResults) -> list[Section]:
         Section("", [Items(doubts(found), "What to know")]),
         Section("Numbers", [Table(frame.values.tolist(), list(frame.columns)), *starmap(picture, draw(found).items())]),
         Section("Errors within single runs", [Table(*_own_errors(found)), Text(OWN_ERRORS)]),
-        Section("How to repeat it", [
-            Table([("Versions", ", ".join(f"{name} {text}" for name, text in versions().items()))]),
-            Text(f"`lammps-jump sweep {found.folder}` goes on with this study, or does nothing where all is there."),
-            Code(study.to_yaml(), "study.yaml"),
-        ]),
+        repeating(f"sweep {found.folder}", study.to_yaml()),
     ]  # fmt: skip
 
 
@@ -265,9 +262,20 @@ def _own_errors(found: StudyResults) -> tuple[list[list[Any]], list[str]]:
     return rows, ["point", *heads] if study.axes else heads
 
 
+def repeating(command: str, study: str, *packages: str) -> Section:
+    """How a study is repeated: versions, also of more packages, its command and its file."""
+    found = ", ".join(f"{name} {text}" for name, text in versions(*packages).items())
+    again = f"`lammps-jump {command}` goes on with this study, or does nothing where all is there."
+    return Section("How to repeat it", [Table([("Versions", found)]), Text(again), Code(study, "study.yaml")])
+
+
+def write_study_page(path: Path, kind: str, case: Case, verdict: str, parts: Sequence[Section]) -> Path:
+    """Write the page of a study of a case; `kind` says what study it is."""
+    name = ": ".join(filter(None, (case.name, case.fields.description)))
+    return write_text(path, render(verdict, parts, tab=f"{case.name}: {kind}", name=name))
+
+
 def write_page(found: StudyResults) -> Path:
     """Write ``sweep.html`` and the figures."""
-    case = found.study.case
-    name = ": ".join(filter(None, (case.name, case.fields.description)))
-    page = render(verdict_of(found), sections(found), tab=f"{case.name}: study", name=name)
-    return write_text(found.folder / "sweep.html", page)
+    path = found.folder / "sweep.html"
+    return write_study_page(path, "study", found.study.case, verdict_of(found), sections(found))

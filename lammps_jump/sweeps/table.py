@@ -69,6 +69,13 @@ def statistics(values: ArrayLike, errors: ArrayLike, confidence: float) -> dict[
     return dict(zip(STATISTICS, map(float, (mean, sd, se, mean - half, mean + half, n, error, chi2)), strict=True))
 
 
+def mean_of(values: Sequence[float | None]) -> tuple[float, float]:
+    """Mean over starts and half of its 95 % interval (Student's t); values that are NaN or None are left out."""
+    known = np.array([nan if value is None else value for value in values], float)
+    found = statistics(known, np.full(len(known), nan), 0.95)
+    return found["mean"], found["high"] - found["mean"]
+
+
 def table_of(study: Study, values: pd.DataFrame) -> xr.Dataset:
     """The statistics of every point.
 

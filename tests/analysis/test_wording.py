@@ -9,9 +9,9 @@ import re
 import pytest
 
 from lammps_jump.analysis.jump.certainty import starts_needed
+from lammps_jump.analysis.tables.markdown import with_error
 from lammps_jump.analysis.verdicts import verdict
 from lammps_jump.cli.progress import StudyLine
-from lammps_jump.studies.table import with_error
 from lammps_jump.sweeps.sweep import SweepProgress
 from lammps_jump.units import shown
 

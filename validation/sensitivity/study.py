@@ -18,6 +18,7 @@ import pandas as pd
 
 from lammps_jump import Case, load_case
 from lammps_jump.analysis.draw.style import BLUE, GREY, RED, drawing, save
+from lammps_jump.analysis.tables.markdown import markdown, with_error
 from lammps_jump.case.templates import scene_folder
 from lammps_jump.engines import usable_kernels
 from lammps_jump.files import plain
@@ -25,7 +26,6 @@ from lammps_jump.physics import jump
 from lammps_jump.studies.points import FAILED, Found, Point, PointStudy
 from lammps_jump.studies.runs import middle
 from lammps_jump.studies.settings import StudySetting, listed, reference_setting, stable
-from lammps_jump.studies.table import markdown, with_error
 from lammps_jump.sweeps import Results
 
 from .measure import NUMBERS

@@ -16,6 +16,7 @@ import numpy as np
 import pandas as pd
 
 from lammps_jump.analysis.draw.style import drawing, save
+from lammps_jump.analysis.tables.markdown import Column, markdown
 from lammps_jump.case.to_scene import TOUCH_STEPS
 from lammps_jump.engines import usable_kernels
 from lammps_jump.physics import contact
@@ -23,7 +24,6 @@ from lammps_jump.provenance import machine
 from lammps_jump.scene import Scene, handmade_scene
 from lammps_jump.studies.points import Found, Point, PointStudy
 from lammps_jump.studies.runs import run_frames
-from lammps_jump.studies.table import Column, markdown
 from lammps_jump.sweeps import Results
 
 DIAMETER, DENSITY, SPEED, OVERLAP = 0.2, 1000.0, 16.0, 0.1

@@ -6,13 +6,13 @@ from __future__ import annotations
 from pathlib import Path
 
 from lammps_jump import Case, load_case
+from lammps_jump.analysis.tables.markdown import paragraphs
 from lammps_jump.errors import CaseError
 from lammps_jump.files import plain
 from lammps_jump.provenance import machine
 from lammps_jump.studies.folder import held_folder
 from lammps_jump.studies.points import run_study
 from lammps_jump.studies.settings import Axes
-from lammps_jump.studies.table import paragraphs
 from lammps_jump.sweeps import Say, Store
 
 from .collision import collision_study

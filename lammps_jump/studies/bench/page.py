@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator
 
 from lammps_jump.analysis.draw.style import RED, drawing, save
-from lammps_jump.studies.table import Column, markdown, percent
+from lammps_jump.analysis.tables.markdown import Column, markdown, percent
 
 MARKS = {
     "stock": ("o", "#33508f"),

@@ -17,10 +17,10 @@ from pathlib import Path
 import numpy as np
 
 from lammps_jump import Case
+from lammps_jump.analysis.tables.markdown import Column, markdown
 from lammps_jump.scene import Scene
 from lammps_jump.script import script_text
 from lammps_jump.studies.runs import KERNELS, in_turn, middle, run_frames
-from lammps_jump.studies.table import Column, markdown
 from lammps_jump.sweeps import Results, Say, Store, all_versions
 
 FULL_COLUMNS = "id type x y z vx vy vz fx fy fz omegax omegay omegaz radius mass"

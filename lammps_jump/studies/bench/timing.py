@@ -25,6 +25,7 @@ import pandas as pd
 from lammps_jump import Case
 from lammps_jump.analysis.draw.chart import Chart, Panel, Trace
 from lammps_jump.analysis.draw.style import drawn, save
+from lammps_jump.analysis.tables.markdown import Column, markdown
 from lammps_jump.engines import usable_kernels
 from lammps_jump.engines.native import run_native
 from lammps_jump.errors import SetupError
@@ -33,7 +34,6 @@ from lammps_jump.studies.cross_validation import trajectories
 from lammps_jump.studies.cross_validation.trajectories import CONTACT_STEPS
 from lammps_jump.studies.runs import KERNELS, in_turn, middle, run_frames
 from lammps_jump.studies.settings import SKINS
-from lammps_jump.studies.table import Column, markdown
 from lammps_jump.sweeps import Results, Say, Store, all_versions
 
 SIZES = (0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 8.0)

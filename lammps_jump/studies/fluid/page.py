@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from lammps_jump.analysis.draw.style import BLACK, BLUE, GOLD, GREY, RED, drawing, save
-from lammps_jump.studies.table import markdown
+from lammps_jump.analysis.tables.markdown import markdown, paragraphs
 
 from .discs import FluidDiscs
 from .flow import FlowScales
@@ -73,7 +73,7 @@ def text_of(found: Numbers, discs: FluidDiscs, flow: FlowScales) -> str:
         *_shear(summary, discs, flow),
         f"± is the 95 % interval of the mean over {summary['starts']} starts. The figure is fluid.png.",
     ]
-    return "\n\n".join(parts) + "\n"
+    return paragraphs(*parts)
 
 
 def _beside_water(summary: Numbers, discs: FluidDiscs, flow: FlowScales) -> str:

@@ -20,7 +20,8 @@ from lammps_jump.errors import CaseError
 from lammps_jump.files import write_json, write_text
 from lammps_jump.provenance import usable_cores
 from lammps_jump.studies.folder import held_folder
-from lammps_jump.sweeps import Pool, Say, Store, table
+from lammps_jump.sweeps import Pool, Say, Store
+from lammps_jump.sweeps.table import mean_of
 
 from . import page, shear, slosh, sound
 from .discs import FluidDiscs, discs_of
@@ -32,14 +33,6 @@ STARTS, QUICK_STARTS = 3, 2
 QUICK_NUMBERS = (0.3, 0.1, 0.03)
 COMPRESSIBLE = 0.2
 """Mach number above which the page calls a flow compressible."""
-
-
-def interval(values: list[float]) -> list[float]:
-    """Mean and half of its 95 % interval (Student); NaN values are left out."""
-    if not np.isfinite(np.asarray(values, float)).any():
-        return [nan, nan]
-    found = table.statistics(values, np.full(len(values), nan), 0.95)
-    return [found["mean"], found["high"] - found["mean"]]
 
 
 def shear_start(discs: FluidDiscs, pressure: float, seed: int, numbers: tuple[float, ...]) -> list[Numbers]:
@@ -63,7 +56,7 @@ def summary_of(sheared: list[list[Numbers]], sounds: list[Numbers], sloshes: lis
     common = min(map(len, sheared))
     if common < 3:
         raise CaseError("fluid: the discs expand under shear for ever: they are a gas, whose viscosity is not measured")
-    rows = [{name: interval([start[i][name] for start in sheared]) for name in sheared[0][i]} for i in range(common)]
+    rows = [{name: mean_of([start[i][name] for start in sheared]) for name in sheared[0][i]} for i in range(common)]
     both = ("inertial", "friction")
     columns = [np.array([[one[name] for one in start[:common]] for start in sheared]) for name in both]
     pooled = fit_friction(columns[0].ravel(), columns[1].ravel())
@@ -72,11 +65,11 @@ def summary_of(sheared: list[list[Numbers]], sounds: list[Numbers], sloshes: lis
     return {
         "starts": len(sheared),
         "shear": rows,
-        "static": interval([law.static for law in laws]),
-        "slope": interval([law.slope for law in laws]),
+        "static": mean_of([law.static for law in laws]),
+        "slope": mean_of([law.slope for law in laws]),
         "exponent": pooled.exponent,
-        "sound": {name: interval([one[name] for one in sounds]) for name in ("speed", "ratio", "packing")},
-        "slosh": {name: interval([_number(one[name]) for one in sloshes]) for name in names},
+        "sound": {name: mean_of([one[name] for one in sounds]) for name in ("speed", "ratio", "packing")},
+        "slosh": {name: mean_of([one[name] for one in sloshes]) for name in names},
         "swings": [{name: one[name] for name in ("times", "swing")} for one in sloshes],
     }
 

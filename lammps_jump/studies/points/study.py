@@ -7,11 +7,11 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+from lammps_jump.analysis.tables.markdown import paragraphs
 from lammps_jump.errors import CaseError, RunError
 from lammps_jump.files import plain
 from lammps_jump.provenance import usable_cores
 from lammps_jump.studies.folder import held_folder
-from lammps_jump.studies.table import paragraphs
 from lammps_jump.sweeps import Pool, Results, Say, Store
 
 from .find import STUDY_FILE, load_module, source_of

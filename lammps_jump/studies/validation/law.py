@@ -9,14 +9,13 @@ from math import isfinite, nan
 from pathlib import Path
 from typing import Literal
 
-import numpy as np
 from matplotlib.figure import Figure
 
 from lammps_jump.errors import CaseError
 from lammps_jump.studies.points import Found as Found
 from lammps_jump.studies.points import Point as Point
 from lammps_jump.studies.points.find import LAW_FILE, load_module, source_of
-from lammps_jump.sweeps.table import statistics
+from lammps_jump.sweeps.table import mean_of as mean_of
 
 LOOKED_UP, SECOND_HAND, DERIVED, MEASURED = "looked up", "second hand", "derived here", "measured by us"
 KINDS = (LOOKED_UP, SECOND_HAND, DERIVED, MEASURED)
@@ -116,13 +115,6 @@ class Law:
     figure: Callable[[Found], Figure]
     notes: tuple[str, ...] = ()
     table: Callable[[Found], Sequence[Sequence[str]]] | None = None
-
-
-def mean_of(values: Sequence[float]) -> tuple[float, float]:
-    """Mean over starts and half of its 95 % interval (Student's t); values that are NaN or None are left out."""
-    known = np.array([nan if value is None else value for value in values], float)
-    found = statistics(known, np.full(len(known), nan), 0.95)
-    return found["mean"], found["high"] - found["mean"]
 
 
 def around(value: float, share: float = 0.0, *, by: float = 0.0) -> tuple[float, float]:

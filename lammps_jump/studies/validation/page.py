@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from lammps_jump.analysis.report.page import Items, Mark, Section, Table, Text, picture, render
+from lammps_jump.analysis.tables.markdown import markdown, paragraphs
 from lammps_jump.files import write_text
-from lammps_jump.studies.table import markdown
 from lammps_jump.units import shown
 
 ABSENT = "—"
@@ -108,8 +108,7 @@ def summary_text(report: Data) -> str:
         for row in law["rows"]
     ]
     failed = [f"{name}: {text}" for name, law in report["laws"].items() for text in law["failures"]]
-    parts = [markdown(dict.fromkeys(titles, ""), rows), verdicts(report), *failed]
-    return "\n\n".join(part for part in parts if part)
+    return paragraphs(markdown(dict.fromkeys(titles, ""), rows), verdicts(report), *failed).rstrip()
 
 
 def write_page(report: Data, path: Path) -> Path:

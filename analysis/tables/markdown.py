@@ -1,14 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The tables of all studies in Markdown, made of records, and their view on a terminal."""
+"""Tables and pages of all studies in Markdown, made of records."""
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Iterable, Mapping
 from string import Formatter
 from typing import Any
-
-from lammps_jump.quoting import terminal_text
 
 Column = str | Callable[[Any], object]
 
@@ -63,18 +60,6 @@ def markdown(columns: Mapping[str, Column], rows: Iterable[Mapping[str, Any]]) -
 def paragraphs(*parts: str) -> str:
     """Return the page of a study in Markdown: its paragraphs and tables, without those that are empty."""
     return "\n\n".join(part for part in parts if part) + "\n"
-
-
-def show(text: str) -> None:
-    """Print Markdown: drawn by rich on a terminal, as it is in a file or a pipe. Its own escape sequences are shown."""
-    if not sys.stdout.isatty():
-        print(text)
-        return
-    from rich.console import Console  # 0.08 s
-    from rich.markdown import Markdown
-
-    console = Console(file=getattr(sys.stdout, "terminal", sys.stdout))
-    console.print(Markdown(terminal_text(text)))
 
 
 def percent(share: float | None) -> str:
