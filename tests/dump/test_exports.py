@@ -256,8 +256,8 @@ import os
 os.environ.pop("KMP_DUPLICATE_LIB_OK", None)
 before = dict(os.environ)
 import xarray
-from lammps_jump.dump.exports import _load_netcdf
-_load_netcdf()
+from lammps_jump.dump.exports import load_netcdf
+load_netcdf()
 assert os.environ == before, set(os.environ) - set(before)
 """
 
