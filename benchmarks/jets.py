@@ -18,15 +18,18 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from statistics import median
+from typing import Any
+
+import timed
 
 import lammps_jump as lj
 from lammps_jump.engines.lammps.drive import plugin_arguments
 from lammps_jump.engines.lammps.loader import load_lammps
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.engines.plugin import plugin_path
-from lammps_jump.errors import JumpError
 from lammps_jump.script import write_script
 
 CASE = Path(__file__).parent.parent / "inputs" / "stable_jump.yaml"
@@ -54,11 +57,14 @@ def case_of(before: lj.Run, variant: str) -> lj.Case:
 
 
 def write_folder(before: lj.Run, variant: str, folder: Path) -> None:
-    """The script of a variant; `steps` and `frames` are up to who plays it."""
+    """The script of a variant; who plays it says for how many steps."""
     write_script(case_of(before, variant).scene(), folder, kernel="compiled")
     if variant == "inlets":
         script = folder / "in.plugin.lammps"
-        script.write_text(re.sub(GROWTH, "", script.read_text()))
+        text, count = re.subn(GROWTH, "", script.read_text())
+        if count != 1:
+            raise lj.RunError(f"{script} has no line of sizes that can be left out")
+        script.write_text(text)
 
 
 def play(folder: Path, steps: int) -> dict[str, float]:
@@ -99,13 +105,10 @@ def play_native(before: lj.Run, variant: str, steps: int) -> dict[str, float]:
     return {"ns": 1e9 * took / steps / discs, "discs": discs}
 
 
-def child(words: list[str]) -> dict[str, float]:
+def child(room: Path, *words: object) -> dict[str, float]:
     """What this program prints in a process of its own."""
     quiet = {"OMP_NUM_THREADS": "1", "LAMMPS_JUMP_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
-    done = subprocess.run([sys.executable, __file__, *words], capture_output=True, text=True, env=os.environ | quiet)
-    if done.returncode:
-        raise lj.RunError(done.stderr[-2000:])
-    return json.loads(done.stdout.splitlines()[-1])
+    return json.loads(timed.ended([sys.executable, __file__, *words], room, **quiet)[1].splitlines()[-1])
 
 
 def siblings(room: Path) -> float:
@@ -124,18 +127,18 @@ def siblings(room: Path) -> float:
     return median(2.0 * wall(1) / wall(2) for _ in range(3))
 
 
-def measure(asked: argparse.Namespace, before: lj.Run, state: Path, room: Path) -> dict[str, list[dict[str, float]]]:
+def turns_of(asked: argparse.Namespace, before: lj.Run, state: Path, room: Path) -> dict[str, list[dict[str, float]]]:
     """What each turn of each variant gave."""
     found: dict[str, list[dict[str, float]]] = {}
     for variant in VARIANTS:
         write_folder(before, variant, room / variant)
-    steps = ["--steps", str(asked.steps)]
     for _ in range(asked.turns):
         for variant in VARIANTS:
-            found.setdefault(variant, []).append(child(["--play", str(room / variant), *steps]))
+            row = child(room, "--play", room / variant, "--steps", asked.steps)
+            found.setdefault(variant, []).append(row)
         for variant in ("box", "jet") if asked.native else ():
-            words = ["--play-native", variant, "--state", str(state), *steps]
-            found.setdefault(f"native {variant}", []).append(child(words))
+            row = child(room, "--play-native", variant, "--state", state, "--steps", asked.steps)
+            found.setdefault(f"native {variant}", []).append(row)
     return found
 
 
@@ -146,44 +149,32 @@ def row_of(name: str, turns: list[dict[str, float]], boxes: list[dict[str, float
     return {"variant": name, **middle, "ratio": median(ratios), "least": min(ratios), "most": max(ratios)}
 
 
-def main() -> int:
-    """Print a row for each variant; the exit status."""
+def measured(asked: argparse.Namespace) -> Iterator[dict[str, Any]]:
+    """Yield a row for each variant, and one for the machine; in a process of its own, that of one turn."""
+    if asked.play:
+        yield play(asked.play.resolve(), asked.steps)
+        return
+    with tempfile.TemporaryDirectory() as text:
+        room = Path(text)
+        state = (asked.state or room / "state").resolve()
+        if not (state / "summary.json").exists():
+            lj.load_case(CASE, {**LATER, "run.duration": BEGIN, "run.output_interval": 1.0}).run(state)
+        before = lj.open_run(state)
+        if asked.play_native:
+            yield play_native(before, asked.play_native, asked.steps)
+            return
+        found = turns_of(asked, before, state, room)
+        for name, turns in found.items():
+            yield row_of(name, turns, found["box"])
+        yield {"two_processes": siblings(room), "load": os.getloadavg()[0], "cores": os.cpu_count()}
+
+
+if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--turns", type=int, default=7)
     parser.add_argument("--steps", type=int, default=2200)
     parser.add_argument("--native", action="store_true", help="the native engine too")
     parser.add_argument("--state", type=Path, help="folder of the run to t = 8 s, made where it is not there")
-    parser.add_argument("--out", type=Path, help="folder for jets.json")
     parser.add_argument("--play", type=Path, help=argparse.SUPPRESS)
     parser.add_argument("--play-native", help=argparse.SUPPRESS)
-    asked = parser.parse_args()
-    if asked.play:
-        print(json.dumps(play(asked.play.resolve(), asked.steps)))
-        return 0
-    with tempfile.TemporaryDirectory() as text:
-        room = Path(text)
-        state = asked.state or room / "state"
-        if not (state / "summary.json").exists():
-            lj.load_case(CASE, {**LATER, "run.duration": BEGIN, "run.output_interval": 1.0}).run(state)
-        before = lj.open_run(state)
-        if asked.play_native:
-            print(json.dumps(play_native(before, asked.play_native, asked.steps)))
-            return 0
-        found = measure(asked, before, state, room)
-        rows = [row_of(name, turns, found["box"]) for name, turns in found.items()]
-        for row in rows:
-            print(json.dumps(row))
-        machine = {"two_processes": siblings(room), "load": os.getloadavg()[0], "cores": os.cpu_count()}
-        print(json.dumps(machine))
-    if asked.out:
-        asked.out.mkdir(parents=True, exist_ok=True)
-        (asked.out / "jets.json").write_text(json.dumps({"rows": rows, **machine}))
-    return 0
-
-
-if __name__ == "__main__":
-    try:
-        sys.exit(main())
-    except JumpError as error:
-        print(f"error: {error}", file=sys.stderr)
-        sys.exit(1)
+    sys.exit(timed.tell(parser, measured, "jets.json"))
