@@ -106,10 +106,8 @@
     });
   }
 
-  function drawPanel(figure, chart, panel, name, width, height, last) {
-    const values = legend(figure, panel), own = panel.x || last, below = own ? BELOW : GAP;
-    const label = [panel.y, panel.x || chart.x].join(", ") + ": " + panel.lines.map((line) => line.label).join(", ");
-    const svg = add(figure, "svg", { width, height: height + below, role: "img", "aria-label": label });
+  // where a panel stands in its figure and what its axes span: X and Y give the place of a value
+  function scales(chart, panel, width, height) {
     const known = (one) => one.lines.flatMap((line) => line.x.filter((x, i) => line.y[i] !== null));
     const xs = panel.x ? known(panel) : chart.panels.flatMap(known);
     const ys = panel.lines.filter((line) => !["faint", "dots"].includes(line.look) || panel.lines.length === 1)
@@ -117,7 +115,11 @@
     const first = chart.time && !panel.x ? Math.min(0, ...xs.filter((x) => x !== null)) : null;
     const [x0, x1] = range(xs, [panel.xlim[0] ?? first, panel.xlim[1]], 0), [y0, y1] = range(ys.concat(panel.levels.map(([, value]) => value)), panel.ylim, 0.05);
     const right = width - RIGHT, X = (x) => LEFT + (x - x0) / (x1 - x0) * (right - LEFT), Y = (y) => height - (y - y0) / (y1 - y0) * (height - TOP);
-    add(add(svg, "clipPath", { id: name }), "rect", { x: LEFT, y: TOP, width: right - LEFT, height: height - TOP });
+    return { x0, x1, y0, y1, right, height, X, Y };
+  }
+
+  function drawAxes(svg, chart, panel, at, own) {
+    const { x0, x1, y0, y1, right, height, X, Y } = at;
     if (chart.window && !panel.x) {
       const [from, to] = chart.window.map((x) => Math.min(right, Math.max(LEFT, X(x))));
       add(svg, "rect", { class: "stretch", x: from, y: TOP, width: to - from, height: height - TOP });
@@ -135,9 +137,10 @@
     panel.y.split("\n").forEach((part, i, all) => {
       add(svg, "text", { class: "name", transform: `translate(${(all.length > 1 ? 11 : 16) + 16 * i} ${middle}) rotate(-90)`, "text-anchor": "middle" }, part);
     });
-    const inside = add(svg, "g", { "clip-path": `url(#${name})` });
-    for (const solid of panel.solids) add(inside, "polygon", { class: "wall", points: solid.map(([x, y]) => X(x) + "," + Y(y)).join(" ") });
-    const taken = [], rows = [11, 25, 39, 53];
+  }
+
+  function drawLevels(svg, inside, panel, at) {
+    const { right, height, X, Y } = at, taken = [], rows = [11, 25, 39, 53];
     for (const [title, value] of panel.levels) {
       add(inside, "line", { class: "curve-line theory", x1: LEFT, x2: right, y1: Y(value), y2: Y(value) });
       const heights = Y(value) < TOP + 16 ? [14] : [-4, 14];
@@ -149,19 +152,33 @@
       const places = rows.flatMap((by) => [[4, "start"], [-4, "end"]].map(([side, anchor]) => ({ x: X(value) + side, y: TOP + by, "text-anchor": anchor })));
       putLabel(svg, {}, title, places, taken);
     }
-    for (const line of panel.lines) {
-      const parts = pieces(line.x, line.y);
-      if (["measured", "dots"].includes(line.look)) {
-        for (const [x, y] of parts.flat()) add(inside, "circle", { class: line.look, cx: X(x), cy: Y(y), r: line.look === "dots" ? 1 : 3.2 });
-        continue;
-      }
-      if (line.error) {
-        const band = pieces(line.x, line.y.map((y, i) => line.error[i] === null ? null : y));
-        const edges = band.map((part) => [...part.map(([x, y, i]) => [X(x), Y(y + 2 * line.error[i])]), ...part.reverse().map(([x, y, i]) => [X(x), Y(y - 2 * line.error[i])])]);
-        add(inside, "path", { class: "band " + line.look, d: path(edges) });
-      }
-      add(inside, "path", { class: "curve-line " + line.look, d: path(parts.map((part) => part.map(([x, y]) => [X(x), Y(y)]))) });
+  }
+
+  function drawLine(inside, line, { X, Y }) {
+    const parts = pieces(line.x, line.y);
+    if (["measured", "dots"].includes(line.look)) {
+      for (const [x, y] of parts.flat()) add(inside, "circle", { class: line.look, cx: X(x), cy: Y(y), r: line.look === "dots" ? 1 : 3.2 });
+      return;
     }
+    if (line.error) {
+      const band = pieces(line.x, line.y.map((y, i) => line.error[i] === null ? null : y));
+      const edges = band.map((part) => [...part.map(([x, y, i]) => [X(x), Y(y + 2 * line.error[i])]), ...part.reverse().map(([x, y, i]) => [X(x), Y(y - 2 * line.error[i])])]);
+      add(inside, "path", { class: "band " + line.look, d: path(edges) });
+    }
+    add(inside, "path", { class: "curve-line " + line.look, d: path(parts.map((part) => part.map(([x, y]) => [X(x), Y(y)]))) });
+  }
+
+  function drawPanel(figure, chart, panel, name, width, height, last) {
+    const values = legend(figure, panel), own = panel.x || last, below = own ? BELOW : GAP;
+    const label = [panel.y, panel.x || chart.x].join(", ") + ": " + panel.lines.map((line) => line.label).join(", ");
+    const svg = add(figure, "svg", { width, height: height + below, role: "img", "aria-label": label });
+    const at = scales(chart, panel, width, height), { x0, x1, right, X, Y } = at;
+    add(add(svg, "clipPath", { id: name }), "rect", { x: LEFT, y: TOP, width: right - LEFT, height: height - TOP });
+    drawAxes(svg, chart, panel, at, own);
+    const inside = add(svg, "g", { "clip-path": `url(#${name})` });
+    for (const solid of panel.solids) add(inside, "polygon", { class: "wall", points: solid.map(([x, y]) => X(x) + "," + Y(y)).join(" ") });
+    drawLevels(svg, inside, panel, at);
+    for (const line of panel.lines) drawLine(inside, line, at);
     const now = add(svg, "line", { class: "now", y1: TOP, y2: height, visibility: "hidden" });
     const cursor = add(svg, "line", { class: "cursor", y1: TOP, y2: height, visibility: "hidden" });
     const put = (line, x) => {
