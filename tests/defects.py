@@ -140,7 +140,7 @@ DEFECTS = [
     Defect("off by one", WALLS_CPP, "update->ntimestep < wall.until;", "update->ntimestep <= wall.until;",
            PLUGIN_TESTS),
     Defect("sign", WALLS_CPP, "* out.fy - (a.y", "* out.fy + (a.y", PLUGIN_TESTS),
-    Defect("sign", PAIR_CPP, "spin_two[c] = omega[j];", "spin_two[c] = -omega[j];", PLUGIN_TESTS),
+    Defect("sign", PAIR_CPP, "batch.spin[1][c] = omega[j];", "batch.spin[1][c] = -omega[j];", PLUGIN_TESTS),
     Defect("left out", FIX_CPP, "  if (own) end_steps();\n  own = false;", "  own = false;", ARRAY_TESTS),
     Defect("left out", FIX_CPP, "others_look || step == output->next || step", "others_look || step", ARRAY_TESTS),
     Defect("left out", PAIR_CPP, "if (sizes) radii[to] = radii[from];", "", "integration/test_threads.py"),

@@ -184,6 +184,8 @@ struct Choice {
   bool smooth = false;        // touch
   double slope = 0.0;         // of the sign law, s/m
   double time_step = 0.0;     // of springs, s; 0: they stay as they are
+
+  bool rubs() const { return tangential != NONE; }
 };
 
 /** Calls run(law) with this friction and a touch that is smooth or sharp. */
@@ -210,18 +212,27 @@ template <class Run> inline void with_slots(const Choice &choice, const Run &run
   }
 }
 
-/** Calls run(law, sizes, spin) with the law that is chosen and two integral constants; without friction nothing turns. */
+/** Calls run(sizes, spin) with two integral constants; without friction nothing turns. */
+template <class Run> inline void with_kind(const Choice &choice, bool sizes, bool spin, const Run &run)
+{
+  const auto sized = [&](auto turns) {
+    if (sizes) run(std::true_type{}, turns);
+    else run(std::false_type{}, turns);
+  };
+  if (spin && choice.rubs()) sized(std::true_type{});
+  else sized(std::false_type{});
+}
+
+/** Whether there are such contacts. */
+template <class Law, bool SPIN> constexpr bool IS_KIND = Law::Friction::RUBS || !SPIN;
+
+/** Calls run(law, sizes, spin) with the law that is chosen and the constants of `with_kind`. */
 template <class Run> inline void with_law(const Choice &choice, bool sizes, bool spin, const Run &run)
 {
   with_slots(choice, [&](const auto &law) {
-    const auto sized = [&](auto turns) {
-      if (sizes) run(law, std::true_type{}, turns);
-      else run(law, std::false_type{}, turns);
-    };
-    if constexpr (std::decay_t<decltype(law)>::Friction::RUBS) {
-      if (spin) return sized(std::true_type{});
-    }
-    sized(std::false_type{});
+    with_kind(choice, sizes, spin, [&](auto own_sizes, auto turns) {
+      if constexpr (IS_KIND<std::decay_t<decltype(law)>, decltype(turns)::value>) run(law, own_sizes, turns);
+    });
   });
 }
 

@@ -44,7 +44,7 @@ FixJumpStep::FixJumpStep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
       {"k_wall", &k}, {"gamma_wall", &gamma}, {"gammat_wall", &gamma_t}, {"mu_wall", &mu}};
   const std::map<std::string, int (FixJumpStep::*)(int, int, char **)> parts = {
       {"wall", &FixJumpStep::add_wall}, {"sizes", &FixJumpStep::add_pieces}, {"slots", &FixJumpStep::add_slots},
-      {"bodies", &FixJumpStep::add_corners}};
+      {"bodies", &FixJumpStep::add_corners}, {"contacts", &FixJumpStep::add_contacts}, {"probe", &FixJumpStep::add_probes}};
   while (a < narg) {
     const std::string key = arg[a];
     if (key == "gravity") {
@@ -59,22 +59,6 @@ FixJumpStep::FixJumpStep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
     } else if (key == "known" && a + 1 < narg) {
       known = utils::tnumeric(FLERR, arg[a + 1], false, lmp);
       a += 2;
-    } else if (key == "contacts") {
-      if (a + 2 >= narg) error->all(FLERR, "fix jump/step: contacts needs EVERY and FILE");
-      contacts_every = utils::inumeric(FLERR, arg[a + 1], false, lmp);
-      if (contacts_every < 1) error->all(FLERR, "fix jump/step: contacts every {} steps: must be above 0", contacts_every);
-      contacts_file = arg[a + 2];
-      a += 3;
-    } else if (key == "probe") {
-      if (a + 2 >= narg) error->all(FLERR, "fix jump/step: probe needs EVERY and a wall's name");
-      probe_every = utils::inumeric(FLERR, arg[a + 1], false, lmp);
-      if (probe_every < 1) error->all(FLERR, "fix jump/step: probe every {} steps: must be above 0", probe_every);
-      for (a += 2; a < narg; a++) {
-        auto found = std::find_if(walls.begin(), walls.end(), [&](const Wall &w) { return w.name == arg[a]; });
-        if (found == walls.end()) error->all(FLERR, "fix jump/step: probe of an unknown wall '{}'", arg[a]);
-        found->probe = (int) probed.size();
-        probed.push_back((int) (found - walls.begin()));
-      }
     } else {
       error->all(FLERR, "fix jump/step: unknown keyword '{}'", key);
     }
@@ -98,6 +82,31 @@ FixJumpStep::FixJumpStep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
   size_vector = (int) window.size() + places;
   vector_flag = size_vector > 0;
   extscalar = extvector = 0;
+}
+
+/** How often contacts are written, and where. */
+int FixJumpStep::add_contacts(int a, int narg, char **arg)
+{
+  if (a + 1 >= narg) error->all(FLERR, "fix jump/step: contacts needs EVERY and FILE");
+  contacts_every = utils::inumeric(FLERR, arg[a], false, lmp);
+  if (contacts_every < 1) error->all(FLERR, "fix jump/step: contacts every {} steps: must be above 0", contacts_every);
+  contacts_file = arg[a + 1];
+  return a + 2;
+}
+
+/** Walls whose forces are summed: the rest of the words. */
+int FixJumpStep::add_probes(int a, int narg, char **arg)
+{
+  if (a + 1 >= narg) error->all(FLERR, "fix jump/step: probe needs EVERY and a wall's name");
+  probe_every = utils::inumeric(FLERR, arg[a], false, lmp);
+  if (probe_every < 1) error->all(FLERR, "fix jump/step: probe every {} steps: must be above 0", probe_every);
+  for (a++; a < narg; a++) {
+    auto found = std::find_if(walls.begin(), walls.end(), [&](const Wall &w) { return w.name == arg[a]; });
+    if (found == walls.end()) error->all(FLERR, "fix jump/step: probe of an unknown wall '{}'", arg[a]);
+    found->probe = (int) probed.size();
+    probed.push_back((int) (found - walls.begin()));
+  }
+  return a;
 }
 
 int FixJumpStep::add_pieces(int a, int narg, char **arg)

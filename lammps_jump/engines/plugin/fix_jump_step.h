@@ -178,6 +178,8 @@ class FixJumpStep : public Fix {
   jump::Face face_of(const Wall &, int, int, char **) const;
   int add_pieces(int, int, char **);
   int add_slots(int, int, char **);
+  int add_contacts(int, int, char **);
+  int add_probes(int, int, char **);
   void number_chains(Wall &);
   double diameter_of(tagint) const;
   double spin_rate(int) const;
@@ -219,9 +221,9 @@ class FixJumpStep : public Fix {
   void turn_discs(const int *, int, int);
   void write_contacts();
   void push(Wall &);
-  template <bool SIZES, bool SPIN, class Law> void push(Wall &, const Law &);
-  template <bool SIZES, bool SPIN, class Law> void push(const Wall &, const Law &, int, double *);
-  template <bool SIZES, bool SPIN, class Law>
+  template <class Law> void push(Wall &, const Law &);
+  template <class Law> void push(const Wall &, const Law &, int, double *);
+  template <class Law>
   void touch(const Wall &, const Law &, int, const jump::FaceContact &, double, double, double *);
 };
 

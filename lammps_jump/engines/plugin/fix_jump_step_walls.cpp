@@ -202,17 +202,22 @@ void FixJumpStep::find_near()
   if (bodies.there) find_corners();
 }
 
-/** Force of a contact on a disc and on the wall; (x, y): the disc in the wall's own frame. */
-template <bool SIZES, bool SPIN, class Law>
+/** Force of a contact on a disc and on the wall; (x, y): the disc in the wall's own frame.
+
+    Sizes and spins are looked at here: contacts with walls are few, and compiled once for each law. */
+template <class Law>
 void FixJumpStep::touch(const Wall &wall, const Law &law, int i, const jump::FaceContact &where, double x, double y,
                         double *on_wall)
 {
   const auto &a = pair->disc[i];
-  auto at = wall.in_place().at(where, a.x, a.y, pair->radius_of(i), a.vx, a.vy, SPIN ? pair->spins[i] : 0.0);
-  if (SIZES && wall.motion.bulk > 0.0)
+  const bool spins = Law::Friction::RUBS && pair->spin;
+  auto at = wall.in_place().at(where, a.x, a.y, pair->radius_of(i), a.vx, a.vy, spins ? pair->spins[i] : 0.0);
+  if (!spins) at.turns = 0.0;
+  if (!pair->sizes) at.size = 1.0;    // the dashpot is that of equal discs
+  else if (wall.motion.bulk > 0.0)
     at.size = jump::pair_size(pair->is_fixed(i) ? jump::HUGE_RADIUS : at.radius, wall.motion.bulk);
-  const jump::WallForce<double> out = jump::wall_contact<SIZES, SPIN>(law, jump::numbers_of(wall.law.of, 0.0), at,
-                                                                      AtomWallMemory(*this, wall, i, (int) where.face, x, y));
+  const jump::WallForce<double> out = jump::wall_contact<true, true>(law, jump::numbers_of(wall.law.of, 0.0), at,
+                                                                     AtomWallMemory(*this, wall, i, (int) where.face, x, y));
   const double to = wall.in_place().arm(at.gap, at.radius), to_x = to * at.nx, to_y = to * at.ny;
   if (pair->record) {
     pair->record->push_back({(int32_t) pair->tags[i], (int32_t) (-1 - (&wall - walls.data())), (float) (a.x - to_x),
@@ -222,7 +227,7 @@ void FixJumpStep::touch(const Wall &wall, const Law &law, int i, const jump::Fac
   double *const f = &pair->pushes[2 * i];
   f[0] += out.fx;
   f[1] += out.fy;
-  if constexpr (SPIN) pair->turns[i] += out.torque;
+  if (spins) pair->turns[i] += out.torque;
   const auto &motion = wall.motion;
   const double x0 = motion.moves ? motion.cx + motion.placed.now.x : wall.x0;
   const double y0 = motion.moves ? motion.cy + motion.placed.now.y : wall.y0;
@@ -233,7 +238,7 @@ void FixJumpStep::touch(const Wall &wall, const Law &law, int i, const jump::Fac
 }
 
 /** Forces of a wall on its discs, or on those of one part (from 0), and the sums on the wall. */
-template <bool SIZES, bool SPIN, class Law>
+template <class Law>
 void FixJumpStep::push(const Wall &wall, const Law &law, int part, double *on_wall)
 {
   const auto *const disc = pair->disc.data();
@@ -256,16 +261,16 @@ void FixJumpStep::push(const Wall &wall, const Law &law, int part, double *on_wa
       const jump::FaceContact line = view.faces.on_line(only, x, y);
       if (line.gap >= radius) continue;
       if (line.gap > 0.0 && !face.is_before(x, y) && !face.is_behind(x, y)) {
-        touch<SIZES, SPIN>(wall, law, i, line, x, y, on_wall);
+        touch(wall, law, i, line, x, y, on_wall);
         continue;
       }
     }
     const int contacts = view.faces.touching(listed, count, x, y, radius, found);
-    for (int c = 0; c < contacts; c++) touch<SIZES, SPIN>(wall, law, i, found[c], x, y, on_wall);
+    for (int c = 0; c < contacts; c++) touch(wall, law, i, found[c], x, y, on_wall);
   }
 }
 
-template <bool SIZES, bool SPIN, class Law> void FixJumpStep::push(Wall &wall, const Law &law)
+template <class Law> void FixJumpStep::push(Wall &wall, const Law &law)
 {
   double on_wall[4] = {0.0, 0.0, 0.0, 0.0};
   const bool sums = wall.probe >= 0 || wall.motion.is_lid || pair->record;    // in the order of the discs
@@ -274,11 +279,11 @@ template <bool SIZES, bool SPIN, class Law> void FixJumpStep::push(Wall &wall, c
   if (parts > 0) {
     pair->team.run(parts, [&](int part) {
       double of_part[4] = {0.0, 0.0, 0.0, 0.0};
-      push<SIZES, SPIN>(wall, law, part, of_part);
+      push(wall, law, part, of_part);
     });
     return;
   }
-  push<SIZES, SPIN>(wall, law, -1, on_wall);
+  push(wall, law, -1, on_wall);
   if (pair->record) return;    // the forces of this step are summed already
   wall.motion.pushed.force[0] = on_wall[0];
   wall.motion.pushed.force[1] = on_wall[1];
@@ -296,9 +301,7 @@ void FixJumpStep::push(Wall &wall)
   auto &choice = wall.law.choice;
   choice.slope = jump::sign_slope(pair->largest_speed);
   choice.time_step = pair->slots.grows ? update->dt : 0.0;
-  jump::with_law(choice, pair->sizes, pair->spin, [&](const auto &law, auto own_sizes, auto turns) {
-    push<own_sizes.value, turns.value>(wall, law);
-  });
+  jump::with_slots(choice, [&](const auto &law) { push(wall, law); });
 }
 
 /** Put the contacts of all ranks into the file, with the forces of this step. */

@@ -86,6 +86,14 @@ void PairJumpDisc::settings(int narg, char **arg)
                  "smooth, spin, sizes, springs, rolling, fixed and further numbers of core/law.h", key);
     }
   }
+  require_sound_settings();
+  if (!sizes) smallest = largest = diameter;
+  law = {told, 0.5 * mass, sizes ? jump::pair_size(0.5 * diameter, 0.5 * diameter) : 1.0, sign, springs};
+}
+
+/** Refuse numbers of the words that do not go together. */
+void PairJumpDisc::require_sound_settings() const
+{
   if (!(told.stiffness > 0.0) || !(mass > 0.0) || !(diameter > 0.0) || !(skin > 0.0))
     error->all(FLERR, "pair_style jump/disc needs k, mass, diameter and skin, and they must be above 0");
 #define JUMP_CHECK(name) if (told.name < 0.0) error->all(FLERR, "pair_style jump/disc: " #name " must not be negative");
@@ -94,9 +102,7 @@ void PairJumpDisc::settings(int narg, char **arg)
   if (sizes && !(0.0 < smallest && smallest <= largest))
     error->all(FLERR, "pair_style jump/disc: sizes are the smallest and the largest diameter, both above 0");
   if (any_fixed() && !sizes) error->all(FLERR, "pair_style jump/disc: fixed needs sizes");
-  if (!sizes) smallest = largest = diameter;
   if (springs && told.touch > 0.0) error->all(FLERR, "pair_style jump/disc: the law history has no smooth touch");
-  law = {told, 0.5 * mass, sizes ? jump::pair_size(0.5 * diameter, 0.5 * diameter) : 1.0, sign, springs};
 }
 
 void PairJumpDisc::coeff(int narg, char **arg)

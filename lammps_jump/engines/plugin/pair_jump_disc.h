@@ -25,8 +25,6 @@
 #ifndef LMP_PAIR_JUMP_DISC_H
 #define LMP_PAIR_JUMP_DISC_H
 
-#include "lanes.h"    // before the core: its templates take vectors
-
 #include "disc_law.h"
 #include "disc_slots.h"
 #include "halo.h"
@@ -107,9 +105,14 @@ class PairJumpDisc : public Pair {
   std::vector<std::vector<int>> found_first, found_second;    // pairs of each thread, while the list is built
   std::vector<int> first_across, second_across;    // pairs across a cut, while the list is built
 
+  void require_sound_settings() const;
   void pack();
   void check_discs(int, int);
   bool keeps_order() const;
+  struct DiscBox {
+    double xlo, xhi, ylo, yhi;
+  };
+  DiscBox box_around(int, double) const;
   void build_list();
   size_t find_pairs(int, int);
   template <bool SIZES> size_t find_pairs(int, int, int, std::vector<int> &, std::vector<int> &) const;
@@ -140,6 +143,8 @@ class PairJumpDisc : public Pair {
     int copies = 0;                    // the first copy
     std::vector<Late> late[2];         // with springs: at the cuts before and behind the part
   };
+  struct ContactBatch;
+  static constexpr int BATCH = 256;    // contacts evaluated together: their arrays stay in the first-level cache
   static constexpr int LOCKS = 64;
   static constexpr int DISCS_A_LINE = 4;    // of memory, of pushes
   static constexpr int FLAT = 28;           // columns a row from which on parts are of columns (measured)
@@ -160,7 +165,11 @@ class PairJumpDisc : public Pair {
   void fill(PairPart &, int);
   void take_copies(const PairPart &);
   void evaluate_list(size_t, size_t, PairPart *);
-  template <bool SIZES, bool SPIN, class Law> void evaluate_list(const Law &, size_t, size_t, PairPart *);
+  template <bool SIZES, bool SPIN, bool MEMORY> void evaluate_list(size_t, size_t, PairPart *);
+  template <bool SIZES, bool SPIN, bool MEMORY> void gather(ContactBatch &, const PairPart *);
+  template <bool SPIN> void recall(ContactBatch &, int, bool, const PairPart *);
+  template <bool SPIN> void remember(const ContactBatch &) const;
+  template <bool SPIN, bool MEMORY> void scatter(const ContactBatch &, PairPart *);
   void add(PairPart &, int, int, const double *, double, double);
   void add_late();
   double *remembered(int, int, const PairPart *);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /* The forces of pair_style jump/disc, and what is summed over its pairs (what it is: pair_jump_disc.h). */
 
+#include "lanes.h"    // before the core: its templates take vectors
+
 #include "pair_jump_disc.h"
 
 #include "atom.h"
@@ -22,11 +24,103 @@ using jump::spread;
 namespace {
 typedef double Vec2 __attribute__((vector_size(16), aligned(8), may_alias));
 constexpr size_t FEW_PAIRS = 512;    // for a thread of its own
-constexpr int BATCH = 256;    // contacts evaluated together: their arrays stay in the first-level cache
-
 /** As many numbers as a vector has, from an aligned place. */
 inline Lanes &lanes(double *from) { return *reinterpret_cast<Lanes *>(from); }
+
+inline Four apart(const PairJumpDisc::PackedDisc &a, const PairJumpDisc::PackedDisc &b)
+{
+  return *reinterpret_cast<const Four *>(&a) - *reinterpret_cast<const Four *>(&b);
+}
 }    // namespace
+
+/** Contacts that are evaluated together. Their forces alone are compiled for each kind of contact. */
+struct PairJumpDisc::ContactBatch {
+  int n = 0;                                  // of contacts
+  bool stays;                                 // some discs are fixed, and have a bulk
+  int one[BATCH + 4], two[BATCH + 4];         // their discs
+  alignas(64) double between[BATCH][4];       // place and velocity of the first against the second
+  alignas(64) double force[BATCH][2];         // on the first
+  alignas(64) double spin[2][BATCH], moment[2][BATCH], radius[2][BATCH], bulk[2][BATCH];
+  alignas(64) double slide[BATCH], roll[BATCH];
+  double *springs[2][BATCH];                  // where the two discs remember them, or null
+
+  template <bool SIZES> void find(const PackedDisc *, const double *, double, const int *, const int *, size_t, size_t);
+  template <bool SIZES, bool SPIN, class Law> void evaluate(const Law &, const jump::Numbers<Lanes> &);
+};
+
+/** Those of the pairs first[from] second[from] to `to` that touch. */
+template <bool SIZES>
+inline void PairJumpDisc::ContactBatch::find(const PackedDisc *__restrict at, const double *__restrict radii, double diameter,
+                               const int *__restrict first, const int *__restrict second, size_t from, size_t to)
+{
+  const auto reach = [&](size_t p) { return SIZES ? radii[first[p]] + radii[second[p]] : diameter; };
+  const auto apart = [&](size_t p) { return ::apart(at[first[p]], at[second[p]]); };
+  int found = 0;
+  // without a branch, which would be guessed wrong often; the last ones, and all of them without AVX, one at a time
+  size_t p = from;
+  for (; jump::HAS_FOUR && p + 4 <= to; p += 4) {
+    Four a = apart(p), b = apart(p + 1), c = apart(p + 2), d = apart(p + 3);
+    a *= a, b *= b, c *= c, d *= d;
+    const Four ab = JUMP_PICK(a, b, 0, 4, 2, 6) + JUMP_PICK(a, b, 1, 5, 3, 7);
+    const Four cd = JUMP_PICK(c, d, 0, 4, 2, 6) + JUMP_PICK(c, d, 1, 5, 3, 7);
+    const Four reaches = {reach(p), reach(p + 1), reach(p + 2), reach(p + 3)};
+    const int mask = jump::bits(JUMP_PICK(ab, cd, 0, 1, 4, 5) < reaches * reaches);
+    *reinterpret_cast<FourInts *>(one + found) = jump::first_of(four(first + p), mask);
+    *reinterpret_cast<FourInts *>(two + found) = jump::first_of(four(second + p), mask);
+    found += __builtin_popcount(mask);
+  }
+  for (; p < to; p++) {
+    const Four a = apart(p);
+    one[found] = first[p];
+    two[found] = second[p];
+    found += a[0] * a[0] + a[1] * a[1] < reach(p) * reach(p);
+  }
+  n = found;
+}
+
+/** Forces and moments of the contacts, in whole vectors. */
+template <bool SIZES, bool SPIN, class Law>
+__attribute__((noinline)) void PairJumpDisc::ContactBatch::evaluate(const Law &rule, const jump::Numbers<Lanes> &of)
+{
+  constexpr bool SPRINGS = Law::Friction::REMEMBERS;
+  const int count = n;
+  const bool heavy = stays;
+  for (int c = 0; c < count; c += LANES) {
+    Lanes gap[4];
+    jump::columns(between + c, gap);
+    jump::Pair<Lanes> pair;
+    pair.dx = gap[0];
+    pair.dy = gap[1];
+    pair.vx = gap[2];
+    pair.vy = gap[3];
+    pair.apart2 = pair.dx * pair.dx + pair.dy * pair.dy;
+    pair.a = SIZES ? lanes(radius[0] + c) : spread(radius[0][0], Lanes{});
+    pair.b = SIZES ? lanes(radius[1] + c) : pair.a;
+    if constexpr (SIZES) {
+      pair.bulk_a = heavy ? lanes(bulk[0] + c) : pair.a;
+      pair.bulk_b = heavy ? lanes(bulk[1] + c) : pair.b;
+    }
+    if constexpr (SPIN) {
+      pair.spin_a = lanes(spin[0] + c);
+      pair.spin_b = lanes(spin[1] + c);
+    }
+    jump::Stretch<Lanes> held{};
+    if constexpr (SPRINGS) {
+      held.slide = lanes(slide + c);
+      if constexpr (SPIN) held.roll = lanes(roll + c);
+    }
+    const auto out = jump::pair_contact<SIZES, SPIN>(rule, of, pair, held);
+    jump::rows_of_two(out.fx, out.fy, force + c);
+    if constexpr (SPRINGS) {
+      lanes(slide + c) = held.slide;
+      if constexpr (SPIN) lanes(roll + c) = held.roll;
+    }
+    if constexpr (SPIN) {
+      lanes(moment[0] + c) = out.on_a;
+      lanes(moment[1] + c) = out.on_b;
+    }
+  }
+}
 
 double PairJumpDisc::largest_squared_speed() const
 {
@@ -139,160 +233,122 @@ void PairJumpDisc::add_late()
   }
 }
 
-/** Forces of the pairs from one place to another in the list, or in a part of it. */
-template <bool SIZES, bool SPIN, class Law>
-void PairJumpDisc::evaluate_list(const Law &rule, size_t from, size_t to, PairPart *part)
+/** Take the springs of a pair: those of the disc with the larger id, where both have them those of the first. */
+template <bool SPIN> inline void PairJumpDisc::recall(ContactBatch &batch, int c, bool both, const PairPart *part)
+{
+  const int i = batch.one[c], j = batch.two[c];
+  const bool larger = tags[i] > tags[j];
+  double *const of_one = both || larger ? remembered(i, j, part) : nullptr;
+  double *const of_two = j < atom->nlocal && (both || !larger) ? remembered(j, i, part) : nullptr;
+  const double *const held = of_one ? of_one : of_two;
+  batch.springs[0][c] = of_one;
+  batch.springs[1][c] = of_two;
+  batch.slide[c] = held ? *held : 0.0;
+  if constexpr (SPIN)    // of disc i against disc j
+    batch.roll[c] = !held ? 0.0 : of_one ? held[slots.number] : -held[slots.number];
+}
+
+/** Take what the forces of a batch need of its discs. */
+template <bool SIZES, bool SPIN, bool MEMORY> inline void PairJumpDisc::gather(ContactBatch &batch, const PairPart *part)
 {
   const PackedDisc *const __restrict at = disc.data();
-  const int *const __restrict one = part ? part->first.data() : first.data();
-  const int *const __restrict two = part ? part->second.data() : second.data();
-  const double *const __restrict own_radius = radii.data();
-  const int nlocal = atom->nlocal;
+  const double *const __restrict omega = spins.data(), *const __restrict own = radii.data(), *const __restrict heavy = bulk.data();
+  const int n = batch.n, whole = (n + LANES - 1) / LANES * LANES;
   const double radius = 0.5 * diameter;
-  double *const __restrict f = pushes.data();
-  double *const __restrict torque = turns.data();
-  const double *const __restrict omega = spins.data();
-  const jump::Numbers<Lanes> of = jump::numbers_of(law.of, Lanes{});
-
-  // a batch of candidates at a time: differences of those that touch, then their forces, then the sums
-  alignas(64) double between[BATCH][4];
-  alignas(64) double force_on[BATCH][2];
-  constexpr bool SPRINGS = Law::Friction::REMEMBERS;
-  alignas(64) double spin_one[SPIN ? BATCH : 1], spin_two[SPIN ? BATCH : 1], on_one[SPIN ? BATCH : 1], on_two[SPIN ? BATCH : 1];
-  alignas(64) double radius_one[SIZES ? BATCH : 1], radius_two[SIZES ? BATCH : 1];
-  alignas(64) double bulk_one[SIZES ? BATCH : 1], bulk_two[SIZES ? BATCH : 1];
-  alignas(64) double stretch[SPRINGS ? BATCH : 1], bent[SPRINGS ? BATCH : 1];
-  double *of_one[SPRINGS ? BATCH : 1], *of_two[SPRINGS ? BATCH : 1];    // springs of the two discs, or null
-  const bool both = ring.is_needed(), stays = any_fixed();
-  const double *const __restrict own_bulk = bulk.data();
-  int i_of[BATCH + 4], j_of[BATCH + 4];    // discs of the pairs that touch
-  for (size_t begin = from; begin < to; begin += BATCH) {
-    const size_t end = begin + BATCH < to ? begin + BATCH : to;
-    int n = 0;
-    const auto apart = [&](int i, int j) {
-      return *reinterpret_cast<const Four *>(&at[i]) - *reinterpret_cast<const Four *>(&at[j]);
-    };
-    const auto reach = [&](size_t p) { return SIZES ? own_radius[one[p]] + own_radius[two[p]] : diameter; };
-    // without a branch, which would be guessed wrong often; the last ones, and all of them without AVX, one at a time
-    size_t p = begin;
-    for (; jump::HAS_FOUR && p + 4 <= end; p += 4) {
-      Four a = apart(one[p], two[p]), b = apart(one[p + 1], two[p + 1]), c = apart(one[p + 2], two[p + 2]),
-           d = apart(one[p + 3], two[p + 3]);
-      a *= a, b *= b, c *= c, d *= d;
-      const Four ab = JUMP_PICK(a, b, 0, 4, 2, 6) + JUMP_PICK(a, b, 1, 5, 3, 7);
-      const Four cd = JUMP_PICK(c, d, 0, 4, 2, 6) + JUMP_PICK(c, d, 1, 5, 3, 7);
-      const Four reaches = {reach(p), reach(p + 1), reach(p + 2), reach(p + 3)};
-      const int mask = jump::bits(JUMP_PICK(ab, cd, 0, 1, 4, 5) < reaches * reaches);
-      *reinterpret_cast<FourInts *>(i_of + n) = jump::first_of(four(one + p), mask);
-      *reinterpret_cast<FourInts *>(j_of + n) = jump::first_of(four(two + p), mask);
-      n += __builtin_popcount(mask);
+  const bool stays = batch.stays, both = MEMORY && ring.is_needed();
+  for (int c = 0; c < n; c++) {
+    const int i = batch.one[c], j = batch.two[c];
+    *reinterpret_cast<Four *>(batch.between[c]) = apart(at[i], at[j]);
+    if constexpr (SPIN) {
+      batch.spin[0][c] = omega[i];
+      batch.spin[1][c] = omega[j];
     }
-    for (; p < end; p++) {
-      const Four a = apart(one[p], two[p]);
-      i_of[n] = one[p];
-      j_of[n] = two[p];
-      n += a[0] * a[0] + a[1] * a[1] < reach(p) * reach(p);
-    }
-    for (int c = 0; c < n; c++) {
-      const int i = i_of[c], j = j_of[c];
-      *reinterpret_cast<Four *>(between[c]) = apart(i, j);
-      if constexpr (SPIN) {
-        spin_one[c] = omega[i];
-        spin_two[c] = omega[j];
-      }
-      if (SIZES) {
-        radius_one[c] = own_radius[i];
-        radius_two[c] = own_radius[j];
-        if (stays) {
-          bulk_one[c] = own_bulk[i];
-          bulk_two[c] = own_bulk[j];
-        }
-      }
-      if constexpr (SPRINGS) {
-        const bool larger = tags[i] > tags[j];
-        of_one[c] = both || larger ? remembered(i, j, part) : nullptr;
-        of_two[c] = j < nlocal && (both || !larger) ? remembered(j, i, part) : nullptr;
-        const double *const held = of_one[c] ? of_one[c] : of_two[c];
-        stretch[c] = held ? *held : 0.0;
-        if constexpr (SPIN)    // of disc i against disc j
-          bent[c] = !held ? 0.0 : of_one[c] ? held[slots.number] : -held[slots.number];
+    if constexpr (SIZES) {
+      batch.radius[0][c] = own[i];
+      batch.radius[1][c] = own[j];
+      if (stays) {
+        batch.bulk[0][c] = heavy[i];
+        batch.bulk[1][c] = heavy[j];
       }
     }
-    // whole vectors only: the rest of the last one is filled with a contact that nobody reads
-    const int whole = (n + LANES - 1) / LANES * LANES;
-    for (int c = n; c < whole; c++) {
-      between[c][0] = between[c][1] = 0.5 * diameter;
-      between[c][2] = between[c][3] = 0.0;
-      if constexpr (SPIN) spin_one[c] = spin_two[c] = 0.0;
-      if (SIZES) radius_one[c] = radius_two[c] = bulk_one[c] = bulk_two[c] = radius;
-      if constexpr (SPRINGS) stretch[c] = bent[c] = 0.0;
-    }
-    for (int c = 0; c < whole; c += LANES) {
-      Lanes gap[4];
-      jump::columns(between + c, gap);
-      jump::Pair<Lanes> pair;
-      pair.dx = gap[0];
-      pair.dy = gap[1];
-      pair.vx = gap[2];
-      pair.vy = gap[3];
-      pair.apart2 = pair.dx * pair.dx + pair.dy * pair.dy;
-      if constexpr (SIZES) {
-        pair.a = lanes(radius_one + c);
-        pair.b = lanes(radius_two + c);
-        pair.bulk_a = stays ? lanes(bulk_one + c) : pair.a;
-        pair.bulk_b = stays ? lanes(bulk_two + c) : pair.b;
-      } else {
-        pair.a = pair.b = spread(radius, Lanes{});
-      }
-      if constexpr (SPIN) {
-        pair.spin_a = lanes(spin_one + c);
-        pair.spin_b = lanes(spin_two + c);
-      }
-      jump::Stretch<Lanes> held{};
-      if constexpr (SPRINGS) {
-        held.slide = lanes(stretch + c);
-        if constexpr (SPIN) held.roll = lanes(bent + c);
-      }
-      const auto out = jump::pair_contact<SIZES, SPIN>(rule, of, pair, held);
-      jump::rows_of_two(out.fx, out.fy, force_on + c);
-      if constexpr (SPRINGS) {
-        lanes(stretch + c) = held.slide;
-        if constexpr (SPIN) lanes(bent + c) = held.roll;
-      }
-      if constexpr (SPIN) {
-        lanes(on_one + c) = out.on_a;
-        lanes(on_two + c) = out.on_b;
-      }
-    }
-    if constexpr (SPRINGS)
-      if (rule.tangential.time_step > 0.0)
-        for (int c = 0; c < n; c++) {
-          if (of_one[c]) of_one[c][0] = stretch[c];
-          if (of_two[c]) of_two[c][0] = stretch[c];
-          if constexpr (SPIN) {
-            if (of_one[c]) of_one[c][slots.number] = bent[c];
-            if (of_two[c]) of_two[c][slots.number] = -bent[c];
-          }
-        }
-    if (record) {
-      for (int c = 0; c < n; c++) note(i_of[c], j_of[c], force_on[c]);
-      continue;
-    }
-    for (int c = 0; c < n; c++) {
-      const int i = i_of[c], j = j_of[c];
-      const Vec2 push = *reinterpret_cast<const Vec2 *>(force_on[c]);
-      if (SPRINGS && part && (beside[i] || beside[j])) {
-        add(*part, i, j, force_on[c], SPIN ? on_one[c] : 0.0, SPIN ? on_two[c] : 0.0);
-        continue;
-      }
-      *reinterpret_cast<Vec2 *>(f + 2 * i) += push;
-      if constexpr (SPIN) torque[i] += on_one[c];
-      if (j < nlocal) {
-        *reinterpret_cast<Vec2 *>(f + 2 * j) -= push;
-        if constexpr (SPIN) torque[j] += on_two[c];
-      }
+    if constexpr (MEMORY) recall<SPIN>(batch, c, both, part);
+  }
+  for (int c = n; c < whole; c++) {    // the rest of the last vector is filled with a contact that nobody reads
+    batch.between[c][0] = batch.between[c][1] = radius;
+    batch.between[c][2] = batch.between[c][3] = batch.slide[c] = batch.roll[c] = 0.0;
+    for (int side = 0; side < 2; side++) {
+      batch.spin[side][c] = 0.0;
+      batch.radius[side][c] = batch.bulk[side][c] = radius;
     }
   }
+}
+
+/** Put the springs of a batch back, as they go on. */
+template <bool SPIN> inline void PairJumpDisc::remember(const ContactBatch &batch) const
+{
+  for (int c = 0; c < batch.n; c++)
+    for (int side = 0; side < 2; side++) {
+      double *const to = batch.springs[side][c];
+      if (!to) continue;
+      to[0] = batch.slide[c];
+      if constexpr (SPIN) to[slots.number] = side == 0 ? batch.roll[c] : -batch.roll[c];
+    }
+}
+
+/** Add the forces of a batch to its discs. */
+template <bool SPIN, bool MEMORY> inline void PairJumpDisc::scatter(const ContactBatch &batch, PairPart *part)
+{
+  const int n = batch.n, nlocal = atom->nlocal;
+  if (record) {
+    for (int c = 0; c < n; c++) note(batch.one[c], batch.two[c], batch.force[c]);
+    return;
+  }
+  if (MEMORY && part) {
+    for (int c = 0; c < n; c++)
+      add(*part, batch.one[c], batch.two[c], batch.force[c], SPIN ? batch.moment[0][c] : 0.0, SPIN ? batch.moment[1][c] : 0.0);
+    return;
+  }
+  double *const __restrict f = pushes.data();
+  double *const __restrict torque = turns.data();
+  for (int c = 0; c < n; c++) {
+    const int i = batch.one[c], j = batch.two[c];
+    const Vec2 push = *reinterpret_cast<const Vec2 *>(batch.force[c]);
+    *reinterpret_cast<Vec2 *>(f + 2 * i) += push;
+    if constexpr (SPIN) torque[i] += batch.moment[0][c];
+    if (j < nlocal) {
+      *reinterpret_cast<Vec2 *>(f + 2 * j) -= push;
+      if constexpr (SPIN) torque[j] += batch.moment[1][c];
+    }
+  }
+}
+
+/** Forces of the pairs from one place to another in the list, or in a part of it. */
+template <bool SIZES, bool SPIN, bool MEMORY> void PairJumpDisc::evaluate_list(size_t from, size_t to, PairPart *part)
+{
+  const int *const one = part ? part->first.data() : first.data(), *const two = part ? part->second.data() : second.data();
+  const jump::Numbers<Lanes> of = jump::numbers_of(law.of, Lanes{});
+  ContactBatch batch;
+  batch.stays = any_fixed();
+  batch.radius[0][0] = 0.5 * diameter;
+  for (size_t begin = from; begin < to; begin += BATCH) {
+    batch.find<SIZES>(disc.data(), radii.data(), diameter, one, two, begin, std::min(begin + BATCH, to));
+    gather<SIZES, SPIN, MEMORY>(batch, part);
+    jump::with_slots(law.choice, [&](const auto &rule) {
+      using Law = std::decay_t<decltype(rule)>;
+      if constexpr (jump::IS_KIND<Law, SPIN> && Law::Friction::REMEMBERS == MEMORY) batch.evaluate<SIZES, SPIN>(rule, of);
+    });
+    if constexpr (MEMORY)
+      if (law.choice.time_step > 0.0) remember<SPIN>(batch);
+    scatter<SPIN, MEMORY>(batch, part);
+  }
+}
+
+void PairJumpDisc::evaluate_list(size_t from, size_t to, PairPart *part)
+{
+  jump::with_kind(law.choice, sizes, spin, [&](auto own_sizes, auto turns) {
+    if (springs) evaluate_list<own_sizes.value, turns.value, true>(from, to, part);
+    else evaluate_list<own_sizes.value, turns.value, false>(from, to, part);
+  });
 }
 
 void PairJumpDisc::compute(int eflag, int vflag)
@@ -357,13 +413,6 @@ void PairJumpDisc::evaluate(size_t from, size_t to)
   if (slots.full >= 0)
     error->one(FLERR, "jump/disc: disc {} touches more than the {} others it can remember: contacts are too deep",
                atom->tag[slots.full], slots.number);
-}
-
-void PairJumpDisc::evaluate_list(size_t from, size_t to, PairPart *part)
-{
-  jump::with_law(law.choice, sizes, spin, [&](const auto &slots, auto own_sizes, auto turns) {
-    evaluate_list<own_sizes.value, turns.value>(slots, from, to, part);
-  });
 }
 
 /** Largest overlap of the pairs of this rank at the last force evaluation, m; 0 where none touch. */

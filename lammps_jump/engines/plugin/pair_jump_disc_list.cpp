@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /* The neighbour list of pair_style jump/disc (what it is: pair_jump_disc.h). */
 
+#include "lanes.h"
 #include "pair_jump_disc.h"
 
 #include "atom.h"
@@ -42,6 +43,27 @@ void make_room(size_t pairs, std::vector<int> &first, std::vector<int> &second)
 }
 }    // namespace
 
+/** Smallest box around the first n packed discs; an error where they are nowhere, or further apart than a number of cells
+    of this width can be. */
+PairJumpDisc::DiscBox PairJumpDisc::box_around(int n, double cut) const
+{
+  const int nlocal = atom->nlocal;
+  DiscBox box{disc[0].x, disc[0].x, disc[0].y, disc[0].y};
+  for (int i = 0; i < n; i++) {
+    if (!std::isfinite(disc[i].x) || !std::isfinite(disc[i].y))
+      error->one(FLERR, "jump/disc: the position of {} {} is not a number: the run has blown up",
+                 i < nlocal ? "disc" : "a disc of another rank beside disc", i < nlocal ? atom->tag[i] : nlocal > 0 ? atom->tag[0] : 0);
+    box.xlo = std::min(box.xlo, disc[i].x);
+    box.xhi = std::max(box.xhi, disc[i].x);
+    box.ylo = std::min(box.ylo, disc[i].y);
+    box.yhi = std::max(box.yhi, disc[i].y);
+  }
+  if (!(box.xhi - box.xlo < 1e9 * cut) || !(box.yhi - box.ylo < 1e9 * cut))
+    error->one(FLERR, "jump/disc: discs are spread over {} m by {} m: the run has blown up",
+               box.xhi - box.xlo, box.yhi - box.ylo);
+  return box;
+}
+
 /** All pairs whose rims are closer than the skin, from the packed positions.
 
     Cells are as wide as that distance and numbered along x first, as LAMMPS sorts its discs: pairs that follow each
@@ -61,19 +83,7 @@ void PairJumpDisc::build_list()
   if (n == 0) return;
 
   const double cut = largest + skin;
-  double xlo = disc[0].x, xhi = xlo, ylo = disc[0].y, yhi = ylo;
-  for (int i = 0; i < n; i++) {
-    if (!std::isfinite(disc[i].x) || !std::isfinite(disc[i].y))
-      error->one(FLERR, "jump/disc: the position of {} {} is not a number: the run has blown up",
-                 i < nlocal ? "disc" : "a disc of another rank beside disc", i < nlocal ? atom->tag[i] : nlocal > 0 ? atom->tag[0] : 0);
-    xlo = std::min(xlo, disc[i].x);
-    xhi = std::max(xhi, disc[i].x);
-    ylo = std::min(ylo, disc[i].y);
-    yhi = std::max(yhi, disc[i].y);
-  }
-  if (!(xhi - xlo < 1e9 * cut) || !(yhi - ylo < 1e9 * cut))
-    error->one(FLERR, "jump/disc: discs are spread over {} m by {} m: the run has blown up",
-               xhi - xlo, yhi - ylo);
+  const auto [xlo, xhi, ylo, yhi] = box_around(n, cut);
   double side = cut * (1.0 + 1e-9);    // rounding must not put neighbours two cells apart
   const double most = 16.0 * n + 65536.0;    // far-flung discs must not cost memory: wider cells then
   while (((xhi - xlo) / side + 3.0) * ((yhi - ylo) / side + 1.0) > most) side *= 2.0;
