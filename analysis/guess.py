@@ -279,7 +279,7 @@ def _bodies(
     """
     found = {kind: bodies.density_of(kind, masses, diameters) for kind in bodies.SHAPES}
     listed = ", ".join(f"{kind} of {value:z.4g} kg/m3" for kind, value in found.items())
-    told = bodies.told(masses, diameters, density)
+    told = bodies.kinds_that_fit(masses, diameters, density)
     if density is not None and (not told or (given and given not in told)):
         raise DumpError(
             f"density = {density:zg} kg/m3{f' of {given}' if given else ''}: masses of {np.mean(masses):z.4g} kg and "

@@ -19,7 +19,7 @@ from lammps_jump.files import plain, read_json, write_json, write_text
 from lammps_jump.identity import short_hash
 from lammps_jump.runs.summary import read_summary
 from lammps_jump.sweeps import Pool, Sweep, held_study, prepare
-from lammps_jump.sweeps.members import Member, Start, plan, run_members, told
+from lammps_jump.sweeps.members import Member, Start, failure_message, plan, run_members
 
 from .model import Model, model_of
 from .posterior import Posterior, sample, sobol
@@ -151,7 +151,7 @@ class Fit:
         found = self.posterior
         return [found.range_of(k) for k in range(len(found.best))] if found is not None else []
 
-    def told(self) -> str:
+    def best_in_words(self) -> str:
         """The best values so far and their ranges; empty without a posterior."""
         found, study = self.posterior, self.study
         if found is None:
@@ -220,7 +220,7 @@ class Search:
         count = sum(len(one["points"]) for one in self.rounds[:rounds])
         if count not in self._fits:
             self._fits[count] = Fit(self.study, self.points[:count], observed)
-            self._tell(best=self._fits[count].told() or self.now.best)
+            self._tell(best=self._fits[count].best_in_words() or self.now.best)
         return self._fits[count]
 
     def begin(self) -> None:
@@ -355,5 +355,5 @@ class Search:
                     seen.folders.setdefault(number, []).append(folder)
                     continue
             failure = {"point": number, "values": values[number], "seed": member.seed}
-            seen.failures.append({**failure, "message": lacking or told(state) or state.stage})
+            seen.failures.append({**failure, "message": lacking or failure_message(state) or state.stage})
         return seen

@@ -15,7 +15,7 @@ from lammps_jump.physics.hydrograph import TRAVEL
 from lammps_jump.physics.inlet import LEAST_GAP, REFUSAL_GAP
 from lammps_jump.physics.slip import FRICTION_LAWS, slip_warnings, spring_warnings
 from lammps_jump.scene import Beginning, InletRow, Interval, Scene, Sizes, Wall
-from lammps_jump.scene.schedule import MOST_BINS, MOST_FRAMES, told, told_of_window
+from lammps_jump.scene.schedule import MOST_BINS, MOST_FRAMES, rounding_notes, told_of_window
 
 from .fields import CaseFields
 from .groups.discs import Column
@@ -302,14 +302,14 @@ def adapted(case: CaseFields, scene: Beginning, inlets: tuple[InletRow, ...]) ->
     asked = {"run.duration": (case.run.duration, scene.time(scene.steps)), "settle": (settle, scene.settle_steps * dt)}
     if case.run.output_interval is not None:
         asked["run.output_interval"] = min(case.output_interval, case.run.duration), scene.output_steps * dt
-    notes = told(asked)
+    notes = rounding_notes(asked)
     if case.probes.forces or case.probes.groups:
         notes += told_of_window(case.probes.interval, scene.probe_steps * dt, case.output_interval)
     if not isinstance(case.inflow, RowsInflow) or case.inflow.table:
         return notes
     depth, speed = case.inflow.over(0.0, 0.0)
     carried = sum(scene.discharges_of(inlets))
-    return notes + told({"discharge of the inflow": (speed * depth, carried)}, "m^2/s")
+    return notes + rounding_notes({"discharge of the inflow": (speed * depth, carried)}, "m^2/s")
 
 
 def check_stop(case: CaseFields) -> list[str]:

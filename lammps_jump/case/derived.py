@@ -21,7 +21,7 @@ from .checks import twin_seconds
 from .design.flow import Row, flow_rows
 from .fields import CaseFields
 from .foresight import speeds
-from .walls import told
+from .walls import words_of_wall
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ class Derived:
     @property
     def walls(self) -> dict[str, str]:
         """Motion and contact numbers of walls that have their own, in words, by name."""
-        found = {one.wall.name: told(one, self.scene) for one in self.scene.walls}
+        found = {one.wall.name: words_of_wall(one, self.scene) for one in self.scene.walls}
         return {name: text for name, text in found.items() if text}
 
     @property

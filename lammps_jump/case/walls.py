@@ -364,7 +364,7 @@ def _gap_doubts(walls: Sequence[Wall], smallest: float) -> list[str]:
     return found
 
 
-def told(one: MovingWall, scene: Scene) -> str:
+def words_of_wall(one: MovingWall, scene: Scene) -> str:
     """Contact numbers and motion of a wall in words; empty where it has none of its own."""
     wall = one.wall
     names = {"friction": "", "restitution": "", "stiffness": " N/m", "rolling": ""}

@@ -16,7 +16,7 @@ from lammps_jump import dump, runs, studies, sweeps
 from lammps_jump.analysis.quantities import LISTED
 from lammps_jump.errors import CaseError
 
-from .options import Quiet, Sets, Verbose, diameters, open_page, place, places, plane_of, quantity, told
+from .options import Quiet, Sets, Verbose, diameters, log_printed, open_page, place, places, plane_of, quantity
 from .progress import print_summary
 
 app = typer.Typer(rich_markup_mode=None)
@@ -118,7 +118,7 @@ def analyze(
         sets = [*(set_ or []), *([f"analysis.bin_width={bin_width}"] * bool(bin_width))]
         sets += [f"analysis.{name}=true" for name in analyses]
         sets += [f"analysis.stations=[{','.join(map(str, stations))}]"] if stations else []
-        with told(quiet):
+        with log_printed(quiet):
             runs.start.reanalyse(target, sets)
         if not quiet:
             print_summary(lj.open_run(target).summary, target, verbose=verbose)
@@ -129,7 +129,7 @@ def analyze(
         if case is not None and number is not None:
             raise CaseError(f"{option} {number}: is also given by {case}; use either --case or {option}")
     loaded = None if case is None else lj.load_case(case, set_ or [])
-    with told(quiet):
+    with log_printed(quiet):
         path = dump.find_dump(*targets)
         given = runs.results.Given(diameter, density, time_step, bin_width, bodies, analyses, stations or (), gravity)
         summary, folder = runs.results.analyse_dump(path, loaded, given, out)
@@ -146,7 +146,7 @@ def animate(
     fps: Annotated[int, typer.Option(help="Frames a second.", min=1, max=120)] = 20,
 ) -> None:
     """Write a film of a run: discs coloured by speed, forces on structures, time."""
-    with told(quiet=False):
+    with log_printed(quiet=False):
         print(runs.results.animate(folder, out, fps))
 
 
@@ -182,7 +182,7 @@ def compare(
 ) -> None:
     """Write a page of two runs side by side, or hold curves of a run against measured ones of your own."""
     if second.suffix == ".csv" or columns is not None:
-        with told(quiet=False):
+        with log_printed(quiet=False):
             if columns is None:
                 raise CaseError(f"{second}: say with --columns which column is what, such as time=t,gauges.depth_5=h")
             found, folder = studies.compare_with_data(first, second, columns, out)
@@ -190,7 +190,7 @@ def compare(
             print(folder)
         return
     path = out or Path(f"{first.absolute().name}_and_{second.absolute().name}.html")
-    with told(quiet=False):
+    with log_printed(quiet=False):
         _open(runs.compare_folders(first, second, path))
 
 

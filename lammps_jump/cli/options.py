@@ -187,7 +187,7 @@ def sayer(quiet: bool) -> Callable[[str], None]:
 
 
 @contextmanager
-def told(quiet: bool) -> Iterator[None]:
+def log_printed(quiet: bool) -> Iterator[None]:
     """Print what the program says while the block runs, unless `quiet`."""
     logger, printer = logging.getLogger("lammps_jump"), logging.StreamHandler(sys.stdout)
     before = logger.level

@@ -112,7 +112,7 @@ def _run(
     fixed = case.scene().fixed
     line = ProgressLine(case.fields.run.duration, quiet=quiet, fixed=fixed.count if fixed else 0)
     view = cli.live.LiveView(case.scene(), folder, line) if live else line
-    with options.told(quiet):
+    with options.log_printed(quiet):
         try:
             done = lj.run(case, folder, force=force, resume=resume, progress=view)
         except RunError:  # others leave the folder as it was

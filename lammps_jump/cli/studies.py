@@ -49,7 +49,7 @@ def sweep(
 ) -> None:
     """Run a case at many points, several starts each; table, figures and page. Continues where it stopped."""
     if member is not None:
-        with options.told(quiet):
+        with options.log_printed(quiet):
             return sweeps.slurm.run_task(out or study, member, retry=retry)
     at = site_of(site, slurm)
     set_ = options.assignments(set_, ranks=ranks)
@@ -109,7 +109,7 @@ def run_sweep(
 ) -> None:
     """Run a study with a line of progress, and print its table; exit status 1 where a member failed."""
     line = StudyLine(quiet=quiet)
-    with options.told(quiet):
+    with options.log_printed(quiet):
         try:
             found = lj.sweep(study, out, jobs=jobs, retry=retry, progress=line, **given)
         finally:

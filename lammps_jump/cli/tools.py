@@ -108,7 +108,7 @@ def check(
         data = found.as_data() | ({"fluid": files.plain(measured)} if measured else {})
         print(json.dumps(data, indent=2, allow_nan=False))
     else:
-        print(found, *([studies.fluid.told(measured)] if measured else []), sep="\n\n")
+        print(found, *([studies.fluid.flow_numbers_in_words(measured)] if measured else []), sep="\n\n")
     if picture:
         written = runs.view.write_preview(resolved)
         print(*written, sep="\n", file=sys.stderr if as_json else sys.stdout)

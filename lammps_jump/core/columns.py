@@ -15,7 +15,7 @@ class Columns:
     """Columns of an array: a child is named after a struct of the core, and has of each member the columns."""
 
     @classmethod
-    def told(cls) -> str:
+    def as_line(cls) -> str:
         """Its members in their order, as the core tells them."""
         there = [(name.lower(), where) for name, where in vars(cls).items() if name.isupper()]
         ends = [(name, at, at + 1) if isinstance(at, int) else (name, at.start, at.stop) for name, at in there]
@@ -199,7 +199,7 @@ NUMBERS: tuple[type[IntEnum], ...] = (WallMotion, Phase, StationSum, FaceKind, J
 def lines() -> list[str]:
     """Columns and numbers, a line each, as the core tells them."""
     named = ((one.__name__, [f"{n.name}={n.value}" for n in one]) for one in NUMBERS)
-    return [*(one.told() for one in COLUMNS), *(" ".join([name, *members]) for name, members in named)]
+    return [*(one.as_line() for one in COLUMNS), *(" ".join([name, *members]) for name, members in named)]
 
 
 def require_columns(there: str) -> None:

@@ -41,7 +41,7 @@ def density_of(kind: str, masses: np.ndarray, diameters: np.ndarray) -> float:
     return float(np.sum(masses) / np.sum(factor * diameters**power))
 
 
-def told(masses: np.ndarray, diameters: np.ndarray, density: float | None = None) -> tuple[str, ...]:
+def kinds_that_fit(masses: np.ndarray, diameters: np.ndarray, density: float | None = None) -> tuple[str, ...]:
     """The kinds of bodies that masses and diameters agree with; none where they fit nothing.
 
     Parameters

@@ -95,7 +95,7 @@ def _divisors(n: int) -> np.ndarray:
     return np.union1d(low, n // low)
 
 
-def told(
+def rounding_notes(
     asked: dict[str, tuple[float, float]], unit: str = "s", why: str = "time goes in whole steps"
 ) -> tuple[str, ...]:
     """Sentences on values that differ from what was asked by more than `TOLD`.
@@ -122,7 +122,7 @@ def told_of_window(asked: float, made: float, output_interval: float) -> tuple[s
             f"a window is at most the time between frames: for {asked:z.4g} s set run.output_interval to "
             f"{asked:z.4g} s or a multiple of it"
         )
-    return told({"probes.interval": (asked, made)}, why=why)
+    return rounding_notes({"probes.interval": (asked, made)}, why=why)
 
 
 def plan_stations(x: Interval, speed: float, window: Interval, scene: Beginning, places: Iterable[float]) -> Stations:

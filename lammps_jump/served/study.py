@@ -9,7 +9,7 @@ from threading import Lock
 from typing import Any
 
 from lammps_jump import sweeps
-from lammps_jump.sweeps.members import Member, MemberState, state_of, told
+from lammps_jump.sweeps.members import Member, MemberState, failure_message, state_of
 from lammps_jump.sweeps.study_folder import StudyResults
 from lammps_jump.sweeps.words import heading, unit, words
 from lammps_jump.units import shown
@@ -71,7 +71,7 @@ class StudyView:
             "place": list(self._held.study.points[member.point].values()),
             "seed": member.seed,
             "stage": state.stage,
-            "message": told(state),
+            "message": failure_message(state),
         }
 
 

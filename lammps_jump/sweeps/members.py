@@ -77,7 +77,7 @@ class MemberState(NamedTuple):
     message: str = ""
 
 
-def told(state: MemberState) -> str:
+def failure_message(state: MemberState) -> str:
     """The message of a member that is not done, with the option that runs it again where the same command does not."""
     return f"{state.message} --retry runs it again." if state.stage == "failed" else state.message
 

@@ -17,7 +17,7 @@ from lammps_jump.files import ARRAY_FILE, write_text
 from lammps_jump.runs.engine import choose_setting
 from lammps_jump.script.job import Site, head, needs, run_and_requeue, seconds_of
 
-from .members import run_member, state_of, told
+from .members import failure_message, run_member, state_of
 from .study_folder import read_points
 from .sweep import Sweep, held_study, open_sweep, prepare
 
@@ -162,7 +162,7 @@ def _run_each(folder: Path, members: str, retry: bool) -> list[str]:
         member = found.members[number]
         state = state_of(member, folder)
         if state.stage == "failed" and not retry:
-            wrong.append(f"member {number}: {told(state)}")
+            wrong.append(f"member {number}: {failure_message(state)}")
         elif state.stage != "done":
             try:
                 run_member(member, folder, state.stage == "failed", True)

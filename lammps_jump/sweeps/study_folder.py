@@ -21,7 +21,7 @@ from lammps_jump.quoting import echoed
 from lammps_jump.runs.run import Run
 from lammps_jump.runs.summary import read_summary
 
-from .members import OVER, Member, MemberState, Stage, Start, listed_as, plan, run_folders, state_of, told
+from .members import OVER, Member, MemberState, Stage, Start, failure_message, listed_as, plan, run_folders, state_of
 from .study import MOST_MEMBERS, MOST_RUNS, Study
 
 if TYPE_CHECKING:
@@ -128,7 +128,7 @@ class StudyResults:
     def failed(self) -> list[Failure]:
         """The members that are not in the table although they were run."""
         states = ((member, self.states[member.key]) for member in self.members)
-        return [Failure(m.point, m.seed, m.folder(self.folder), told(s)) for m, s in states if s.message]
+        return [Failure(m.point, m.seed, m.folder(self.folder), failure_message(s)) for m, s in states if s.message]
 
     @cached_property
     def values(self) -> pd.DataFrame:

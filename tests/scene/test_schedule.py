@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from made_up import INPUTS, SCENES
 
 from lammps_jump.case import load_case
-from lammps_jump.scene.schedule import MOST_FINER, TOLD, fitted_step, plan_steps, told, told_of_window
+from lammps_jump.scene.schedule import MOST_FINER, TOLD, fitted_step, plan_steps, rounding_notes, told_of_window
 
 
 @given(
@@ -51,7 +51,7 @@ def test_a_window_that_is_changed_tells_why():
 
 
 def test_what_whole_steps_change_is_told():
-    assert told({"a": (1.0, 1.0009), "b": (2.0, 2.1)}) == (
+    assert rounding_notes({"a": (1.0, 1.0009), "b": (2.0, 2.1)}) == (
         "b: 2.1 s in place of 2 s, because time goes in whole steps",
     )
     case = load_case(INPUTS / "hydraulic_jump.yaml")

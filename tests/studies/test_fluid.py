@@ -221,7 +221,7 @@ class TestStudy:
         path.parent.mkdir()
         lj.files.write_json(path, {"summary": summary})
         assert store.stored(case)["reynolds"] == pytest.approx(at["reynolds"])
-        assert "Reynolds number q/nu" in store.told(at)
+        assert "Reynolds number q/nu" in store.flow_numbers_in_words(at)
 
     def test_parts_of_a_jump_have_the_depths_of_its_run(self, case, tmp_path):
         scales = flow.flow_of(case)

@@ -17,7 +17,7 @@ from .slosh import water_frequency as water_frequency
 from .sound import Sound as Sound
 from .sound import damped_cosine as damped_cosine
 from .sound import sound_speed as sound_speed
+from .store import flow_numbers_in_words as flow_numbers_in_words
 from .store import numbers_at as numbers_at
 from .store import stored as stored
-from .store import told as told
 from .study import fluid as fluid

@@ -76,7 +76,7 @@ def stored(case: ReadCase) -> Numbers | None:
         return None
 
 
-def told(at: Numbers) -> str:
+def flow_numbers_in_words(at: Numbers) -> str:
     """The numbers of a flow (`numbers_at`) as a group of `check`."""
     rows = [
         ("Reynolds number q/nu", at["reynolds"], ""),
