@@ -218,18 +218,27 @@ def leaves(path: Path, name: str) -> dict[str, object]:
         return flat(json.loads(text))
     if path.name == "log.lammps":  # rows of thermo output; the rest is in.lammps and clock
         text = "\n".join(line for line in text.splitlines() if re.fullmatch(r"[-+.\de\s]+", line))
-    if kind == ".html":  # <pre> holds case.yaml and summary.json, which are compared as files
-        text = re.sub(r"(?s)<style.*?</style>|<script.*?</script>|<pre.*?</pre>", "", text)
-        text = re.sub(r"</(tr|p|h\d|div|li|table|figcaption|summary)>|<br>", "\n", text)
-        text = re.sub(r"(?<=\d)[\u2009\u202f\u00a0](?=\d{3})", "", html.unescape(re.sub(r"<[^>]+>", " ", text)))
-    for (pattern, masked), _ in MASKED_TEXT.items():
-        if fnmatch(name, pattern):
-            text = re.sub(masked, "", text, flags=re.MULTILINE)
+    text = masked(page_text(text) if kind == ".html" else text, name)
     lines = [line.strip() for line in text.splitlines() if line.strip()]
     if kind in (".lammps", ".data", ".mol", ".yaml", ".slurm"):
         comments = Words("\n".join(line for line in lines if line.startswith("# ")))
         return {"": "\n".join(line for line in lines if not line.startswith("# ")), "comments": comments}
     return {"": Words("\n".join(lines)), "numbers": Counter(NUMBER.findall(text))}
+
+
+def page_text(page: str) -> str:
+    """What a reader of a page sees, a line for each row or paragraph; <pre> holds case.yaml and summary.json."""
+    text = re.sub(r"(?s)<style.*?</style>|<script.*?</script>|<pre.*?</pre>", "", page)
+    text = re.sub(r"</(tr|p|h\d|div|li|table|figcaption|summary)>|<br>", "\n", text)
+    return re.sub(r"(?<=\d)[\u2009\u202f\u00a0](?=\d{3})", "", html.unescape(re.sub(r"<[^>]+>", " ", text)))
+
+
+def masked(text: str, name: str) -> str:
+    """Text of an ``entry/file`` without clock, versions and paths."""
+    for (pattern, taken_out), _ in MASKED_TEXT.items():
+        if fnmatch(name, pattern):
+            text = re.sub(taken_out, "", text, flags=re.MULTILINE)
+    return text
 
 
 def dump_columns(text: str) -> dict[str, np.ndarray]:
