@@ -9,7 +9,7 @@ from contextlib import ExitStack, nullcontext, suppress
 from dataclasses import replace
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from lammps_jump.dump.exports import write_netcdf, write_table
 from lammps_jump.dump.find import read_forces
@@ -123,7 +123,7 @@ def analyse(
         A quantity that is not known, no frame, a malformed dump, a place that cannot be written.
     """
     if unknown := sorted(set(wanted) - {*QUANTITIES, "fields"}):
-        known = ", ".join(name for name, one in QUANTITIES.items() if one.always is None or name == "force")
+        known = ", ".join(name for name, one in QUANTITIES.items() if one.always is None or one.needs)
         raise DumpError(f"quantity '{unknown[0]}' is not known: use {known} or fields.")
     gathered = gathered or collect(flow, open_dump(dump), (out, dump.parent), wanted)
     told, warnings = told or (lambda phase: None), list(gathered.warnings)
@@ -164,7 +164,8 @@ def _write(
     clock = {} if gathered.flow.timed else {"time": "step"}
     tables = {file: columns for name in results for file, columns in QUANTITIES[name].tables(results[name]).items()}
     for file, columns in tables.items():
-        files.append(write_table({clock.get(name, name): column for name, column in columns.items()}, out / file).name)
+        table: dict[str, Any] = {clock.get(name, name): column for name, column in columns.items()}
+        files.append(write_table(table, out / file).name)
     if shown:
         charts = {name: what.plain for name, what in shown.items() if not isinstance(what, Map)}
         files.append(write_json(out / CURVES, charts, None).name)
@@ -201,18 +202,19 @@ def collect(
         there = next((file for file in found if file.is_file()), found[-1])
         flow = replace(flow, written=ContactFile(there, flow.scene))
     warnings = [*flow.notes, *without_friction(flow, places, wanted), *without_core(flow)]
-    edges = bin_edges(flow.x_range, flow.bin_width) if "jump" in wanted else None
-    contacts = ContactCollector(flow, edges) if flow.knows_contacts and {"jump", "energy"} & set(wanted) else None
-    forces_asked = bool(flow.scene.probes) or ("force" in wanted and _forces_file(places) is not None)
+    needs = {need for name, one in QUANTITIES.items() if name in wanted for need in one.needs}
+    edges = bin_edges(flow.x_range, flow.bin_width) if "thrust" in needs else None
+    contacts = ContactCollector(flow, edges) if flow.knows_contacts and needs & {"contacts", "thrust"} else None
+    forces_asked = bool(flow.scene.probes) or ("forces" in needs and _forces_file(places) is not None)
     made = {name for name, one in QUANTITIES.items() if (one.always(flow) if one.always else name in wanted)}
-    made |= {"force"} if forces_asked else set()
+    made |= {name for name, one in QUANTITIES.items() if forces_asked and "forces" in one.needs}
     collectors = {
         name: quantity.collector(flow, contacts)
         for name, quantity in QUANTITIES.items()
         if quantity.collector and name in made
     }
     # contacts first: the energy takes each frame's elastic energy from them
-    stretch = sloping_stretch(flow) if "jump" in wanted and flow.velocities else None
+    stretch = sloping_stretch(flow) if "slope" in needs and flow.velocities else None
     along = [AlongBed(flow, stretch)] if stretch else []
     fed = [*watch, *([contacts] if contacts else []), *collectors.values(), *along]
     profiles = gather(dump, flow, fed, warnings)
@@ -240,9 +242,9 @@ def drawings(gathered: Gathered, results: Mapping[str, object]) -> dict[str, Cha
     }
     for name, result in results.items():
         shown |= QUANTITIES[name].figures(result, gathered)
-    if isinstance(heads := shown.get("energy_head"), Chart):
-        first, *others = heads.panels
-        shown["energy_head"] = replace(heads, panels=(replace(first, marks={**first.marks, **looks.places}), *others))
+        if isinstance(chart := shown.get(marked := QUANTITIES[name].marked), Chart):
+            first, *others = chart.panels
+            shown[marked] = replace(chart, panels=(replace(first, marks={**first.marks, **looks.places}), *others))
     return _titled(shown, flow)
 
 

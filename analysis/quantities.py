@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from importlib import import_module
+from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
 from lammps_jump.files import PICTURES, RESULT_FILES
@@ -32,6 +33,11 @@ class ListedAnalysis(NamedTuple):
         Help of the option of ``analyze`` that looks for it in a bare dump; empty where there is none.
     option : str
         That option, where it has another name.
+    bare : bool
+        It is looked for in a bare dump where no option names anything.
+    needs : mapping of str to str
+        What a scene must have, by the names of `lammps_jump.case.foresight.asked.facts`, and what follows where it
+        lacks that; ``check`` says so.
     """
 
     file: str
@@ -39,26 +45,43 @@ class ListedAnalysis(NamedTuple):
     look: str = ""
     option: str = ""
     contacts: bool = False
+    bare: bool = False
+    needs: Mapping[str, str] = MappingProxyType({})
 
 
 LISTED = {
     "inflow": ListedAnalysis("lammps_jump.analysis.budgets.inflow"),
     "jump": ListedAnalysis(
-        "lammps_jump.analysis.jump.section", "hydraulic jump", "Find a hydraulic jump", contacts=True
+        "lammps_jump.analysis.jump.section",
+        "hydraulic jump",
+        "Find a hydraulic jump",
+        contacts=True,
+        bare=True,
+        needs={"gravity": "", "rows": ", so that no jump can stand"},
     ),
     "grade": ListedAnalysis("lammps_jump.analysis.budgets.grade"),
     "front": ListedAnalysis(
         "lammps_jump.analysis.devices.front_page",
         "front of a collapsing column. `water`: also against water, Ritter and the columns of Martin & Moyce",
         "Follow the front",
+        bare=True,
+        needs={"gravity": "", "column": ", so that none collapses"},
     ),
     "force": ListedAnalysis("lammps_jump.analysis.forces.figures"),
     "energy": ListedAnalysis("lammps_jump.analysis.budgets.energy", "energy against time", contacts=True),
     "waves": ListedAnalysis("lammps_jump.analysis.devices.waves"),
     "runup": ListedAnalysis("lammps_jump.analysis.devices.runup"),
-    "drum": ListedAnalysis("lammps_jump.analysis.devices.drum", "angle of the surface in a drum that turns"),
+    "drum": ListedAnalysis(
+        "lammps_jump.analysis.devices.drum",
+        "angle of the surface in a drum that turns",
+        needs={"turning wall": ", so that there is no drum"},
+    ),
     "hopper": ListedAnalysis(
-        "lammps_jump.analysis.devices.hopper", "discharge of a hopper", "Measure a discharge", "outlet"
+        "lammps_jump.analysis.devices.hopper",
+        "discharge of a hopper",
+        "Measure a discharge",
+        "outlet",
+        needs={"gravity": "", "gap": ""},
     ),
     "layers": ListedAnalysis(
         "lammps_jump.analysis.grains.layers",
@@ -72,6 +95,7 @@ LISTED = {
         "lammps_jump.analysis.grains.heap",
         "shape of the discs at the end, slopes of its flanks, run-out of a column",
         "Measure the heap at the end",
+        needs={"gravity": "", "friction": " discs make no heap"},
     ),
     "rest": ListedAnalysis("lammps_jump.analysis.grains.rest", "when the discs come to rest", "Tell when discs rest"),
     "tailgate": ListedAnalysis("lammps_jump.analysis.devices.tailgate"),

@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
-from lammps_jump.units import as_summary, numbers_of
+from lammps_jump.units import as_summary, from_summary, numbers_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from .report.page import Section
 
 NONE: Mapping[str, Any] = MappingProxyType({})
+Need = Literal["contacts", "thrust", "slope", "forces"]
 
 
 class Wanted(NamedTuple):
@@ -118,12 +119,22 @@ class Quantity:
         Takes in the frames; None where profiles and contacts are enough.
     always : callable(flow) -> bool, or None
         Whether a flow has it without being asked; None: never.
+    needs : set of {'contacts', 'thrust', 'slope', 'forces'}
+        What is gathered for it: sums over contacts, their thrust in the bins of the profiles, a slope as if it were
+        level, ``forces.csv``.
     files, captions : mapping of str to str
         What each CSV table holds, and the caption of each figure, by their names; in the order of the report.
     tables, figures, section : callable
-        CSV tables of the result, what figures show of result and `Gathered`, section from ``summary.json``.
-    marks, notes, summary : callable(result)
-        What figures of the profiles show of it; sentences for the warnings; as it stands in ``summary.json``.
+        CSV tables of the result, what figures show of result and `Gathered`, section of the report.
+    linked : str
+        Its figure over time that stands below the player and shows the time of it; empty where there is none.
+    marked : str
+        Its figure that shows the places which results mark, as the depth profile does; empty where there is none.
+    marks, notes : callable(result)
+        What figures of the profiles show of it; sentences for the warnings.
+    summary, reads : callable
+        A result as it stands in ``summary.json``, and the result that stands there; of walls by their names, where it
+        is `named`.
     headline : tuple of Wanted
         Numbers for the top of page and screen.
     rank : int
@@ -134,7 +145,7 @@ class Quantity:
         What the blanks of their labels are filled with.
     structures : callable(key, summary) -> mapping
         Names that stand for ``*``, with the component of the force there.
-    belongs : callable(key, its part of a summary) -> bool
+    belongs : callable(key, result) -> bool
         Whether a number goes with what was found: no length of a jump where there is none.
     shown : callable(summary) -> bool
         Whether page and screen show the quantity.
@@ -142,8 +153,10 @@ class Quantity:
         Definitions that the report shows behind `definitions`.
     line : callable(summary) -> str
         A line below the numbers at the top; empty where there is none.
-    errors : mapping of str to type
-        Results with standard errors, by their path within the quantity; ``*`` stands for the names of walls.
+    errors : callable(result) -> sequence of (str, result or None)
+        Results whose standard errors the report lists, with the name of their wall.
+    certainty : callable(result) -> tuple of str
+        How sure these numbers are, as paragraphs below the table of errors.
     named : Named or None
     parts : mapping of str to type
         What stands in ``summary.json`` beside the results of the walls, by its key.
@@ -157,26 +170,44 @@ class Quantity:
     beside: str = ""
     collector: Callable[[Flow, ContactCollector | None], Collector] | None = None
     always: Callable[[Flow], bool] | None = None
+    needs: frozenset[Need] = frozenset()
     files: Mapping[str, str] = field(default_factory=dict)
     captions: Mapping[str, str] = field(default_factory=dict)
     tables: Callable[[Any], Tables] = lambda _: {}
     figures: Callable[[Any, Gathered], Drawings] = lambda *_: {}
-    section: Callable[[Mapping[str, Any]], Section | None] = lambda _: None
+    marked: str = ""
+    linked: str = ""
+    section: Callable[[Any], Section | None] = lambda _: None
     marks: Callable[[Any], Marks] = lambda _: Marks()
     notes: Callable[[Any], Sequence[str]] = lambda _: ()
     summary: Callable[[Any], dict[str, object]] = as_summary
+    reads: Callable[[Mapping[str, Any]], Any] | None = None
     headline: tuple[Wanted, ...] = ()
     rank: int = 1000
     goes: Callable[[Wanted, Mapping[str, Any]], bool] = lambda *_: True
     words: Callable[[Mapping[str, Any]], Mapping[str, str]] = lambda _: NONE
     structures: Callable[[str, Mapping[str, Any]], Mapping[str, str]] = lambda *_: NONE
-    belongs: Callable[[str, Mapping[str, Any]], bool] = lambda *_: True
+    belongs: Callable[[str, Any], bool] = lambda *_: True
     shown: Callable[[Mapping[str, Any]], bool] = lambda _: True
     defined: Callable[[Mapping[str, Any]], str] = lambda _: ""
     line: Callable[[Mapping[str, Any]], str] = lambda _: ""
-    errors: Mapping[str, type] = field(default_factory=dict)
+    errors: Callable[[Any], Sequence[tuple[str, object]]] = lambda _: ()
+    certainty: Callable[[Any], tuple[str, ...]] = lambda _: ()
     named: Named | None = None
     parts: Mapping[str, Any] = field(default_factory=dict)
+
+    def read(self, found: Mapping[str, Any]) -> Any:
+        """The result that stands in its part of a summary; of walls by their names, where it is `named`."""
+        if self.reads is not None:
+            return self.reads(found)
+        return self.walls(found) if self.named else from_summary(self.result, found)
+
+    def walls(self, found: Mapping[str, Any]) -> dict[str, Any]:
+        """The results of walls by their names, or the one result under no name."""
+        if self.named is None:
+            return {"": from_summary(self.result, found)}
+        parts = {name: one for name, one in found.items() if isinstance(one, Mapping) and name not in self.parts}
+        return {name: from_summary(self.result, one) for name, one in parts.items()}
 
     def meaning(self, wanted: Wanted) -> tuple[str, str]:
         """Meaning and unit of a number for the top of the page."""

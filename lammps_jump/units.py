@@ -10,10 +10,10 @@ from __future__ import annotations
 import dataclasses
 import inspect
 import re
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from functools import lru_cache, partial
 from math import floor, inf, isfinite, log10, nan
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeVar, cast, get_args, get_type_hints
 
 from pydantic import AfterValidator, BeforeValidator, Field, GetCoreSchemaHandler, GetJsonSchemaHandler, WithJsonSchema
 from pydantic_core import CoreSchema
@@ -109,10 +109,16 @@ class Sure(NamedTuple):
     bound: bool = False
 
 
-def sure_of(found: Mapping[str, Any], key: str) -> Sure:
-    """How sure a number of a result is, as in ``summary.json``."""
-    values = (found.get(f"{key}{ending}") for ending in ("_error", "_interval"))
-    return Sure(next((value for value in values if value is not None), None), key in (found.get("lower_bounds") or ()))
+def sure_of(found: object, key: str) -> Sure:
+    """How sure a number of a result is."""
+    values = (getattr(found, f"{key}{ending}", None) for ending in ("_error", "_interval"))
+    known = next((value for value in values if value is not None and value == value), None)
+    return Sure(known, key in getattr(found, "lower_bounds", ()))
+
+
+def known(value: object) -> bool:
+    """Whether a number was measured: neither None nor NaN."""
+    return value is not None and value == value
 
 
 def numbers_of(result: object) -> dict[str, Number]:
@@ -135,6 +141,46 @@ def as_summary(result: object) -> dict[str, object]:
                 as_summary(value) if dataclasses.is_dataclass(value) else value
             )
     return found
+
+
+Result = TypeVar("Result")
+
+
+def from_summary(result: type[Result], found: Mapping[str, Any]) -> Result:
+    """A result as it stands in ``summary.json``: what `as_summary` was made of.
+
+    Where null stands for a number it is NaN, else None. What stands in no summary has its default, None without one.
+    """
+    given: dict[str, Any] = {}
+    kinds = _kinds(cast(Hashable, result))
+    for field in dataclasses.fields(result):  # type: ignore[arg-type]
+        key = field.metadata.get("key", field.name)
+        if field.metadata.get("summary", True) and key in found:
+            given[field.name] = _as(kinds[field.name], found[key])
+        elif field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING:
+            given[field.name] = _as(kinds[field.name], None)
+    return result(**given)
+
+
+@lru_cache
+def _kinds(result: Any) -> dict[str, Any]:
+    return get_type_hints(result)
+
+
+def _as(kind: Any, value: Any) -> Any:
+    """A value of ``summary.json`` as one of this type."""
+    if value is None:
+        return nan if kind is float else None
+    parts = get_args(kind)
+    if type(None) in parts:
+        return _as(next(part for part in parts if part is not type(None)), value)
+    if isinstance(value, Mapping):
+        if dataclasses.is_dataclass(kind):
+            return from_summary(kind, value)  # type: ignore[arg-type]
+        return {key: _as(parts[1], one) for key, one in value.items()} if parts else value
+    if isinstance(value, list | tuple) and parts:
+        return tuple(_as(parts[0], one) for one in value)
+    return value
 
 
 POWERS = str.maketrans({"^": None, "2": "²", "3": "³", "4": "⁴"})

@@ -56,7 +56,7 @@ QUANTITY = Quantity(
     captions={"spread": "Height of the discs"},
     tables=lambda spread: {"spread.csv": spread.tables},
     figures=lambda spread, _: {"spread": Chart("spread", TIME, [Panel("m", [Trace("", *spread.tables.values())])])},
-    section=lambda spread: Section("Spread", [Table(described(Spread, spread, "height"))]),
+    section=lambda spread: Section("Spread", [Table(described(spread, "height"))]),
     headline=(Wanted("height", "asked", rank=1),),
-    errors={"": Spread},
+    errors=lambda spread: [("", spread)],
 )

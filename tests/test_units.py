@@ -3,10 +3,23 @@
 
 from dataclasses import dataclass, field, replace
 from math import isnan, nan
+from types import SimpleNamespace
 
 import pytest
 
-from lammps_jump.units import ABSENT, Estimates, Number, as_summary, estimate, number, numbers_of, shown, sure_of
+from lammps_jump.files import plain
+from lammps_jump.units import (
+    ABSENT,
+    Estimates,
+    Number,
+    as_summary,
+    estimate,
+    from_summary,
+    number,
+    numbers_of,
+    shown,
+    sure_of,
+)
 
 
 @dataclass(frozen=True)
@@ -63,9 +76,9 @@ def test_errors_of_every_size_are_told():
     assert shown(3.4, "m", bound=True) == "3.4 m"
     assert shown(506.3, "kN/m", 99.6) == "510 ± 100 kN/m"
     assert shown(6.0, "m", 1e-15) == "6 m"  # arithmetic, no error
-    found = {"y2": 3.0, "y2_error": 0.1, "angle": 20.0, "angle_interval": 2.0, "lower_bounds": ["y2"]}
+    found = SimpleNamespace(y2=3.0, y2_error=0.1, angle=20.0, angle_interval=2.0, lower_bounds=["y2"])
     assert sure_of(found, "y2") == (0.1, True) and sure_of(found, "angle") == (2.0, False)
-    assert sure_of({}, "y2") == (None, False)
+    assert sure_of(SimpleNamespace(y2_error=nan), "y2") == (None, False)
 
 
 def test_an_estimate_has_its_error_behind_it():
@@ -86,3 +99,40 @@ def test_an_estimate_has_its_error_behind_it():
     assert isnan(Flow("none").y2) and isnan(Flow("none").y2_error)
     assert numbers_of(Flow)["y2_error"].unit == "m"
     assert numbers_of(Flow)["y2_error"].meaning == "standard error of sequent depth"
+
+
+@dataclass(frozen=True)
+class Part(Estimates):
+    depth: float = estimate("m", "depth")
+    name: str = ""
+
+
+@dataclass(frozen=True)
+class Whole:
+    first: Part
+    parts: tuple[Part, ...]
+    by_name: dict[str, Part]
+    counts: tuple[int, ...]
+    absent: Part | None
+    kind: str = field(metadata={"key": "class"})
+    hidden: list[int] = field(metadata={"summary": False})
+
+
+def test_a_result_is_read_back_from_its_summary():
+    """Null is NaN where a number stands, arrays and inputs are left out, results within it are results again."""
+
+    found = Whole(Part(1.5, name="sill"), (Part(2.0), Part(nan)), {"gate": Part(3.0)}, (1, 2), None, "weak", hidden=[1])
+    summary = plain(as_summary(found))
+    assert summary["parts"][1] == {"depth": None, "depth_error": None, "name": ""}
+    assert summary["class"] == "weak" and "hidden" not in summary
+    back = from_summary(Whole, summary)
+    assert (back.first.depth, back.by_name.keys(), back.counts, back.absent, back.kind) == (
+        1.5,
+        {"gate"},
+        (1, 2),
+        None,
+        "weak",
+    )
+    assert back.hidden is None and isnan(back.parts[1].depth) and back.parts[0].depth == 2.0
+    lacking = from_summary(Part, {})
+    assert isnan(lacking.depth) and lacking.name == ""

@@ -34,6 +34,7 @@ from lammps_jump.analysis.report.run import write_report
 from lammps_jump.analysis.tables.rows import main_numbers, rows_of
 from lammps_jump.case import explain
 from lammps_jump.case.fields import CaseFields, Contact
+from lammps_jump.case.foresight.asked import facts
 from lammps_jump.case.groups.measures import Analysis, asked_for
 from lammps_jump.cli import app as cli_app
 from lammps_jump.cli import studies as cli_studies
@@ -361,6 +362,9 @@ def test_a_new_field_is_told_at_the_field_alone(monkeypatch, capsys):
 
 
 SPREAD = ListedAnalysis("made_quantity", "height of the discs", look="Height of the discs")
+SPREAD = ListedAnalysis(
+    "made_quantity", "height of the discs", look="Height of the discs", needs={"gravity": ", so that nothing falls"}
+)
 """The line of a quantity in the list of them; its own file is ``made_quantity.py``."""
 FALL = {
     "discs": {"diameter": 0.2}, "contact": {"restitution": 0.4, "impact_speed": 6},
@@ -372,6 +376,35 @@ FALL = {
 }  # fmt: skip
 
 
+ASKING = (
+    "analysis/pipeline.py",
+    "analysis/quantity.py",
+    "analysis/report/",
+    "analysis/tables/",
+    "lammps_jump/case/foresight/",
+)
+"""What shows quantities or looks ahead for them, and asks them for all it says."""
+OF_JUMPS = {"analysis/report/headline.py"}
+"""Words for verdicts of jumps, which several files share."""
+
+
+def test_what_shows_quantities_knows_none_by_its_name():
+    knowing = {
+        f"{file}: {node.value}"
+        for file, text in texts().items()
+        if file.startswith(ASKING) and file.endswith(".py") and file not in OF_JUMPS
+        for node in ast.walk(ast.parse(text))
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and node.value.partition(".")[0] in LISTED
+    }
+    assert not knowing
+
+
+def test_what_quantities_need_is_looked_for():
+    case = cases.ReadCase.parse(yaml.safe_dump(FALL | {"analysis": {}}))
+    known = facts(case.fields, ())
+    assert {need for one in LISTED.values() for need in one.needs} == known.keys()
+
+
 def test_a_new_quantity_stands_in_its_file_and_in_the_list(monkeypatch, tmp_path):
     """Field, summary, table, curve, screen, page, errors, column of a study: nothing else was told of it."""
     monkeypatch.setitem(LISTED, "spread", SPREAD)
@@ -381,6 +414,8 @@ def test_a_new_quantity_stands_in_its_file_and_in_the_list(monkeypatch, tmp_path
 
     monkeypatch.setattr(cases, "CaseFields", Fields)
     case = cases.ReadCase.parse(yaml.safe_dump(FALL))
+    weightless = cases.ReadCase.parse(yaml.safe_dump(FALL | {"gravity": 0}))
+    assert "analysis.spread: gravity is 0, so that nothing falls; drop it" in weightless.scene().warnings
     flow = flow_of(case)
     with DumpWriter(tmp_path / "dump.lammpstrj", ("id", "x", "y", "vx", "vy")) as writer:
         for step in range(0, 200, 10):

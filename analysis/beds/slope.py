@@ -16,7 +16,7 @@ import numpy as np
 from lammps_jump.analysis.budgets.head import EnergyFluxes
 from lammps_jump.analysis.contacts import ContactCollector
 from lammps_jump.analysis.flow import Flow
-from lammps_jump.analysis.jump.found import Jump
+from lammps_jump.analysis.jump.found import TrackedJump
 from lammps_jump.analysis.passes import Gathered, Watcher
 from lammps_jump.analysis.profiles import Binner, add_means, bin_edges
 from lammps_jump.dump.frame import Frame, make_frame
@@ -180,7 +180,7 @@ class AlongBed:
 TRACKED = ("toe", "end", "position", "reach_end", "compression")
 
 
-def in_place(jump: Jump, stretch: BedStretch) -> Jump:
+def in_place(jump: TrackedJump, stretch: BedStretch) -> TrackedJump:
     """The same jump with its places along x; lengths, depths and velocities stay those along and across the bed."""
 
     def moved(found: object, names: tuple[str, ...]) -> dict[str, Any]:

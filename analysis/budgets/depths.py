@@ -7,10 +7,9 @@ half as much again, the diameter is too large, or discs lie behind each other. W
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from math import nan
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,7 +18,7 @@ from lammps_jump.analysis.passes import Gathered
 from lammps_jump.analysis.quantity import Quantity, Wanted
 from lammps_jump.analysis.report.page import Section, Table, Text, described
 from lammps_jump.errors import DumpError
-from lammps_jump.units import number, shown
+from lammps_jump.units import known, number, shown
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -81,11 +80,11 @@ def require_agreement(gathered: Gathered) -> str:
     return f"There is air below the surface: {said}. Depths by mass hold, those of the surface do not."
 
 
-def section(found: Mapping[str, Any]) -> Section:
+def section(depths: Depths) -> Section:
     """Both depths."""
-    if found.get("mass") is None:
-        return Section("Depth", [Text(found.get("reason") or "", "small")])
-    return Section("Depth", [Table(described(Depths, found, "surface", "mass", "ratio", "deepest", "length"))])
+    if not known(depths.mass):
+        return Section("Depth", [Text(depths.reason or "", "small")])
+    return Section("Depth", [Table(described(depths, "surface", "mass", "ratio", "deepest", "length"))])
 
 
 QUANTITY = Quantity(

@@ -21,7 +21,7 @@ from lammps_jump.analysis.report.page import Section, Table, described, percent
 from lammps_jump.analysis.verdicts.kinds import part
 from lammps_jump.dump.find import ForceHistory
 from lammps_jump.dump.frame import Frame
-from lammps_jump.units import number
+from lammps_jump.units import known, number
 
 
 @dataclass(frozen=True)
@@ -198,17 +198,16 @@ def figures(energy: Energy, gathered: Gathered) -> Drawings:
     return {"energy": energy_chart(energy)}
 
 
-def section(found: Mapping[str, float | None]) -> Section | None:
+def section(energy: Energy) -> Section | None:
     """Energy at the start and the end; deviation and drift of a closed box."""
-    if found.get("initial") is None:
+    if not known(energy.initial):
         return None
-    rows = described(Energy, found, "initial", "final")
-    if found.get("conservative"):
-        rows += [("Largest deviation", percent(found["max_deviation"], 4)),
-                 ("Drift over the record", percent(found["drift"], 4))]  # fmt: skip
-    parts = ("kinetic", "potential", "elastic", *(["work_of_walls"] if found.get("work_of_walls") is not None else []))
-    table = Table([*rows, *described(Energy, found, *parts)])
-    return Section("Energy", [table])
+    rows = described(energy, "initial", "final")
+    if energy.conservative:
+        rows += [("Largest deviation", percent(energy.max_deviation, 4)),
+                 ("Drift over the record", percent(energy.drift, 4))]  # fmt: skip
+    parts = ("kinetic", "potential", "elastic", *(["work_of_walls"] if known(energy.work_of_walls) else []))
+    return Section("Energy", [Table([*rows, *described(energy, *parts)])])
 
 
 def energy_chart(energy: Energy) -> Chart | None:
@@ -250,11 +249,13 @@ drift         straight-line change over the record, over the energy at the start
 deviation     largest |E − E₀|/|E₀|, exact for this run; it judges the engine only where nothing dissipates
 """,
     collector=EnergyLedger,
+    needs=frozenset({"contacts"}),
     analyse=analyse,
     files={"energy.csv": "energies against time"},
     captions={"energy": "Energy of the discs"},
     tables=tables,
     figures=figures,
+    linked="energy",
     section=section,
     headline=(
         Wanted("max_deviation", "exact: 0", label="largest change of the energy", scale=0.01, unit="%"),
@@ -265,5 +266,5 @@ deviation     largest |E − E₀|/|E₀|, exact for this run; it judges the eng
     ),
     rank=120,
     goes=lambda _, summary: bool(part(summary, "energy").get("conservative")),
-    belongs=lambda key, found: key not in OF_A_CLOSED_BOX or found.get("conservative") is not False,
+    belongs=lambda key, energy: key not in OF_A_CLOSED_BOX or energy.conservative is not False,
 )

@@ -21,10 +21,10 @@ from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.profiles import window_of, within
 from lammps_jump.analysis.quantity import Quantity, Wanted
-from lammps_jump.analysis.report.page import Section, Table, Text, cut, heading
+from lammps_jump.analysis.report.page import Section, Table, Text, cells, cut, heading
 from lammps_jump.analysis.statistics import as_fields, mean_of
 from lammps_jump.analysis.verdicts.kinds import part
-from lammps_jump.units import Estimates, estimate, number, numbers_of
+from lammps_jump.units import Estimates, estimate, known, number, numbers_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -216,17 +216,15 @@ def figures(grade: Grade, gathered: Gathered) -> Drawings:
     return {"energy_head": Chart("energy head of the window", PLACE, panels)}
 
 
-def section(found: Mapping[str, Any]) -> Section:
+def section(grade: Grade) -> Section:
     """Heads at the stations and what is lost between them."""
-    if found.get("head_upstream") is None:
-        return Section("Energy grade line", [Text(found.get("reason") or "", "small")])
+    if not known(grade.head_upstream):
+        return Section("Energy grade line", [Text(grade.reason or "", "small")])
     numbers = numbers_of(Station)
     heads = [heading(numbers[key].meaning, numbers[key].unit) for key in (*COLUMNS, "lost")]
-    rows = [(*(station[key] for key in COLUMNS), cut(station, "lost")) for station in found["stations"]]
+    rows = [(*cells(station, *COLUMNS), cut(station, "lost")) for station in grade.stations]
     text = "Head lost is given where the discharges of two stations are within 10 % of each other."
-    return Section(
-        "Energy grade line", [Table(rows, heads), Text(found.get("reason") or "", "warn"), Text(text, "small")]
-    )
+    return Section("Energy grade line", [Table(rows, heads), Text(grade.reason or "", "warn"), Text(text, "small")])
 
 
 def _ends(summary: Mapping[str, Any]) -> dict[str, str]:
@@ -251,6 +249,7 @@ error       standard error within this run, from eight pieces of the window
     captions={"energy_head": "Energy head along the channel"},
     tables=tables,
     figures=figures,
+    marked="energy_head",
     section=section,
     headline=(Wanted("lost", label="head lost from {stations}"),),
     rank=100,

@@ -15,7 +15,7 @@ import numpy as np
 
 from lammps_jump.analysis.contacts import touching
 from lammps_jump.analysis.flow import Flow
-from lammps_jump.analysis.jump.found import Budget, Jump
+from lammps_jump.analysis.jump.found import Budget, Jump, MeasuredJump
 from lammps_jump.analysis.jump.frame import along_stream, growth_rate, move_along
 from lammps_jump.analysis.profiles import bin_edges
 from lammps_jump.analysis.statistics import Mean, as_fields, mean_of
@@ -105,7 +105,7 @@ def energy_budget(fields: xr.Dataset | None, result: Jump) -> Budget | None:
         Of `EnergyFluxes`; None where they are not known.
     result : Jump
     """
-    if fields is None or result.upstream is None or result.downstream is None:
+    if fields is None or not isinstance(result, MeasuredJump):
         return None
     asked, time, sign = result.flow.scene.stations, result.track.time, result.direction
     if asked is None:
@@ -122,7 +122,7 @@ def energy_budget(fields: xr.Dataset | None, result: Jump) -> Budget | None:
 
 def budget_between(
     fields: xr.Dataset,
-    result: Jump,
+    result: MeasuredJump,
     stations: tuple[float, float],
     line: tuple[float, float] | None = None,
     used: np.ndarray | None = None,
@@ -160,10 +160,11 @@ def budget_between(
     storage = growth_rate(time, moving.integral(energy + a["elastic"], *stations) / scale)
     if not np.isfinite([net.value, taken.value]).all():
         return None
+    places = [sign * float(fronts[0] + station) for station in stations]
     return Budget(
         start=stations[0] - result.mass_toe,
         stop=stations[1] - result.mass_toe,
-        x=tuple(sorted(sign * float(fronts[0] + station) for station in stations)),
+        x=(min(places), max(places)),
         speed=sign * c,
         window=(float(time[0]), float(time[-1])),
         discharge=scale / result.flow.gravity,

@@ -4,7 +4,7 @@
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite, nan
 from typing import Any, NamedTuple
@@ -15,7 +15,7 @@ from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered
 from lammps_jump.analysis.profiles import window_of, within
 from lammps_jump.analysis.quantity import Quantity, Wanted
-from lammps_jump.analysis.report.page import Section, Table, Text, cut
+from lammps_jump.analysis.report.page import Section, Table, Text, Value, cells, cut
 from lammps_jump.analysis.statistics import Mean, as_fields, mean_of, propagated
 from lammps_jump.dump.frame import Frame
 from lammps_jump.physics import jump as theory
@@ -315,24 +315,24 @@ def _notes(delivered: float, asked: float, refused: int, turns: int, blocked: st
     )
 
 
-def section(found: Mapping[str, Any]) -> Section:
-    """Discharge asked for and delivered, row by row; the stream behind the inlet. `found` as in ``summary.json``."""
-    stream = [
-        ("Discharge [m²/s]", found["asked"], found["delivered"]),
-        ("Mass depth [m]", found["depth_asked"], cut(found, "depth")),
-        ("Mean speed [m/s]", found["speed_asked"], cut(found, "speed")),
-        ("Momentum flux over ρ [m³/s²]", found["momentum_planned"], cut(found, "momentum")),
+def section(found: Delivery) -> Section:
+    """Discharge asked for and delivered, row by row; the stream behind the inlet."""
+    stream: list[Sequence[Value]] = [
+        ("Discharge [m²/s]", *cells(found, "asked", "delivered")),
+        ("Mass depth [m]", *cells(found, "depth_asked"), cut(found, "depth")),
+        ("Mean speed [m/s]", *cells(found, "speed_asked"), cut(found, "speed")),
+        ("Momentum flux over ρ [m³/s²]", *cells(found, "momentum_planned"), cut(found, "momentum")),
         ("Froude number, laboratory", None, cut(found, "froude")),
-        ("Discs refused", 0, f"{found['refused']} of {found['turns']}"),
+        ("Discs refused", 0, f"{found.refused} of {found.turns}"),
     ]
     keys = ("y", "speed", "interval", "asked", "delivered", "turns", "refused")
     heads = ("Row at y [m]", "speed [m/s]", "every [s]", "asked [m²/s]", "delivered [m²/s]", "turns", "refused")
-    low, high = found["station"]
+    low, high = found.station
     return Section(
         "Inflow",
         [
             Table(stream, ("", "asked for", "delivered")),
-            Table([[row[key] for key in keys] for row in found["rows"]], heads, "Rows of the inlet"),
+            Table([cells(row, *keys) for row in found.rows], heads, "Rows of the inlet"),
             Text(
                 "The discharge is the area of the discs that entered, over whole turns of their rows (over the window "
                 "where the inflow changes with time): a count, which has no error. Depth, speed and momentum are means "
@@ -365,5 +365,5 @@ Froude      u/√(g s) of these, and Bélanger's depth of this stream, in the la
         Wanted("froude"),
     ),
     rank=130,
-    errors={"": Delivery},
+    errors=lambda found: [("", found)],
 )

@@ -7,7 +7,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from lammps_jump.analysis.report.page import Section, Table, Text, cut
+from lammps_jump.analysis.jump.found import Budget
+from lammps_jump.analysis.report.page import Section, Table, Text
+from lammps_jump.units import from_summary, shown, sure_of
 
 DEFINITIONS = """\
 carried     m [((u − c)² + v²)/2 + g y] of each disc that crosses a station; c is the velocity of the stations
@@ -57,10 +59,11 @@ def section(summary: Mapping[str, Any]) -> Section | None:
     ledger = summary.get("ledger") or {}
     if ledger.get("stations_lost") is None:
         return None
-    frames = (summary.get("jump") or {}).get("budget") or {}
+    found = (summary.get("jump") or {}).get("budget")
+    frames = from_summary(Budget, found) if found else None
     rows = [(words, _metres(ledger[f"stations_{key}"]), _of_frames(frames, key)) for key, words in ROWS.items()]
     text = f"Energy between stations at {place(ledger)}. Heads are energies over g and the mass that came in."
-    if not frames:
+    if frames is None:
         text += " Frames give no budget here: there is no jump, walls move, or friction takes energy."
     return Section(
         "Energy between stations",
@@ -72,6 +75,6 @@ def _metres(head: float) -> str:
     return f"{round(head, 3) + 0.0:z.3f}".replace("-", "−")
 
 
-def _of_frames(found: Mapping[str, Any], key: str) -> str:
-    error = f"{FRAME_ERRORS.get(key, key)}_error"
-    return cut({key: found.get(key), f"{key}_error": found.get(error)}, key)
+def _of_frames(budget: Budget | None, key: str) -> str:
+    value, error = getattr(budget, key, None), sure_of(budget, FRAME_ERRORS.get(key, key)).value
+    return shown(value, error=error, alone=True).replace("-", "−")

@@ -23,7 +23,7 @@ from lammps_jump.errors import DumpError
 from lammps_jump.files import BODIES
 from lammps_jump.scene.bodies.free import Free
 from lammps_jump.scene.motion import MovingWall, Pose
-from lammps_jump.units import Estimates, as_summary, estimate, number
+from lammps_jump.units import Estimates, as_summary, estimate, known, number
 
 from .floating import Around, around, draught_by_weight
 
@@ -239,15 +239,15 @@ def figures(found: Mapping[str, BodyResult], _: Gathered) -> Drawings:
     return {"bodies": Chart("bodies", TIME, panels)}
 
 
-def section(found: Mapping[str, Mapping[str, Any]]) -> Section:
+def section(found: Mapping[str, BodyResult]) -> Section:
     """The numbers of each body."""
     blocks: list[Table | Text] = []
     for name, body in found.items():
-        keys = [key for key in KEYS if body.get(key) is not None]
-        if body.get("reason"):
-            blocks.append(Text(f"Nothing is known of the body {name}: {body['reason']}.", "warn"))
+        keys = [key for key in KEYS if known(getattr(body, key))]
+        if body.reason:
+            blocks.append(Text(f"Nothing is known of the body {name}: {body.reason}.", "warn"))
         else:
-            blocks.append(Table(described(BodyResult, body, *keys), (f"Body {name}", "")))
+            blocks.append(Table(described(body, *keys), (f"Body {name}", "")))
     return Section("Bodies", blocks)
 
 

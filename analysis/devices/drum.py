@@ -7,10 +7,8 @@ middle half of the drum's width. Its ends, where discs climb the wall and pile u
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import atan, degrees, nan
-from typing import Any
 
 import numpy as np
 
@@ -25,7 +23,7 @@ from lammps_jump.analysis.statistics import as_fields, mean_of
 from lammps_jump.dump.frame import Frame
 from lammps_jump.physics import devices
 from lammps_jump.scene.scene import Scene
-from lammps_jump.units import Estimates, estimate, number
+from lammps_jump.units import Estimates, estimate, known, number
 
 MIDDLE = 0.5
 """Share of the drum's radius, to either side of its centre, over which the surface is fitted."""
@@ -138,11 +136,11 @@ def figures(drum: Drum, gathered: Gathered) -> Drawings:
     return {"drum": Chart("surface of the discs in the drum", TIME, [panel])}
 
 
-def section(drum: Mapping[str, Any]) -> Section:
+def section(drum: Drum) -> Section:
     """The angle, and how fast the drum turns."""
-    if drum.get("angle") is None:
+    if not known(drum.angle):
         return Section("Drum", [])
-    return Section("Drum", [Table(described(Drum, drum, "angle", "scatter", "froude", "turns"))])
+    return Section("Drum", [Table(described(drum, "angle", "scatter", "froude", "turns"))])
 
 
 QUANTITY = Quantity(

@@ -19,7 +19,7 @@ from lammps_jump.analysis.report.page import Section, Table, Text, described, pe
 from lammps_jump.analysis.verdicts.kinds import at, part
 from lammps_jump.analysis.verdicts.water import has_front
 from lammps_jump.physics import measured, waves
-from lammps_jump.units import shown
+from lammps_jump.units import known, shown
 
 from .front import ASPECT, Front, FrontHistory, FrontTracker, MartinMoyce, analyse, dimensionless, way
 
@@ -36,25 +36,25 @@ def figures(front: Front, gathered: Gathered) -> Drawings:
     return {"front": front_chart(history, flow), "martin_moyce": water}
 
 
-def section(found: Mapping[str, Any]) -> Section:
+def section(front: Front) -> Section:
     """The front; where water is asked for, against Ritter and Martin & Moyce."""
-    if found.get("position") is None:
-        return Section("Front", [Text(shown(found.get("reason")), "warn")])
+    if not known(front.position):
+        return Section("Front", [Text(shown(front.reason), "warn")])
     rows: list[tuple[str, Any]] = []
-    if found.get("column_base") is not None:
-        size = " × ".join(shown(found[key], digits=3) for key in ("column_base", "column_depth"))
+    if known(front.column_base):
+        size = " × ".join(shown(value, digits=3) for value in (front.column_base, front.column_depth))
         rows.append(("Column at the start, base × height [m]", size))
-    rows += described(Front, found, "position", "position_99", "column_height", "speed", "arrival_time")
-    moyce = found.get("martin_moyce")
-    if moyce and (ritter := found.get("ritter")):
-        until = f"Ritter's front, holds until t = {ritter['valid_until']:z.2g} s: RMS difference"
-        rows.append((until, percent(ritter["rms"])))
+    rows += described(front, "position", "position_99", "column_height", "speed", "arrival_time")
+    moyce, ritter = front.martin_moyce, front.ritter
+    if moyce and ritter:
+        until = f"Ritter's front, holds until t = {ritter.valid_until:z.2g} s: RMS difference"
+        rows.append((until, percent(ritter.rms)))
     if moyce:
-        rows += described(MartinMoyce, moyce, "aspect")
-        keys = ("mean_bulk", "rms_bulk", "rms_99", "rms_height") if moyce["comparable"] else ()
-        rows += [(label, percent(value)) for label, value in described(MartinMoyce, moyce, *keys)]
-        rows += described(MartinMoyce, moyce, "slope", "slope_of_table")
-    return Section("Front", [Table(rows), *([Text(found["reason"], "warn")] if found.get("reason") else [])])
+        rows += described(moyce, "aspect")
+        keys = ("mean_bulk", "rms_bulk", "rms_99", "rms_height") if moyce.comparable else ()
+        rows += [(label, percent(value)) for label, value in described(moyce, *keys)]
+        rows += described(moyce, "slope", "slope_of_table")
+    return Section("Front", [Table(rows), *([Text(front.reason, "warn")] if front.reason else [])])
 
 
 def front_chart(history: FrontHistory, flow: Flow) -> Chart | None:
@@ -153,6 +153,7 @@ errors        none: one run cannot tell; repeat it from other starts
     captions={"front": "Front and column", "martin_moyce": "Against Martin & Moyce (1952)"},
     tables=tables,
     figures=figures,
+    linked="front",
     section=section,
     headline=(
         Wanted("position", label="front after {time}"),

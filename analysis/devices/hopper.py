@@ -24,7 +24,7 @@ from lammps_jump.analysis.quantity import Quantity, Wanted
 from lammps_jump.analysis.report.page import Section, Table, Text, described, percent
 from lammps_jump.analysis.statistics import piece_bounds, piece_error
 from lammps_jump.physics import devices
-from lammps_jump.units import Estimates, estimate, number
+from lammps_jump.units import Estimates, estimate, known, number
 
 from .gaps import Crossings, GapFlow
 
@@ -247,21 +247,21 @@ def figures(hopper: Hopper, gathered: Gathered) -> Drawings:
     return {"hopper": Chart("discs that pass the gap", TIME, panels, window)}
 
 
-def section(hopper: Mapping[str, Any]) -> Section:
+def section(hopper: Hopper) -> Section:
     """Discharge, its window and steadiness; gaps by their places."""
-    if hopper.get("discharge") is None:
-        return Section("Outlet", [Text(hopper.get("reason") or "", "warn")])
-    rows = described(Hopper, hopper, "discharge", "begin", "end", "discs")
-    if hopper.get("slot") is not None:
-        rows += described(Hopper, hopper, "slot", "slot_in_diameters")
-    if hopper.get("change") is not None:
-        rows.append(("Change from the first half of the window to the second", percent(hopper["change"])))
-    if hopper.get("beverloo") is not None:
-        rows += described(Hopper, hopper, "beverloo")
-    elif hopper.get("no_beverloo"):
-        rows.append(("Beverloo's law is not asked", hopper["no_beverloo"]))
+    if not known(hopper.discharge):
+        return Section("Outlet", [Text(hopper.reason or "", "warn")])
+    rows = described(hopper, "discharge", "begin", "end", "discs")
+    if known(hopper.slot):
+        rows += described(hopper, "slot", "slot_in_diameters")
+    if known(hopper.change):
+        rows.append(("Change from the first half of the window to the second", percent(hopper.change)))
+    if known(hopper.beverloo):
+        rows += described(hopper, "beverloo")
+    elif hopper.no_beverloo:
+        rows.append(("Beverloo's law is not asked", hopper.no_beverloo))
     keys = ("gap_x", "gap_y", "gap_width", "gap_turn", "gap_discharge", "gap_discs")
-    gaps = list(zip(*(hopper.get(key) or () for key in keys), strict=True))
+    gaps = list(zip(*(getattr(hopper, key) for key in keys), strict=True))
     header = ("Gap, x [m]", "y [m]", "width [m]", "way to −y [degrees]", "discharge [kg/s/m]", "discs, whole run")
     return Section("Outlet", [Table(rows), Table(gaps, header)])
 

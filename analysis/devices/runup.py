@@ -9,10 +9,10 @@ before the face without such a gap. A disc has gone over when it was last seen b
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import inf, isfinite, nan
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,7 +25,7 @@ from lammps_jump.analysis.quantity import Quantity, Wanted
 from lammps_jump.analysis.report.page import Section, Table, described
 from lammps_jump.dump.frame import Frame, make_frame
 from lammps_jump.scene.chains import X0, X1
-from lammps_jump.units import number
+from lammps_jump.units import known, number
 
 PER_DIAMETER = 4
 """Places on a diameter at which the bed is looked at."""
@@ -329,12 +329,12 @@ def figures(runup: RunUp, gathered: Gathered) -> Drawings:
     return {"runup": Chart("run-up and overtopping", TIME, panels)}
 
 
-def section(runup: Mapping[str, Any]) -> Section:
+def section(runup: RunUp) -> Section:
     """Highest place, still water, crest, and what went over."""
-    if runup.get("highest") is None:
+    if not known(runup.highest):
         return Section("Run-up", [])
     keys = ("highest", "still", "run_up", "time", "place", "crest", "over", "over_discs")
-    return Section("Run-up", [Table(described(RunUp, runup, *(key for key in keys if runup.get(key) is not None)))])
+    return Section("Run-up", [Table(described(runup, *(key for key in keys if known(getattr(runup, key)))))])
 
 
 QUANTITY = Quantity(

@@ -24,7 +24,7 @@ from lammps_jump.analysis.statistics import STUDENT, Mean, mean_of
 from lammps_jump.dump.frame import Frame
 from lammps_jump.physics.devices import GATE_LOOKS, Holding, gate_areas, gate_sees
 from lammps_jump.scene import MovingWall
-from lammps_jump.units import Estimates, as_summary, estimate, number
+from lammps_jump.units import Estimates, as_summary, estimate, known, number
 
 LAST = 0.25
 """Share of the time of holding, at the end, in which the height must stand."""
@@ -196,16 +196,16 @@ def figures(gates: Mapping[str, Tailgate], _: Gathered) -> Drawings:
     return {"tailgate": Chart("tailgate", TIME, tuple(panels), since)} if panels else {}
 
 
-def section(gates: Mapping[str, Mapping[str, Any]]) -> Section:
+def section(gates: Mapping[str, Tailgate]) -> Section:
     """Height, time of settling and what is held, of each gate."""
     blocks: list[Table | Text] = []
     for name, gate in gates.items():
-        keys: Sequence[str] = [key for key in KEYS if gate.get(key) is not None]
-        blocks.append(Table(described(Tailgate, gate, *keys), (f"Tailgate {name}", "")))
-        if gate.get("no_interval"):
-            blocks.append(Text(f"What the gate {name} holds has no ±: {gate['no_interval']}.", "warn"))
-        if gate.get("reason"):
-            blocks.append(Text(f"The gate {name} has found no height: {gate['reason']}.", "warn"))
+        keys: Sequence[str] = [key for key in KEYS if known(getattr(gate, key))]
+        blocks.append(Table(described(gate, *keys), (f"Tailgate {name}", "")))
+        if gate.no_interval:
+            blocks.append(Text(f"What the gate {name} holds has no ±: {gate.no_interval}.", "warn"))
+        if gate.reason:
+            blocks.append(Text(f"The gate {name} has found no height: {gate.reason}.", "warn"))
     return Section("Tailgate", blocks)
 
 

@@ -24,7 +24,7 @@ from lammps_jump.analysis.report import Block
 from lammps_jump.analysis.report.page import Section, Table, Text, described
 from lammps_jump.analysis.verdicts.kinds import part
 from lammps_jump.physics import devices
-from lammps_jump.units import number
+from lammps_jump.units import known, number
 
 PHASES = 20
 """Times within a period at which the mean wave is known."""
@@ -115,21 +115,21 @@ def figures(waves: Waves, gathered: Gathered) -> Drawings:
     return {"gauges": Chart("depth at the gauges", TIME, [Panel("Depth of the\nfree surface [m]", lines)])}
 
 
-def section(waves: Mapping[str, Any]) -> Section:
+def section(waves: Waves) -> Section:
     """Depths by gauge; heights of waves where a paddle makes some."""
     names = {"means": "mean depth of the window [m]", "lowest": "lowest", "largest": "largest of the record"}
     names |= {"heights": "wave height [m]", "depths": "mean depth of whole periods [m]"}
-    known = [name for name in names if waves.get(name)]
-    if not known:
+    told = {name: getattr(waves, name) for name in names if getattr(waves, name)}
+    if not told:
         return Section("Gauges", [])
-    columns = zip(waves["gauges"], *(waves[name] for name in known), strict=True)
-    rows = [(f"{x:zg}", *(None if value is None else f"{value:z.3f}" for value in values)) for x, *values in columns]
-    blocks: list[Block] = [Table(rows, ("Gauge, x [m]", *(names[name] for name in known)))]
+    columns = zip(waves.gauges, *told.values(), strict=True)
+    rows = [(f"{x:zg}", *(f"{value:z.3f}" if known(value) else None for value in values)) for x, *values in columns]
+    blocks: list[Block] = [Table(rows, ("Gauge, x [m]", *(names[name] for name in told)))]
     if unknown := [str(x) for x, *values in rows if None in values]:
         blocks.append(Text(f"No bed is known, and no depth, at times or always at x = {', '.join(unknown)} m."))
-    if waves.get("height") is None:
+    if not known(waves.height):
         return Section("Gauges", blocks)
-    return Section("Waves", [*blocks, Table(described(Waves, waves, "period", "periods", "height_piston"))])
+    return Section("Waves", [*blocks, Table(described(waves, "period", "periods", "height_piston"))])
 
 
 def line(summary: Mapping[str, Any]) -> str:

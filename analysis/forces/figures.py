@@ -18,7 +18,7 @@ from lammps_jump.analysis.quantity import Named, Quantity, Wanted
 from lammps_jump.analysis.report import Block
 from lammps_jump.analysis.report.page import Section, Table, Text, cut, heading
 from lammps_jump.analysis.verdicts.kinds import part
-from lammps_jump.units import numbers_of
+from lammps_jump.units import known, numbers_of, sure_of
 
 from .history import LOW_PASS, Force, Forces, analyse_forces
 from .impulse import Identity, MomentumHistory, MomentumLedger, with_inflow
@@ -60,12 +60,11 @@ WHOLE = ("impulse_x", "impulse_y", "peak_moment")
 """Numbers of the three tables of the section."""
 
 
-def section(found: Mapping[str, Any]) -> Section:
-    """Forces on the probed structures, the impulse identity, the reflected wave; `found` as in ``summary.json``."""
-    structures = {name: values for name, values in found.items() if isinstance(values, Mapping) and "peak" in values}
-    touched = {name: values for name, values in structures.items() if values.get("component")}
-    steady = {name: values for name, values in touched.items() if values.get("startup_peak") is not None}
-    untouched = [name for name, values in structures.items() if values.get("reason")]
+def section(found: Forces) -> Section:
+    """Forces on the probed structures, the impulse identity, the reflected wave."""
+    touched = {name: force for name, force in found.structures.items() if force.component}
+    steady = {name: force for name, force in touched.items() if known(force.startup_peak)}
+    untouched = [name for name, force in found.structures.items() if force.reason]
     blocks: list[Block] = [
         _table("Means of the window", steady, MEANS),
         _table(f"Largest, means over {LOW_PASS:zg} s", touched, LARGEST),
@@ -73,30 +72,31 @@ def section(found: Mapping[str, Any]) -> Section:
         Text("Directions are angles to the x axis, anticlockwise: −90 degrees is down." if touched else "", "small"),
         Text(f"Nothing touched {', '.join(untouched)}." if untouched else ""),
     ]
-    return Section("Forces", [*blocks, *(Text(note) for note in found.get("notes") or [])])
+    return Section("Forces", [*blocks, *map(Text, found.notes)])
 
 
-def _table(title: str, structures: Mapping[str, Mapping[str, Any]], keys: Sequence[str]) -> Table:
+def _table(title: str, structures: Mapping[str, Force], keys: Sequence[str]) -> Table:
     """Numbers of structures, with their units; forces in kN/m."""
     numbers, rows = numbers_of(Force), []
     scales = {key: KILO if numbers[key].unit.startswith("N") else 1.0 for key in keys}
-    for name, values in structures.items():
-        cells = [
-            cut(values, key, scale) if values.get(f"{key}_error") else _scaled(values, key, scale)
+    for name, force in structures.items():
+        told = [
+            cut(force, key, scale) if sure_of(force, key).value else _scaled(force, key, scale)
             for key, scale in scales.items()
         ]
-        rows.append((name, *([component_of(values)] if "peak" in keys else []), *cells))
+        rows.append((name, *([component_of(force)] if "peak" in keys else []), *told))
     heads = [heading(numbers[key].meaning, f"{'k' * (scale > 1)}{numbers[key].unit}") for key, scale in scales.items()]
     return Table(rows, (title, *(["component"] if "peak" in keys else []), *heads))
 
 
-def _scaled(values: Mapping[str, Any], key: str, scale: float) -> float | None:
-    return None if values.get(key) is None else values[key] / scale
+def _scaled(force: Force, key: str, scale: float) -> float | None:
+    value = getattr(force, key)
+    return value / scale if known(value) else None
 
 
-def component_of(values: Mapping[str, Any]) -> str:
+def component_of(force: Force) -> str:
     """Name of the component of a force, of which its peak is: Fx or Fy."""
-    return str(values.get("component") or "").replace("f", "F")
+    return (force.component or "").replace("f", "F")
 
 
 def history_chart(result: Forces) -> Chart | None:
@@ -199,6 +199,7 @@ oncoming      largest ρsu² + ρgs²/2 two bins in front
 """,
     always=lambda flow: bool(flow.scene.probes),
     collector=MomentumLedger,
+    needs=frozenset({"forces"}),
     analyse=analyse,
     files={"reflected_wave.csv": "front of the reflected wave against time"},
     captions={
@@ -208,8 +209,10 @@ oncoming      largest ρsu² + ρgs²/2 two bins in front
     },
     tables=Forces.tables,
     figures=figures,
+    linked="forces",
     section=section,
     summary=Forces.summary,
+    reads=Forces.of,
     headline=(
         Wanted("*.mean_fx", "hydrostatic", "*.mean_hydrostatic", "mean Fx, {name}", KILO, KILO_NEWTON, holds=AT_REST),
         Wanted("*.mean_fy", label="mean Fy, {name}", scale=KILO, unit=KILO_NEWTON),
@@ -217,7 +220,7 @@ oncoming      largest ρsu² + ρgs²/2 two bins in front
     ),
     rank=110,
     structures=_touched,
-    errors={"*": Force, "reflected_wave": ReflectedWave},
+    errors=lambda found: [*found.structures.items(), ("", found.reflected)],
     named=Named("probe", "name the wall in probes.forces of the case", "structures", "structures.<wall>"),
     parts={
         "settled": dict[str, dict[str, float]],

@@ -8,7 +8,7 @@ Fx and fy are what the discs do to a structure, N per metre of width.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import atan2, degrees, hypot, nan
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +21,7 @@ from lammps_jump.analysis.statistics import as_fields, mean_of
 from lammps_jump.dump.find import ForceHistory
 from lammps_jump.physics import waves
 from lammps_jump.scene.walls import Wall
-from lammps_jump.units import Estimates, as_summary, estimate, number
+from lammps_jump.units import Estimates, as_summary, estimate, from_summary, number
 
 from .impulse import Identity, MomentumHistory, identity_sentence, impulse_identity, window_lengths
 from .reflection import ReflectedWave, track_reflection
@@ -123,6 +123,10 @@ class Force(Estimates):
         return ForceHistory(*(self.table[name] for name in ("time", "fx", "fy", "moment")))
 
 
+BESIDE = ("settled", "reflected_wave", "identity", "low_pass", "notes")
+"""Keys under ``force`` in ``summary.json`` that are of no structure alone."""
+
+
 @dataclass(frozen=True)
 class Forces:
     """Forces on all structures, the impulse identities along x and y, the reflected wave.
@@ -158,6 +162,16 @@ class Forces:
             "low_pass": LOW_PASS,
             "notes": self.notes,
         }
+
+    @classmethod
+    def of(cls, summary: Mapping[str, Any]) -> Forces:
+        """Those that stand under ``force`` in ``summary.json``."""
+        walls = {name: from_summary(Force, one) for name, one in summary.items() if name not in BESIDE}
+        axes = (summary.get("identity") or {}).items()
+        identities = (replace(from_summary(Identity, one), axis=axis) for axis, one in axes)
+        wave = summary.get("reflected_wave")
+        reflected = from_summary(ReflectedWave, wave) if wave else None
+        return cls(walls, tuple(identities), reflected, summary.get("settled") or {})
 
     def tables(self) -> Tables:
         """CSV tables: one a structure, and the reflected wave."""

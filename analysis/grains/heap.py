@@ -9,7 +9,6 @@ two diameters between neighbours in x, seen from the column; the *99 % front* is
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from math import atan, atan2, degrees, isfinite, nan, sqrt
 from typing import Any, NamedTuple
@@ -28,7 +27,7 @@ from lammps_jump.analysis.statistics import student
 from lammps_jump.analysis.verdicts.kinds import part
 from lammps_jump.dump.frame import Frame
 from lammps_jump.physics import devices, measured
-from lammps_jump.units import Estimates, estimate, number, sure_of
+from lammps_jump.units import Estimates, estimate, known, number, sure_of
 
 from .rest import RestHistory, rests
 
@@ -372,23 +371,23 @@ def figures(heap: Heap, gathered: Gathered) -> Drawings:
     return {"heap": Chart("shape of the heap", PLACE, [panel])}
 
 
-def section(heap: Mapping[str, Any]) -> Section:
+def section(heap: Heap) -> Section:
     """Height and slopes; run-out of a column beside published ones."""
-    if heap.get("height") is None:
-        return Section("Heap", [Text(heap.get("reason") or "", "warn")])
-    rows = [*described(Heap, heap, "height", "top", "left", "right")]
+    if not known(heap.height):
+        return Section("Heap", [Text(heap.reason or "", "warn")])
+    rows = [*described(heap, "height", "top", "left", "right")]
     for key, words in (("angle", "flanks"), ("angle_left", "left flank"), ("angle_right", "right flank")):
-        if heap.get(key) is not None:
-            value = f"{heap[key]:z.1f} ± {sure_of(heap, key).value:z.1f}"
+        if known(angle := getattr(heap, key)):
+            value = f"{angle:z.1f} ± {sure_of(heap, key).value:z.1f}"
             rows.append((f"Angle of the {words} to the horizontal [degrees], 95 %", value))
     blocks: list[Text | Table] = []
-    if heap.get("at_rest") is False:
+    if heap.at_rest is False:
         blocks.append(Text("The discs still move: shape and run-out are those of the last frame, not at rest.", "warn"))
-    if heap.get("aspect") is not None:
+    if known(heap.aspect):
         keys = ("base", "aspect", "run_out", "run_out_99", "run_out_over_base", "run_out_99_over_base")
-        rows += described(Heap, heap, *keys, "height_over_base", "friction")
-        known = [key for key in ("discs", "rods", "sand", "height_rods", "shape_off") if heap.get(key) is not None]
-        rows += described(Heap, heap, *known)
+        rows += described(heap, *keys, "height_over_base", "friction")
+        published = ("discs", "rods", "sand", "height_rods", "shape_off")
+        rows += described(heap, *(key for key in published if known(getattr(heap, key))))
     return Section("Heap", [*blocks, Table(rows)])
 
 

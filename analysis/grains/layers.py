@@ -9,9 +9,8 @@ Definitions: da Cruz, Emam, Prochnow, Roux & Chevoir 2005, Phys. Rev. E 72, 0213
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import ceil, isfinite, nan
+from math import ceil, nan
 from typing import Any
 
 import numpy as np
@@ -27,7 +26,7 @@ from lammps_jump.core.library import INTEGER, INTEGERS, REALS, core, entry
 from lammps_jump.dump.frame import Frame
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.walls import Interval
-from lammps_jump.units import number
+from lammps_jump.units import known, number
 
 MOST_LAYERS = 5000
 HEIGHT = 2.0
@@ -332,13 +331,13 @@ def figures(layers: LayerProfiles, gathered: Gathered) -> Drawings:
     return {"layers": Chart(f"layers, {stretch}", "Height y [m]", panels)}
 
 
-def section(layers: Mapping[str, Any]) -> Section:
+def section(layers: LayerProfiles) -> Section:
     """Where the layers are, and their means."""
-    if not layers.get("layers"):
+    if not layers.layers:
         return Section("Layers", [])
     keys = ("begin", "end", "height", "layers", "packing", "velocity", "fastest")
-    known = [key for key in ("pressure", "inertial_number", "friction") if isfinite(layers.get(key) or nan)]
-    return Section("Layers", [Table(described(LayerProfiles, layers, *keys, *known))])
+    more = [key for key in ("pressure", "inertial_number", "friction") if known(getattr(layers, key))]
+    return Section("Layers", [Table(described(layers, *keys, *more))])
 
 
 QUANTITY = Quantity(

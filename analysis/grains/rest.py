@@ -8,10 +8,8 @@ the top would move by 0.2 d in it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import inf, isfinite, isnan, nan, sqrt
-from typing import Any
 
 import numpy as np
 
@@ -23,7 +21,7 @@ from lammps_jump.analysis.quantity import Quantity, Wanted
 from lammps_jump.analysis.report.page import Section, Table, Text, described
 from lammps_jump.dump.frame import Frame
 from lammps_jump.scene.scene import Scene
-from lammps_jump.units import number
+from lammps_jump.units import known, number
 
 SLOW = 0.01
 """Median speed over sqrt(g d) below which discs rest."""
@@ -253,12 +251,12 @@ def figures(rest: Rest, gathered: Gathered) -> Drawings:
     return {"rest": Chart("the discs come to rest", flow.time_axis, panels)}
 
 
-def section(rest: Mapping[str, Any]) -> Section:
+def section(rest: Rest) -> Section:
     """When the discs came to rest, or why they do not."""
-    if rest.get("speed") is None:
+    if not known(rest.speed):
         return Section("Rest", [])
-    rows = described(Rest, rest, *(["time"] if rest.get("time") is not None else []), "speed", "top", "sinking")
-    return Section("Rest", [Text(rest.get("reason") or "", "warn"), Table(rows)])
+    rows = described(rest, *(["time"] if known(rest.time) else []), "speed", "top", "sinking")
+    return Section("Rest", [Text(rest.reason or "", "warn"), Table(rows)])
 
 
 QUANTITY = Quantity(

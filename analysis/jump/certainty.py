@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from lammps_jump.analysis.statistics import piece_error
-from lammps_jump.units import number
+from lammps_jump.units import Estimates, number, numbers_of
 
 GOAL = 0.03
 """Relative standard error of the mean of several starts that `Members` aims at."""
@@ -83,9 +83,9 @@ class Members:
     froude: int | None = number("", "runs for the Froude number to 3 %, at least", default=None)
 
 
-def errors(jump: object, pieces: Sequence[Mapping[str, Any]]) -> dict[str, float]:
+def errors(jump: Estimates, pieces: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """Standard error within this run of each number of a `Jump` that has one, by its key ``<number>_error``."""
-    names = [field.name for field in fields(jump) if field.name.endswith("_error")]
+    names = [key for key in numbers_of(jump) if key.endswith("_error")]
     return {name: piece_error(_values(pieces, name.removesuffix("_error"))) for name in names}
 
 
@@ -98,7 +98,7 @@ def drift(pieces: Sequence[Mapping[str, Any]]) -> Drift:
     return Drift(**{name: float(values[half:].mean() - values[:half].mean()) for name, values in found.items()})
 
 
-def members(jump: object) -> Members:
+def members(jump: Estimates) -> Members:
     """Number of starts needed, with the variance that one run misses added to its own errors."""
 
     def needed(key: str) -> int | None:
@@ -110,11 +110,11 @@ def members(jump: object) -> Members:
     return Members(**{key: needed(key) for key in MISSED})
 
 
-def starts_needed(found: Mapping[str, int | None]) -> str:
+def starts_needed(found: Members | None) -> str:
     """Number of runs for each number that has one, in words; empty where none has."""
     names = {"y2": "y2", "speed": "the velocity of the front", "froude": "the Froude number"}
-    known = {name: count for key, name in names.items() if (count := found.get(key)) is not None}
-    texts = [f"{count} {'run' if count == 1 else 'runs'} for {name}" for name, count in known.items()]
+    counts = {name: getattr(found, key, None) for key, name in names.items()}
+    texts = [f"{count} {'run' if count == 1 else 'runs'} for {name}" for name, count in counts.items() if count]
     return ", ".join([*texts[:-2], " and ".join(texts[-2:])]) if texts else ""
 
 

@@ -11,11 +11,11 @@ import numpy as np
 from lammps_jump.analysis.draw.chart import PLACE, Bars, Chart, Panel, Trace, stairs
 from lammps_jump.units import numbers_of
 
-from .found import Jump
+from .found import Jump, MeasuredJump, TrackedJump
 from .stream import running_median
 
 
-def track_chart(jump: Jump) -> Chart | None:
+def track_chart(jump: TrackedJump) -> Chart | None:
     """Toe, end and equal-mass front against time with the fitted straight motion; None where nothing was tracked."""
     track = jump.track
     if track is None or not track.found.any():
@@ -28,7 +28,7 @@ def track_chart(jump: Jump) -> Chart | None:
     if track.compression is not None and np.isfinite(track.compression).any():
         lines.append(Trace("", track.time, track.compression, "dots"))
         lines.append(Trace("front of the compression", track.time, running_median(track.compression), "third"))
-    if jump.motion is not None:
+    if isinstance(jump, MeasuredJump):
         ends = np.array(jump.window)
         lines.append(Trace("fit in the window", ends, jump.motion.start + jump.motion.speed * ends, "fit"))
     return Chart(jump.verdict, jump.flow.time_axis, (Panel(PLACE, lines),), jump.window)
@@ -57,7 +57,7 @@ def stream_chart(jump: Jump) -> Chart | None:
 
 def frame_chart(jump: Jump) -> Chart | None:
     """Mean depth, velocity and packing in the frame of the front, with Bélanger's depth beside them."""
-    if jump.moving is None:
+    if not isinstance(jump, MeasuredJump):
         return None
     xi, mean = jump.moving.xi, jump.moving.mean
     depth = mean("mass_depth")

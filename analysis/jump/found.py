@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from math import nan
+from typing import ClassVar
 
 import numpy as np
 
@@ -110,8 +111,8 @@ class Budget(Estimates):
 
 
 @dataclass(frozen=True)
-class Jump(Estimates, AlongStream):
-    """Hydraulic jump: what was measured, its numbers, and theory; NaN and None where it was not measured.
+class Jump(Estimates):
+    """Hydraulic jump: its numbers and theory, as they stand in ``summary.json``; NaN and None where not measured.
 
     `y1`, `froude`, `y2`, `belanger_y2` and `belanger_deviation` are the one comparison with theory: the depth `at`
     against Bélanger's for the stream `of`, in the frame of the front; `left_out` of the relation. ``_error`` is the
@@ -127,23 +128,8 @@ class Jump(Estimates, AlongStream):
         s.
     developed : bool or None
         A level stretch behind the end was there to be measured.
-    flow : Flow or None
-        What follows stands in no summary.
-    direction : int
-        +1 for a stream towards larger x, -1 towards smaller.
-    in_window : ndarray of bool, shape (frames,)
-    track : JumpTrack or None
-    motion : FrontMotion or None
-        Of the front of equal mass.
-    moving : Moving or None
-    mass_toe, mass_end, surface_toe, surface_end : float
-        In the moving frame, m along the stream from the front: of the mean mass depth, and of the surface.
-    upstream, downstream : FlowState or None
-    pieces : tuple of Jump
-        Of each piece of the window.
     """
 
-    ALONG = ("track", "toe_speed", "end_speed", "motion", "stream")
     verdict: str
     reason: str
     headline: str = ""
@@ -193,19 +179,57 @@ class Jump(Estimates, AlongStream):
     drift: Drift | None = None
     members: Members | None = None
     lower_bounds: tuple[str, ...] = LOWER_BOUNDS
-    flow: Flow | None = field(default=None, metadata=ASIDE)
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrackedJump(Jump, AlongStream):
+    """A jump as it is looked for in profiles. What it has more than a `Jump` stands in no summary.
+
+    Attributes
+    ----------
+    flow : Flow
+    direction : int
+        +1 for a stream towards larger x, -1 towards smaller.
+    in_window : ndarray of bool, shape (frames,)
+    track : JumpTrack or None
+        None where nothing was looked at.
+    """
+
+    ALONG: ClassVar[tuple[str, ...]] = ("track", "toe_speed", "end_speed", "stream")
+    flow: Flow = field(metadata=ASIDE)
     direction: int = field(default=1, metadata=ASIDE)
-    in_window: np.ndarray | None = field(default=None, metadata=ASIDE)
+    in_window: np.ndarray = field(metadata=ASIDE)
     track: JumpTrack | None = field(default=None, metadata=ASIDE)
-    motion: FrontMotion | None = field(default=None, metadata=ASIDE)
-    moving: Moving | None = field(default=None, metadata=ASIDE)
-    mass_toe: float = field(default=nan, metadata=ASIDE)
-    mass_end: float = field(default=nan, metadata=ASIDE)
-    surface_toe: float = field(default=nan, metadata=ASIDE)
-    surface_end: float = field(default=nan, metadata=ASIDE)
-    upstream: FlowState | None = field(default=None, metadata=ASIDE)
-    downstream: FlowState | None = field(default=None, metadata=ASIDE)
-    pieces: tuple[Jump, ...] = field(default=(), metadata=ASIDE)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeasuredJump(TrackedJump):
+    """A jump that was found and measured in its own frame, or that of a piece of the window.
+
+    Attributes
+    ----------
+    motion : FrontMotion
+        Of the front of equal mass.
+    moving : Moving
+    mass_toe, mass_end, surface_toe, surface_end : float
+        In the moving frame, m along the stream from the front: of the mean mass depth, and of the surface.
+    upstream, downstream : FlowState
+    pieces : tuple of MeasuredJump
+        Of each piece of the window.
+    """
+
+    ALONG = (*TrackedJump.ALONG, "motion")
+    momentum_terms: Balance
+    track: JumpTrack = field(metadata=ASIDE)
+    motion: FrontMotion = field(metadata=ASIDE)
+    moving: Moving = field(metadata=ASIDE)
+    mass_toe: float = field(metadata=ASIDE)
+    mass_end: float = field(metadata=ASIDE)
+    surface_toe: float = field(metadata=ASIDE)
+    surface_end: float = field(metadata=ASIDE)
+    upstream: FlowState = field(metadata=ASIDE)
+    downstream: FlowState = field(metadata=ASIDE)
+    pieces: tuple[MeasuredJump, ...] = field(default=(), metadata=ASIDE)
 
     @property
     def used(self) -> np.ndarray:

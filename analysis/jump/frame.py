@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import nan, sqrt
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -137,7 +137,7 @@ def move_along(stream: xr.Dataset, position: np.ndarray, reach_end: np.ndarray) 
                 row[:] = np.interp(xi + front, x[good], known[good], left=np.nan, right=np.nan)
         return rows
 
-    return Moving(stream.time.values, xi, {name: shifted(values.values) for name, values in stream.items()})
+    return Moving(stream.time.values, xi, {str(name): shifted(values.values) for name, values in stream.items()})
 
 
 def crossing(xi: np.ndarray, values: np.ndarray, level: float, around: float) -> float:
@@ -303,17 +303,17 @@ class Balance:
         Standard error of `pressure` from the scatter between frames.
     """
 
-    upstream: float = field(metadata={"summary": False})
-    downstream: float = field(metadata={"summary": False})
-    classical: float = field(metadata={"summary": False})
-    profile: float = number("", "uneven velocities and their fluctuations")
-    packing: float = number("", "surface depth in place of mass depth")
-    pressure: float = number("", "contact pressure beyond hydrostatic")
-    bed: float = number("", "force of the bed")
-    slope: float = number("", "gravity along the bed")
-    unsteady: float = number("", "momentum stored between the stations")
-    unexplained: float = number("", "left unexplained")
-    pressure_error: float = number("", "standard error of the pressure's part")
+    upstream: float = field(default=nan, metadata={"summary": False})
+    downstream: float = field(default=nan, metadata={"summary": False})
+    classical: float = field(default=nan, metadata={"summary": False})
+    profile: float = number("", "uneven velocities and their fluctuations", default=nan)
+    packing: float = number("", "surface depth in place of mass depth", default=nan)
+    pressure: float = number("", "contact pressure beyond hydrostatic", default=nan)
+    bed: float = number("", "force of the bed", default=nan)
+    slope: float = number("", "gravity along the bed", default=nan)
+    unsteady: float = number("", "momentum stored between the stations", default=nan)
+    unexplained: float = number("", "left unexplained", default=nan)
+    pressure_error: float = number("", "standard error of the pressure's part", default=nan)
     lower_bounds: tuple[str, ...] = ("pressure",)
 
 
@@ -350,7 +350,8 @@ def balance(moving: Moving, one: FlowState, two: FlowState, along: float) -> Bal
     }
     terms["unexplained"] = float(np.nansum(list(terms.values())))
     terms["pressure_error"] = float(np.hypot(one.thrust_error, two.thrust_error))
-    return Balance(upstream, downstream, **{name: value / downstream for name, value in terms.items()})
+    shares: dict[str, Any] = {name: value / downstream for name, value in terms.items()}
+    return Balance(upstream, downstream, **shares)
 
 
 def growth_rate(time: np.ndarray, amount: np.ndarray) -> float:

@@ -21,10 +21,10 @@ from lammps_jump.analysis.report.headline import AT_SILL
 from lammps_jump.analysis.statistics import piece_bounds
 
 from . import frame
-from .found import Jump, StandingHeap
+from .found import MeasuredJump, StandingHeap, TrackedJump
 from .stream import compression_front, measure_stream
 from .tail import measure_tail
-from .track import TO_THE_END, FrontMotion, piece_speeds, straight_motion, track_jump
+from .track import TO_THE_END, FrontMotion, JumpTrack, piece_speeds, straight_motion, track_jump
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -75,7 +75,7 @@ def without_baffles(bed: np.ndarray, depth: np.ndarray, width: float, diameter: 
     return bare
 
 
-def analyse_jump(profiles: xr.Dataset, flow: Flow, contacts: ContactSeries | None = None) -> Jump:
+def analyse_jump(profiles: xr.Dataset, flow: Flow, contacts: ContactSeries | None = None) -> TrackedJump:
     """Find the jump in depth profiles, follow it, measure it in its own frame.
 
     Parameters
@@ -88,13 +88,13 @@ def analyse_jump(profiles: xr.Dataset, flow: Flow, contacts: ContactSeries | Non
 
     Returns
     -------
-    Jump
-        With verdict 'no jump found' and the reason where there is none.
+    TrackedJump
+        One that was found is a `MeasuredJump`; else the verdict is another, with its reason.
     """
     window, gravity = window_of(profiles), flow.gravity
     in_window = within(profiles["time"].values, window)
     direction = -1 if np.nansum(profiles["discharge"].values[in_window]) < 0 else 1
-    nothing = Jump("no jump found", "", window=window, flow=flow, direction=direction, in_window=in_window)
+    nothing = TrackedJump("no jump found", "", window=window, flow=flow, direction=direction, in_window=in_window)
     if gravity <= 0:
         return replace(nothing, reason="there is no gravity towards the bed")
     depth = profiles["mass_depth"].values[in_window].mean(axis=0)
@@ -110,11 +110,13 @@ def analyse_jump(profiles: xr.Dataset, flow: Flow, contacts: ContactSeries | Non
     stream = frame.along_stream(fields, direction, ODD).isel(x=reach)
     stands = np.flatnonzero((profiles["bed"].values != bare)[::direction][reach])
     stream.attrs["clear"] = int(stands[0]) if stands.size else len(reach)
-    found = _follow(nothing, stream, profiles.attrs["bin_width"])
-    return replace(found.turned(direction), pieces=tuple(piece.turned(direction) for piece in found.pieces))
+    found = _follow(nothing, stream, profiles.attrs["bin_width"]).turned(direction)
+    if not isinstance(found, MeasuredJump):
+        return found
+    return replace(found, pieces=tuple(piece.turned(direction) for piece in found.pieces))
 
 
-def _follow(nothing: Jump, stream: xr.Dataset, width: float) -> Jump:
+def _follow(nothing: TrackedJump, stream: xr.Dataset, width: float) -> TrackedJump:
     """The jump of a stream towards larger x, on a level bed, in bins of this width, m."""
     flow, in_window, gravity = nothing.flow, nothing.in_window, nothing.flow.gravity
     x, time = stream.x.values, stream.time.values
@@ -135,70 +137,82 @@ def _follow(nothing: Jump, stream: xr.Dataset, width: float) -> Jump:
         verdict, reason = _why_none(track, in_window, inside, heap, gravity, inflow)
         if used.sum() < 2 or share < MARGINAL or verdict != "no jump found":
             return replace(nothing, verdict=verdict, reason=reason, track=track, heap=heap)
-    result = replace(
+    heap = _heap(stream.isel(time=used), float(np.mean(track.end[used])), gravity)
+    known = replace(
         nothing,
-        track=track,
-        heap=_heap(stream.isel(time=used), float(np.mean(track.end[used])), gravity),
+        heap=heap,
         toe_speed=straight_motion(time[used], track.toe[used]).speed,
         end_speed=straight_motion(time[used], track.end[used]).speed,
-        motion=straight_motion(time[used], track.position[used]),
     )
-    result = _measure(result, stream, used)
+    result = _measure(known, track, straight_motion(time[used], track.position[used]), stream, used)
     late = np.flatnonzero(used)[-max(1, int(used.sum()) // 5) :]
     to_inlet = float(np.median(track.toe[late])) - edges[0]
     drowned = from_inlet and to_inlet < near
-    verdict, reason = _judge(result, used, gravity, to_inlet, drowned)
+    verdict, reason = _judge(result, heap, gravity, to_inlet, drowned)
     if verdict == "jump" and share < SURE:
-        others = _why_none(track, in_window, stream, result.heap, gravity, None)[1]
+        others = _why_none(track, in_window, stream, heap, gravity, None)[1]
         verdict = "marginal jump"
         reason = f"{100 * share:z.0f} % of the frames have a jump, others not: {others}. {reason}"
     return replace(result, verdict=verdict, reason=reason)
 
 
-def _measure(result: Jump, stream: xr.Dataset, used: np.ndarray) -> Jump:
+def _measure(
+    known: TrackedJump, track: JumpTrack, motion: FrontMotion, stream: xr.Dataset, used: np.ndarray
+) -> MeasuredJump:
     """Average in the moving frame; toe, end, states, balances."""
-    track, speed = result.track, result.motion.speed
+    speed = motion.speed
     # the frame moves with the fitted straight motion: a control volume at a steady speed has an exact balance
-    front = result.motion.start + speed * track.time[used]
+    front = motion.start + speed * track.time[used]
     moving = frame.move_along(stream.isel(time=used), front, track.reach_end[used])
     toe = float(np.median(track.toe[used] - front))
     end = float(np.median(track.end[used] - front))
     levels = float(np.median(track.mass_depth_1[used])), float(np.median(track.mass_depth_2[used]))
+    before, behind, _ = frame.zones(moving, toe, end, *levels)
+    result = _within(known, track, motion, moving, (before, behind), (toe, end))
     # twice: the states need the ends, the ends need the levels
-    for _ in range(2):
-        before, behind, enough = frame.zones(moving, toe, end, *levels)
-        result = _within(result, moving, (before, behind), (toe, end))
-        toe, end = result.mass_toe, result.mass_end
+    toe, end = result.mass_toe, result.mass_end
+    before, behind, enough = frame.zones(moving, toe, end, *levels)
+    result = _within(known, track, motion, moving, (before, behind), (toe, end))
+    toe, end = result.mass_toe, result.mass_end
     depth = result.downstream.mass_depth
     # water beyond a baffle is lower: it takes up momentum
     tail = measure_tail(stream.isel(time=used, x=slice(stream.attrs["clear"])), front, depth)
     level = tail.depth.value if isfinite(tail.depth.value) else depth
-    before = measure_stream(stream, track, used, speed, level, result.flow.gravity)
+    inlet = measure_stream(stream, track, used, speed, level, result.flow.gravity)
     found = frame.roller(moving, speed, toe, end)
-    result = replace(result, stream=before, developed=enough, roller=found, tail=tail)
+    result = replace(result, stream=inlet, developed=enough, roller=found, tail=tail)
     return replace(result, pieces=_pieces(result))
 
 
-def _within(result: Jump, moving: frame.Moving, stretches: Stretches, around: tuple[float, float]) -> Jump:
+def _within(
+    known: TrackedJump,
+    track: JumpTrack,
+    motion: FrontMotion,
+    moving: frame.Moving,
+    stretches: Stretches,
+    around: tuple[float, float],
+) -> MeasuredJump:
     """States, ends and balances from frames of the moving frame, in the zones of the states."""
-    one, two = (frame.measure_state(moving, zone, result.motion.speed, result.flow.gravity) for zone in stretches)
+    one, two = (frame.measure_state(moving, zone, motion.speed, known.flow.gravity) for zone in stretches)
     toe, end = _ends(moving, "mass_depth", one, two, *around)
     ends = _ends(moving, "surface_depth", one, two, toe, end)
-    return replace(
-        result,
-        moving=moving,
-        mass_toe=toe,
-        mass_end=end,
-        surface_toe=ends[0],
-        surface_end=ends[1],
-        upstream=one,
-        downstream=two,
-        momentum_terms=frame.balance(moving, one, two, result.direction * result.flow.scene.gravity[0]),
-        mass=frame.mass_balance(moving, one, two),
-    )
+    measured = {
+        "track": track,
+        "motion": motion,
+        "moving": moving,
+        "mass_toe": toe,
+        "mass_end": end,
+        "surface_toe": ends[0],
+        "surface_end": ends[1],
+        "upstream": one,
+        "downstream": two,
+        "momentum_terms": frame.balance(moving, one, two, known.direction * known.flow.scene.gravity[0]),
+        "mass": frame.mass_balance(moving, one, two),
+    }
+    return MeasuredJump(**vars(known) | measured)
 
 
-def _pieces(whole: Jump) -> tuple[Jump, ...]:
+def _pieces(whole: MeasuredJump) -> tuple[MeasuredJump, ...]:
     """The jump of each piece of the window, with the speed of that piece."""
     frames = np.flatnonzero(whole.used)
     track = whole.track
@@ -209,15 +223,17 @@ def _pieces(whole: Jump) -> tuple[Jump, ...]:
         inside = np.zeros_like(whole.in_window)
         inside[frames[first:stop]] = True
         motion = FrontMotion(float(front), nan, nan, 2)
-        moved = replace(whole, in_window=inside, toe_speed=float(toe), end_speed=float(end), motion=motion)
+        piece = replace(whole, in_window=inside, toe_speed=float(toe), end_speed=float(end))
         zones_kept = whole.upstream.zone, whole.downstream.zone
         moving = whole.moving.cut(slice(first, stop))
-        result.append(_within(moved, moving, zones_kept, (whole.mass_toe, whole.mass_end)))
+        result.append(_within(piece, track, motion, moving, zones_kept, (whole.mass_toe, whole.mass_end)))
     known = all(isfinite(piece.upstream.mass_depth + piece.downstream.mass_depth) for piece in result)
     return tuple(result) if known else ()
 
 
-def _ends(moving: frame.Moving, name: str, one: frame.FlowState, two: frame.FlowState, toe, end) -> tuple[float, float]:
+def _ends(
+    moving: frame.Moving, name: str, one: frame.FlowState, two: frame.FlowState, toe: float, end: float
+) -> tuple[float, float]:
     """Where the mean profile of a depth has made 5 % and 95 % of its rise; the given places where it does not cross."""
     profile, level = moving.smoothed(name, frame.SMOOTHED * two.mass_depth), getattr(one, name)
     rise = getattr(two, name) - level
@@ -239,9 +255,9 @@ def _heap(stream: xr.Dataset, start: float, gravity: float) -> StandingHeap:
     return StandingHeap(float(s[standing].sum() / s.sum()), slope)
 
 
-def _judge(result: Jump, used: np.ndarray, gravity: float, to_inlet: float, drowned: bool) -> tuple[str, str]:
+def _judge(result: MeasuredJump, heap: StandingHeap, gravity: float, to_inlet: float, drowned: bool) -> tuple[str, str]:
     """Jump, locked heap or drowned inlet, and the reason."""
-    heap, motion = result.heap, result.motion
+    motion = result.motion
     if heap.locked:
         return "locked heap", (
             f"behind the toe {100 * heap.standing_share:z.0f} % of the discs stand still under a surface that "
@@ -252,7 +268,7 @@ def _judge(result: Jump, used: np.ndarray, gravity: float, to_inlet: float, drow
         return "drowned inlet", f"the toe stands {to_inlet:z.2f} m from the inlet: the inflow is no longer free."
     words = "moves upstream" if motion.speed < 0 else "moves downstream"
     uncertain = 2 * motion.error if isfinite(motion.error) else 0.0
-    if abs(motion.speed) <= max(uncertain, 1e-6 * sqrt(gravity * result.track.mass_depth_2[used].mean())):
+    if abs(motion.speed) <= max(uncertain, 1e-6 * sqrt(gravity * result.track.mass_depth_2[result.used].mean())):
         words = "stands still within the error"
     tail = "" if result.developed else " No level stretch behind its end: the downstream state is a lower bound."
     return (
@@ -261,7 +277,14 @@ def _judge(result: Jump, used: np.ndarray, gravity: float, to_inlet: float, drow
     )
 
 
-def _why_none(track, in_window, stream, heap, gravity, inflow) -> tuple[str, str]:
+def _why_none(
+    track: JumpTrack,
+    in_window: np.ndarray,
+    stream: xr.Dataset,
+    heap: StandingHeap,
+    gravity: float,
+    inflow: float | None,
+) -> tuple[str, str]:
     """Verdict and reason: the commonest reason of the window, and whether the inlet is drowned or the flow locked."""
     reasons = Counter(reason.split(" (")[0] for reason, inside in zip(track.why, in_window, strict=True) if inside)
     reasons.pop("", None)

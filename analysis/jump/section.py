@@ -18,20 +18,20 @@ from lammps_jump.analysis.draw.chart import Drawings
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.quantity import Marks, Quantity, Wanted
-from lammps_jump.analysis.report.headline import AT_SILL, belongs
+from lammps_jump.analysis.report.headline import A_JUMP, AT_SILL, belongs
 from lammps_jump.analysis.report.page import Beside, Section, Table, Text, cut, described, heading, percent_of
-from lammps_jump.analysis.statistics import Mean, propagated
+from lammps_jump.analysis.statistics import Mean, as_fields, propagated
 from lammps_jump.analysis.verdicts.jump import is_asked
 from lammps_jump.analysis.verdicts.kinds import part
-from lammps_jump.units import ABSENT, numbers_of, shown
+from lammps_jump.physics.jump import Inflow
+from lammps_jump.units import ABSENT, known, numbers_of, shown
 
 from .certainty import starts_needed
 from .figures import balance_bars, frame_chart, stream_chart, track_chart
-from .found import Budget, Jump, Local
+from .found import Budget, Jump, Local, MeasuredJump, TrackedJump
 from .result import LEVEL, analyse_jump
 from .summary import ASKED, BEFORE, summarise_jump
-from .tail import Tail
-from .verdict import A_JUMP, untimed, worded
+from .verdict import untimed, worded
 
 STATES = (
     ("y1", "y2"), ("h1", "h2"), ("u1", "u2"), ("packing_1", "packing_2"), ("beta_1", "beta_2"),
@@ -40,7 +40,7 @@ STATES = (
 """Numbers that stand side by side in the table of the states."""
 
 
-def analyse(gathered: Gathered) -> Jump:
+def analyse(gathered: Gathered) -> TrackedJump:
     """Jump of a run: on level bed, else on the longest stretch of bed with one slope."""
     found, along = _analysed(gathered, gathered), gathered.along
     if along is None or found.verdict in (*A_JUMP, AT_SILL) or not isinstance(along.flow, TurnedFlow):
@@ -49,11 +49,11 @@ def analyse(gathered: Gathered) -> Jump:
     return found if looked and sloping.verdict not in A_JUMP else in_place(sloping, along.flow.stretch)
 
 
-def _analysed(gathered: Gathered, whole: Gathered) -> Jump:
+def _analysed(gathered: Gathered, whole: Gathered) -> TrackedJump:
     """Jump of a flow; `whole`: with the inflow."""
-    inlet = inflow.analyse(whole)
-    known = inlet is not None and isfinite(inlet.speed)
-    delivered = (Mean.of(inlet, "depth"), Mean.of(inlet, "speed")) if known else None
+    inlet, delivered = inflow.analyse(whole), None
+    if inlet is not None and isfinite(inlet.speed):
+        delivered = Mean.of(inlet, "depth"), Mean.of(inlet, "speed")
     measured = analyse_jump(gathered.profiles, gathered.flow, gathered.contacts)
     if not _on_level_of_inlet(gathered.flow, measured):
         measured, delivered = replace(measured, flow=replace(gathered.flow, inflow_depth=None)), None
@@ -65,10 +65,11 @@ def _analysed(gathered: Gathered, whole: Gathered) -> Jump:
     if budget is None:
         why = no_budget(gathered.flow) if found.verdict in A_JUMP else ""
         return replace(found, reason=f"{found.reason} {why}".strip())
-    return replace(found, budget=budget, head_lost=budget.lost, head_lost_error=budget.inflow_error)
+    lost = as_fields(head_lost=Mean(budget.lost, budget.inflow_error))
+    return replace(found, budget=budget, **lost)
 
 
-def _on_level_of_inlet(flow: Flow, measured: Jump) -> bool:
+def _on_level_of_inlet(flow: Flow, measured: TrackedJump) -> bool:
     """Whether the bed under the toe is as high as that at the inlet: else the inflow is no state before the jump."""
     rows, track = flow.scene.inlets, measured.track
     if isinstance(flow, TurnedFlow) or not rows or track is None or not track.found.any():
@@ -77,7 +78,7 @@ def _on_level_of_inlet(flow: Flow, measured: Jump) -> bool:
     return not abs(at_toe - at_inlet) >= LEVEL * flow.scene.diameter
 
 
-def marks(jump: Jump) -> Marks:
+def marks(jump: TrackedJump) -> Marks:
     """Depths of the inflow's theory, toe and end, and the track of the toe."""
     lines, asked = {}, jump.inflow
     if asked:
@@ -91,13 +92,13 @@ def marks(jump: Jump) -> Marks:
     return Marks(lines, places, (track.toe[track.found], track.time[track.found]))
 
 
-def tables(jump: Jump) -> Tables:
+def tables(jump: TrackedJump) -> Tables:
     """The track, the mean profile in the moving frame, and the stream before the jump."""
     found = {}
     if jump.track is not None:
         columns = {name: values for name, values in _arrays(jump.track).items() if name != "reach_end"}
         found["jump_track.csv"] = {**columns, "found": jump.track.found.astype(int)}
-    if jump.moving is not None:
+    if isinstance(jump, MeasuredJump):
         means = {name: jump.moving.mean(name) for name in jump.moving.fields}
         found["jump_frame.csv"] = {"distance": jump.moving.xi, **means}
     return found | ({"jump_stream.csv": _arrays(jump.stream)} if jump.stream else {})
@@ -107,7 +108,7 @@ def _arrays(result: object) -> dict[str, np.ndarray]:
     return {name: values for name, values in vars(result).items() if isinstance(values, np.ndarray)}
 
 
-def figures(jump: Jump, gathered: Gathered) -> Drawings:
+def figures(jump: TrackedJump, gathered: Gathered) -> Drawings:
     """Figures of the jump in time, in its own frame, of its momentum and of the head."""
     track: Drawings = {"jump_track": track_chart(jump)}
     if not gathered.flow.timed:
@@ -119,63 +120,63 @@ def figures(jump: Jump, gathered: Gathered) -> Drawings:
     }
 
 
-def section(jump: Mapping) -> Section:
-    """Verdict, streams, states, balances, lengths; `jump` as in ``summary.json``."""
-    verdict = Text(jump["reason"], "verdict" if jump["verdict"] == "jump" else "warn", jump["verdict"])
-    known = jump.get("y1") is not None and belongs("y1", jump)
-    if not known:
+def section(jump: Jump) -> Section:
+    """Verdict, streams, states, balances, lengths."""
+    verdict, local = Text(jump.reason, "verdict" if jump.verdict == "jump" else "warn", jump.verdict), jump.local
+    if local is None or not known(jump.y1) or not belongs("y1", jump.verdict):
         return Section("Hydraulic jump", [verdict, _streams(jump)])
-    if jump["speed"] is None:
-        local = Table(described(Local, jump["local"], "sequent_ratio"))
-        lengths = Table(described(Jump, jump, "length", "length_mass"))
-        return Section("Hydraulic jump", [verdict, _states(jump["local"]), local, lengths])
-    steady = belongs("length", jump)
-    budget = _budget((jump.get("budget") or {}) if steady else {})
-    tables = [_streams(jump), _states(jump["local"]), _momentum_table(jump), _balances(jump), budget]
-    blocks = [
-        verdict,
-        Beside([one for one in tables if one.rows]),
-        _sill(jump.get("inflow")),
-        Text(SHORT if steady else ""),
-        _moved(jump["local"]),
-    ]
-    return Section("Hydraulic jump", blocks)
+    if not known(jump.speed):
+        lengths = Table(described(jump, "length", "length_mass"))
+        return Section("Hydraulic jump", [verdict, _states(local), Table(described(local, "sequent_ratio")), lengths])
+    steady = belongs("length", jump.verdict)
+    budget = _budget(jump.budget if steady else None)
+    tables = [_streams(jump), _states(local), _momentum_table(local), _balances(jump), budget]
+    return Section(
+        "Hydraulic jump",
+        [
+            verdict,
+            Beside([one for one in tables if one.rows]),
+            _sill(jump.inflow),
+            Text(SHORT if steady else ""),
+            _moved(local),
+        ],
+    )
 
 
-def _streams(jump: Mapping) -> Table:
+def _streams(jump: Jump) -> Table:
     """Every state that is compared with theory: state, frame, Froude number, sequent depth by Bélanger."""
-    asked, local = jump.get("inflow"), jump.get("local")
-    rows: list[tuple] = []
-    if jump.get("froude") is not None and belongs("froude", jump) and jump["of"] != BEFORE:
-        rows.append((f"{jump['of']}: the comparison at the top", "front", *_pair(jump)))
-    if local and local["froude"] is not None and belongs("local.froude", jump):
-        above = ": the comparison at the top" if jump["of"] == BEFORE else ""
+    asked, local, rows = jump.inflow, jump.local, []
+    if known(jump.froude) and belongs("froude", jump.verdict) and jump.of != BEFORE:
+        rows.append((f"{jump.of}: the comparison at the top", "front", *_pair(jump)))
+    if local and known(local.froude) and belongs("local.froude", jump.verdict):
+        above = ": the comparison at the top" if jump.of == BEFORE else ""
         rows.append((f"{BEFORE}{above}", "front", *_pair(local)))
         rows.append((BEFORE, "laboratory", cut(local, "froude_lab"), ABSENT))
     if asked:
-        at = f"{ASKED}, {shown(asked['depth'])} m at {shown(asked['velocity'])} m/s, exact"
-        rows.append((at, "laboratory", f"{asked['froude']:z.2f}", f"{asked['belanger_y2']:z.2f}"))
+        at = f"{ASKED}, {shown(asked.depth)} m at {shown(asked.velocity)} m/s, exact"
+        rows.append((at, "laboratory", f"{asked.froude:z.2f}", f"{asked.belanger_y2:z.2f}"))
     return Table(rows, ("State", "frame", "Froude number", "sequent depth by Bélanger [m]"))
 
 
-def _sill(asked: Mapping | None) -> Text:
+def _sill(asked: Inflow | None) -> Text:
     """The sill that energy asks for, without loss on a broad crest."""
-    sill = (asked or {}).get("sill")
-    return Text(f"By energy a sill of {shown(sill)} m holds the jump of the inflow (E₂ − 1.5 y_c)." if sill else "")
+    if asked is None or not known(asked.sill) or not asked.sill:
+        return Text("")
+    return Text(f"By energy a sill of {shown(asked.sill)} m holds the jump of the inflow (E₂ − 1.5 y_c).")
 
 
-def _pair(found: Mapping) -> tuple[str, str]:
+def _pair(found: Jump | Local) -> tuple[str, str]:
     return cut(found, "froude"), cut(found, "belanger_y2")
 
 
-def _states(local: Mapping) -> Table:
+def _states(local: Local) -> Table:
     numbers = numbers_of(Local)
     rows = []
     for one, two in STATES:
         label, unit = numbers[one].meaning, numbers[one].unit
         unit, scale = ("kN/m", 1e3) if unit == "N/m" else (unit, 1.0)
-        values = [cut(local, key, scale) for key in (one, two)]
-        rows.append((heading(label.removesuffix(" before the toe").removesuffix(","), unit), *values))
+        first = heading(label.removesuffix(" before the toe").removesuffix(","), unit)
+        rows.append((first, cut(local, one, scale), cut(local, two, scale)))
     rows.append(("Froude number, front's frame", "above", cut(local, "froude_downstream")))
     rows = [row for row in rows if set(row[1:]) != {ABSENT} and row[-1] != ABSENT]
     return Table(rows, ("State, measured beside the jump", "before the toe 1", "behind the end 2"))
@@ -184,21 +185,20 @@ def _states(local: Mapping) -> Table:
 MOVED = (("y1", "moved_y1"), ("froude", "moved_froude"), ("belanger_y2", "moved_belanger_y2"), ("y2", "moved_y2"))
 
 
-def _moved(local: Mapping) -> Text:
+def _moved(local: Local) -> Text:
     """By how much the states move with their stretches."""
     names = {"y1": "s₁", "froude": "Fr", "belanger_y2": "Bélanger's depth", "y2": "s₂"}
     said = [
-        f"{names[key]} by {shown(local[moved], numbers_of(Local)[key].unit, digits=2)}"
+        f"{names[key]} by {shown(getattr(local, moved), numbers_of(Local)[key].unit, digits=2)}"
         for key, moved in MOVED
-        if local[moved] is not None
+        if known(getattr(local, moved))
     ]
     text = f"A stretch one depth s₁ further from the jump changes {', '.join(said)}." if said else ""
     return Text(text.replace("-", "−"))
 
 
-def _momentum_table(jump: Mapping) -> Table:
+def _momentum_table(local: Local) -> Table:
     """The sequent ratio beside the jump against momentum: the measured thrust first, then what leaves parts out."""
-    local = jump["local"]
     against = [
         ("momentum with measured thrust, β, bed, slope", "pressure_relation_ratio"),
         ("momentum with measured density, β, bed, slope", "full_relation_ratio"),
@@ -209,56 +209,58 @@ def _momentum_table(jump: Mapping) -> Table:
     rows = [
         (words, cut(local, key), _deviation(local, "sequent_ratio", key))
         for words, key in against
-        if local[key] is not None
+        if known(getattr(local, key))
     ]
     return Table(rows, (f"s₂/s₁ beside the jump is {cut(local, 'sequent_ratio')}; against", "", "difference"))
 
 
-def _balances(jump: Mapping) -> Table:
+def _balances(jump: Jump) -> Table:
     """Mass through the front, tail water, roller and stream; parts of the momentum are in the figure."""
-    mass, tail, roller, stream = (jump.get(key) or {} for key in ("mass", "tail", "roller", "stream"))
-    rows: list[tuple] = [
-        (f"Mass flux through the front, {words} [%]", f"{100 * mass[key]:+z.2f}".replace("-", "−"))
-        for key, words in (("closure", "downstream less upstream"), ("closure_with_storage", "the same with storage"))
-        if mass.get(key) is not None
+    mass, tail, roller, stream = jump.mass, jump.tail, jump.roller, jump.stream
+    shares = [] if mass is None else [mass.closure, mass.closure_with_storage]
+    rows = [
+        (f"Mass flux through the front, {words} [%]", f"{100 * share:+z.2f}".replace("-", "−"))
+        for share, words in zip(shares, ("downstream less upstream", "the same with storage"), strict=False)
+        if known(share)
     ]
-    if tail.get("length") is not None:
-        rows.append((f"Slope of the surface of the tail water, over {tail['length']:z.1f} m", cut(tail, "slope")))
+    if tail and known(tail.length):
+        rows.append((f"Slope of the surface of the tail water, over {tail.length:z.1f} m", cut(tail, "slope")))
+    lengths = [] if roller is None else [roller.length_in_jump_frame, roller.length]
     rows += [
-        (f"Roller: surface that runs upstream, {frame} [m]", shown(roller[key], digits=2))
-        for key, frame in (("length_in_jump_frame", "front's frame"), ("length", "laboratory"))
-        if roller.get(key) is not None
+        (f"Roller: surface that runs upstream, {frame} [m]", shown(length, digits=2))
+        for length, frame in zip(lengths, ("front's frame", "laboratory"), strict=False)
+        if known(length)
     ]
-    if stream.get("total_deviation") is not None:
+    if stream and known(stream.total_deviation):
         words = "Momentum flux + thrust of the stream before the jump: largest change [%]"
-        rows.append((words, f"{100 * stream['total_deviation']:z.1f}"))
+        rows.append((words, f"{100 * stream.total_deviation:z.1f}"))
     return Table(rows, ("Balances", ""))
 
 
-def _budget(found: Mapping) -> Table:
+def _budget(budget: Budget | None) -> Table:
     """Energy between two stations, as heads; the head lost is at the top."""
-    if not found:
+    if budget is None:
         return Table(())
     words = numbers_of(Budget)
     keys = ("carried", "contacts", "storage", "dashpots", "residual")
-    values = (cut(found, key) if f"{key}_error" in found else f"{found[key]:z.3f}" for key in keys)
+    values = (cut(budget, key) if hasattr(budget, f"{key}_error") else f"{getattr(budget, key):z.3f}" for key in keys)
     rows = [(heading(words[key].meaning, ""), value.replace("-", "−")) for key, value in zip(keys, values, strict=True)]
-    head = (
-        f"Energy from {found['start']:+z.1f} to {found['stop']:+z.1f} m from the toe, at {found['speed']:+z.2f} m/s [m]"
-    )
+    head = f"Energy from {budget.start:+z.1f} to {budget.stop:+z.1f} m from the toe, at {budget.speed:+z.2f} m/s [m]"
     return Table(rows, (head.replace("-", "−"), ""))
 
 
-def certainty(jump: Mapping) -> tuple[str, str]:
+def certainty(jump: Jump) -> tuple[str, ...]:
     """How sure the numbers are, in two paragraphs: the drift within the window, and how many starts are needed."""
-    if jump["y2_error"] is None:
-        return "The window holds fewer than 16 frames with a jump: one run cannot tell how sure these numbers are.", ""
-    drifts, units = jump["drift"], numbers_of(Jump)
+    drift, units = jump.drift, numbers_of(Jump)
+    if drift is None:
+        return ()
+    if not known(jump.y2_error):
+        return ("The window holds fewer than 16 frames with a jump: one run cannot tell how sure these numbers are.",)
     moved = ", ".join(
-        f"{words} {shown(drifts[key], units[key].unit, digits=2)}"
+        f"{words} {shown(getattr(drift, key), units[key].unit, digits=2)}"
         for key, words in (("y2", "sequent depth"), ("speed", "velocity of the front"), ("length", "length"))
     )
-    needed = starts_needed(jump["members"])
+    needed = starts_needed(jump.members)
     return (
         '"At least": one run misses up to 60 % of the variance between starts. '
         f"From the first half of the window to the second: {moved.replace('-', '−')}.",
@@ -266,12 +268,13 @@ def certainty(jump: Mapping) -> tuple[str, str]:
     )
 
 
-def _deviation(found: Mapping, key: str, other: str) -> str:
+def _deviation(local: Local, key: str, other: str) -> str:
     """How far a number lies off another, in per cent, cut to the errors of both taken as independent."""
-    if found[key] is None or not found[other]:
+    one, two = Mean.of(local, key), Mean.of(local, other)
+    if not known(one.value) or not two.value:
         return ABSENT
-    two = (Mean(found[name], found.get(f"{name}_error") or 0.0) for name in (key, other))
-    off = propagated(lambda measured, expected: measured / expected - 1.0, *two)
+    measured, expected = (Mean(each.value, each.error if known(each.error) else 0.0) for each in (one, two))
+    off = propagated(lambda a, b: a / b - 1.0, measured, expected)
     return percent_of(off.value, off.error, alone=True)
 
 
@@ -284,7 +287,12 @@ SHORT = (
 
 
 def _jump_is_shown(wanted: Wanted, summary: Mapping[str, Any]) -> bool:
-    return is_asked(summary) and belongs(wanted.key, part(summary, "jump"))
+    return is_asked(summary) and belongs(wanted.key, part(summary, "jump").get("verdict", "jump"))
+
+
+def _with_errors(jump: Jump) -> list[tuple[str, object]]:
+    shown = belongs("local.y1", jump.verdict)
+    return [("", one) for one in (jump, jump.local, jump.budget, jump.tail)] if shown else []
 
 
 LEVEL_BED = "of one jump on a level bed, with hydrostatic pressure on both sides"
@@ -315,6 +323,7 @@ tail water  from 1.2 y₂ behind the front to 0.5 y₂ before the sill
 """,
     beside=stations.DEFINITIONS,
     collector=EnergyFluxes,
+    needs=frozenset({"thrust", "slope"}),
     analyse=analyse,
     files={
         "jump_track.csv": "front and toe of the jump against time",
@@ -329,6 +338,7 @@ tail water  from 1.2 y₂ behind the front to 0.5 y₂ before the sill
     },
     tables=tables,
     figures=figures,
+    linked="jump_track",
     section=section,
     marks=marks,
     notes=lambda jump: jump.notes,
@@ -342,7 +352,8 @@ tail water  from 1.2 y₂ behind the front to 0.5 y₂ before the sill
     ),
     rank=10,
     goes=_jump_is_shown,
-    belongs=belongs,
+    belongs=lambda key, jump: belongs(key, jump.verdict),
+    certainty=certainty,
     shown=is_asked,
-    errors={"": Jump, "local": Local, "budget": Budget, "tail": Tail},
+    errors=_with_errors,
 )

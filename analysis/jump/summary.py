@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from math import isfinite, nan, sqrt
+from typing import Any
 
 import numpy as np
 
@@ -14,9 +15,9 @@ from lammps_jump.analysis.statistics import Mean, as_fields, known_mean, propaga
 from lammps_jump.physics import jump as theory
 
 from .certainty import drift, errors, members
-from .found import Jump, Local
+from .found import Local, MeasuredJump, TrackedJump
 from .frame import measure_state, share
-from .tail import against, froude
+from .tail import Tail, against, froude
 
 DEVELOPED_SHARE = 0.7
 """A front whose depth stays below this share of Bélanger's is still on its way to be a jump."""
@@ -35,12 +36,12 @@ def inflow_theory(flow: Flow) -> theory.Inflow | None:
     return theory.inflow_theory(flow.inflow_depth, flow.inflow_speed, flow.gravity)
 
 
-def summarise_jump(jump: Jump, delivered: tuple[Mean, Mean] | None = None) -> Jump:
+def summarise_jump(jump: TrackedJump, delivered: tuple[Mean, Mean] | None = None) -> TrackedJump:
     """A measured jump with its numbers.
 
     Parameters
     ----------
-    jump : Jump
+    jump : TrackedJump
         As measured.
     delivered : (Mean, Mean), optional
         Depth (m) and mean velocity (m/s) behind the inlet, which the tail water is held against; by default those that
@@ -49,9 +50,9 @@ def summarise_jump(jump: Jump, delivered: tuple[Mean, Mean] | None = None) -> Ju
     jump = replace(jump, inflow=inflow_theory(jump.flow))
     if jump.track is None:
         return jump
-    found, frames = int(jump.used.sum()), int(jump.in_window.sum())
+    found, frames = int((jump.track.found & jump.in_window).sum()), int(jump.in_window.sum())
     jump = replace(jump, frames_found=found, frames_in_window=frames, share_found=found / frames if frames else nan)
-    if jump.upstream is None:
+    if not isinstance(jump, MeasuredJump):
         return jump
     pieces = [_places(piece) for piece in jump.pieces]
     beside = [_local(piece) for piece in jump.pieces]
@@ -59,32 +60,32 @@ def summarise_jump(jump: Jump, delivered: tuple[Mean, Mean] | None = None) -> Ju
     local = replace(local, **errors(local, beside))
     jump = replace(jump, local=local, **_places(jump))
     jump = replace(jump, **errors(jump, pieces))
-    jump = replace(jump, **_compared(jump, delivered))
+    tail = jump.tail or Tail()
+    jump = replace(jump, **_compared(jump, local, tail, delivered))
     moved = drift([place | {"y2": depth["y2"]} for place, depth in zip(pieces, beside, strict=True)])
     if jump.at == TAIL and pieces:
-        moved = replace(moved, y2=jump.tail.drift)
+        moved = replace(moved, y2=tail.drift)
     jump = replace(jump, drift=moved, members=members(jump), filling=_filling(jump))
     if jump.verdict == "jump" and (why := _undeveloped(jump)):
         jump = replace(jump, verdict="jump not developed", reason=f"{jump.reason} {why}")
     return jump
 
 
-def _streams(jump: Jump, delivered: tuple[Mean, Mean] | None) -> tuple[str, Mean, Mean]:
+def _streams(jump: MeasuredJump, local: Local, delivered: tuple[Mean, Mean] | None) -> tuple[str, Mean, Mean]:
     """Name, depth (m) and velocity along the stream (m/s) of what the depth behind the jump is held against."""
     if jump.inflow is None:
-        return BEFORE, Mean.of(jump.local, "y1"), Mean.of(jump.local, "u1")
+        return BEFORE, Mean.of(local, "y1"), Mean.of(local, "u1")
     asked = Mean(jump.inflow.depth, 0.0), Mean(jump.inflow.velocity, 0.0)
     return (DELIVERED, *delivered) if delivered else (ASKED, *asked)
 
 
-def _compared(jump: Jump, delivered: tuple[Mean, Mean] | None) -> dict[str, object]:
+def _compared(jump: MeasuredJump, local: Local, tail: Tail, delivered: tuple[Mean, Mean] | None) -> dict[str, Any]:
     """The fields of the one comparison with theory: tail water, else the depth behind the end, against a stream."""
-    local = jump.local
-    level = isfinite(jump.tail.depth.value)
-    y2 = jump.tail.depth if level else Mean.of(local, "y2")
+    level = isfinite(tail.depth.value)
+    y2 = tail.depth if level else Mean.of(local, "y2")
     if not jump.flow.timed:
         return as_fields(y1=Mean.of(local, "y1"), y2=y2)
-    of, depth, velocity = _streams(jump, delivered)
+    of, depth, velocity = _streams(jump, local, delivered)
     sign, gravity = jump.direction, jump.flow.gravity
     forward = abs(velocity.value) if jump.inflow else sign * velocity.value
     stream = depth, Mean(forward, velocity.error), Mean(sign * jump.speed, jump.speed_error)
@@ -113,24 +114,24 @@ def _compared(jump: Jump, delivered: tuple[Mean, Mean] | None) -> dict[str, obje
     return as_fields(**found) | words
 
 
-def _fall(result: Jump) -> float:
+def _fall(result: MeasuredJump) -> float:
     """Tangent of the angle by which the bed falls along the stream."""
     return result.direction * result.flow.scene.gravity[0] / result.flow.gravity
 
 
-def _area(result: Jump) -> float:
+def _area(result: MeasuredJump) -> float:
     """Area of the water between toe and end, by mass, m^2."""
     moving = result.moving
     return float(known_mean(moving.integral(moving.fields["mass_depth"], result.mass_toe, result.mass_end)))
 
 
-def _filling(jump: Jump) -> bool:
+def _filling(jump: MeasuredJump) -> bool:
     """Whether the front runs upstream and has no level tail water behind it yet: the channel still fills."""
     upstream = -jump.direction * jump.speed
     return jump.at == BEHIND and upstream > 2 * np.nan_to_num(jump.speed_error)
 
 
-def _undeveloped(jump: Jump) -> str:
+def _undeveloped(jump: MeasuredJump) -> str:
     """Why the depth behind the front is not that of a jump yet, as a sentence; empty where it is."""
     reached = jump.y2 / jump.belanger_y2
     if reached < DEVELOPED_SHARE:
@@ -138,7 +139,7 @@ def _undeveloped(jump: Jump) -> str:
     return ""
 
 
-def _moved(result: Jump) -> dict[str, float]:
+def _moved(result: MeasuredJump) -> dict[str, Any]:
     """Changes of the numbers of the states where their stretches are moved one depth away from the jump."""
     one, two = result.upstream, result.downstream
     far, down = (
@@ -154,13 +155,13 @@ def _moved(result: Jump) -> dict[str, float]:
     }
 
 
-def _local(result: Jump) -> dict[str, float]:
+def _local(result: MeasuredJump) -> dict[str, Any]:
     """Numbers of a `Local`, by their keys, of what was measured in a window or in a piece of it."""
     found = _states(result)
     return found | (_against_theory(result, found) if result.flow.timed else {})
 
 
-def _places(result: Jump) -> dict[str, float]:
+def _places(result: MeasuredJump) -> dict[str, Any]:
     """Places along x at the last frame used, velocities, and lengths."""
     track, motion = result.track, result.motion
     used = result.used
@@ -180,9 +181,10 @@ def _places(result: Jump) -> dict[str, float]:
     }
 
 
-def _states(result: Jump) -> dict[str, float]:
+def _states(result: MeasuredJump) -> dict[str, float]:
     """Depths, velocities, packing, Froude numbers, momentum and head on both sides."""
-    one, two, density, found = result.upstream, result.downstream, result.flow.scene.density, {}
+    one, two, density = result.upstream, result.downstream, result.flow.scene.density
+    found: dict[str, float] = {}
     for k, state in ((1, one), (2, two)):
         found |= {f"y{k}": state.mass_depth, f"h{k}": state.surface_depth}
         found |= {f"u{k}": result.direction * state.velocity}
@@ -202,7 +204,7 @@ def _states(result: Jump) -> dict[str, float]:
     }
 
 
-def _against_theory(result: Jump, found: Mapping[str, float]) -> dict[str, float]:
+def _against_theory(result: MeasuredJump, found: Mapping[str, float]) -> dict[str, float]:
     """Sequent ratio and loss beside theory, which takes in one measured ingredient after the other.
 
     `density_relation_ratio`: the change of density (`theory.sequent_ratio`); `full_relation_ratio`: bed force and
@@ -231,7 +233,7 @@ def _against_theory(result: Jump, found: Mapping[str, float]) -> dict[str, float
     if fall := _fall(result):
         against["sloping_ratio"] = theory.sloping_ratio(fr1, 2 * fall * _area(result) / s1**2)
     if isfinite(terms.pressure):
-        thrusts = (state.thrust / state.still(state.mass_depth) for state in (one, two))
+        thrusts = one.thrust / one.still(s1), two.thrust / two.still(s2)
         largest = _largest_ratio(fr1, *betas, *thrusts, push + terms.unsteady / unit)
         against |= {"pressure_relation_ratio": largest, "pressure_relation_deviation": ratio / largest - 1}
         for k, state in ((1, one), (2, two)):
@@ -247,7 +249,9 @@ def _sequent_ratio(*arguments: float) -> float:
         return nan
 
 
-def _largest_ratio(froude, beta_1, beta_2, thrust_1, thrust_2, other) -> float:
+def _largest_ratio(
+    froude: float, beta_1: float, beta_2: float, thrust_1: float, thrust_2: float, other: float
+) -> float:
     """Largest root S of 2 Fr^2 (beta_1 - beta_2/S) + p1 - p2 S^2 + other = 0; p thrust over g s^2/2; NaN for none."""
     roots = np.roots([-thrust_2, 0.0, 2 * froude**2 * beta_1 + thrust_1 + other, -2 * froude**2 * beta_2])
     real = roots[np.abs(roots.imag) < 1e-9].real

@@ -101,8 +101,8 @@ def fit_ramp(edges: np.ndarray, depth: np.ndarray) -> FrontRamp | None:
     i, j = np.meshgrid(ramp.toe + offsets, ramp.end + offsets, indexing="ij")
     # the coarse edges themselves are among the candidates, so the second fit is never worse
     keep = (i <= j) & (i > 0) & (j < bins)
-    ramp = _best(depth, _ramps(bins, i[keep], j[keep]))
-    return ramp._replace(toe=edges[0] + ramp.toe * width, end=edges[0] + ramp.end * width)
+    best = _best(depth, _ramps(bins, i[keep], j[keep])) or ramp
+    return best._replace(toe=edges[0] + best.toe * width, end=edges[0] + best.end * width)
 
 
 @dataclass(frozen=True)
@@ -195,18 +195,22 @@ def track_jump(
     bins = [_crest_reach(row) for row in depth]
     looks = [_look(edges[: n + 1], depth[k, :n], discharge[k, :n], gravity, diameter) for k, n in enumerate(bins)]
     why = tuple(look if isinstance(look, str) else "" for look in looks)
-    toe, end, *levels = np.array([(nan,) * 6 if isinstance(look, str) else look for look in looks]).T
+    toe, end, depth_1, depth_2, velocity_1, velocity_2 = np.array(
+        [(nan,) * 6 if isinstance(look, str) else look for look in looks]
+    ).T
     found = ~np.isnan(toe)
     position = np.full(len(looks), nan)
     chosen = found & in_window if (found & in_window).any() else found
     if chosen.any():
-        level_1, level_2 = (np.median(level[chosen]) for level in levels[:2])
+        level_1, level_2 = (float(np.median(level[chosen])) for level in (depth_1, depth_2))
         for k in np.flatnonzero(found):
             position[k] = equivalent_position(edges, depth[k], toe[k], end[k], level_1, level_2)
-    return JumpTrack(stream.time.values, toe, end, position, *levels, edges[bins], why)
+    return JumpTrack(stream.time.values, toe, end, position, depth_1, depth_2, velocity_1, velocity_2, edges[bins], why)
 
 
-def _look(edges, depth, discharge, gravity, diameter) -> str | tuple[float, ...]:
+def _look(
+    edges: np.ndarray, depth: np.ndarray, discharge: np.ndarray, gravity: float, diameter: float
+) -> str | tuple[float, ...]:
     """Toe, end, depths and velocities of the jump of one frame, or the reason why it has none."""
     if depth.max(initial=0.0) < 0.5 * diameter:
         return "the channel is dry"
@@ -233,7 +237,7 @@ def _look(edges, depth, discharge, gravity, diameter) -> str | tuple[float, ...]
     return ramp.toe, ramp.end, depth_1, depth_2, velocity_1, velocity_2
 
 
-def _backed_up(edges, depth, discharge, gravity, toe) -> bool:
+def _backed_up(edges: np.ndarray, depth: np.ndarray, discharge: np.ndarray, gravity: float, toe: float) -> bool:
     """Whether the stream is supercritical before a toe and subcritical in the mean behind it."""
     before = edges[1:] <= toe
     parts = (before, edges[:-1] >= toe)

@@ -13,13 +13,14 @@ from lammps_jump.analysis.report.page import cut, percent_of, with_error
 from lammps_jump.units import AT_LEAST, sure_of
 
 from .certainty import starts_needed
-from .found import Jump, Local
+from .found import Jump, Local, MeasuredJump, TrackedJump
+from .frame import Balance
 from .summary import FRICTION, SLOPE
 
 
-def worded(jump: Jump) -> Jump:
+def worded(jump: TrackedJump) -> TrackedJump:
     """The jump with its headline, its notes, and a reason that says where the state before the toe was measured."""
-    if jump.verdict in A_JUMP:
+    if isinstance(jump, MeasuredJump) and jump.verdict in A_JUMP:
         jump = replace(jump, reason=f"{jump.reason} {belongs_to(jump)}", notes=notes(jump))
     return replace(jump, headline=headline(jump))
 
@@ -35,22 +36,22 @@ BESIDE_WITHOUT_TIMES = (
 """The same of the states beside it; velocities where the file has them."""
 
 
-def untimed(jump: Jump) -> Jump:
+def untimed(jump: TrackedJump) -> TrackedJump:
     """The jump of a dump without times: no velocity of the front, hence no Froude number, no head and no theory."""
     known = _kept(jump, WITHOUT_TIMES)
     if jump.local is not None:
         known["local"] = Local(**_kept(jump.local, BESIDE_WITHOUT_TIMES))
-    kept = {one.name: getattr(jump, one.name) for one in fields(jump) if not one.metadata.get("summary", True)}
-    known |= kept | {"motion": None, "moving": None, "notes": ()}
+    aside = (one.name for one in fields(TrackedJump) if not one.metadata.get("summary", True))
+    known |= {name: getattr(jump, name) for name in aside} | {"notes": ()}
     if jump.verdict not in A_JUMP:
-        return Jump(jump.verdict, jump.reason, headline(jump), **known)
+        return TrackedJump(jump.verdict, jump.reason, headline(jump), **known)
     said = (
         f"A step in depth is found in {jump.frames_found} of {jump.frames_in_window} frames: mass depth "
-        f"{cut(vars(jump), 'y1', unit='m')} before it, {cut(vars(jump), 'y2', unit='m')} behind. Without times "
+        f"{cut(jump, 'y1', unit='m')} before it, {cut(jump, 'y2', unit='m')} behind. Without times "
         "its speed, Froude number and head are not known, and nothing says that it is a hydraulic jump."
     )
     verdict = "marginal jump" if jump.verdict == "marginal jump" else "jump"
-    return Jump(verdict, said, said, **known)
+    return TrackedJump(verdict, said, said, **known)
 
 
 def _kept(found: Jump | Local, names: tuple[str, ...]) -> dict[str, Any]:
@@ -69,7 +70,7 @@ def headline(jump: Jump) -> str:
 
 def compared(jump: Jump) -> str:
     """The depth behind the jump against Bélanger's of a named state."""
-    off = percent_of(jump.belanger_deviation, *sure_of(vars(jump), OFF))
+    off = percent_of(jump.belanger_deviation, *sure_of(jump, OFF))
     return (
         f"Compare the {jump.at}, {_number(jump, 'y2', 'm')}, with {_number(jump, 'belanger_y2', 'm')} by Bélanger "
         f"for the {jump.of} in the front's frame (Fr = {_number(jump, 'froude')}): {off}."
@@ -82,26 +83,26 @@ FILLS = "The channel still fills: there is no level tail water yet, and the dept
 
 def left_out(jump: Jump) -> str:
     """What Bélanger's relation leaves out of this flow, as a sentence: friction and a sloping bed."""
-    terms = jump.momentum_terms
+    terms = jump.momentum_terms or Balance()
     known = {FRICTION: ("friction; that of the bed", terms.bed), SLOPE: ("the slope of the bed; it", terms.slope)}
     said = [
         f"Bélanger's relation leaves out {name} is {percent_of(term)} of the momentum function."
         for name, term in (known[name] for name in jump.left_out)
     ]
     if isfinite(jump.sloping_y2):
-        off = percent_of(jump.sloping_deviation, *sure_of(vars(jump), "sloping_deviation"))
+        off = percent_of(jump.sloping_deviation, *sure_of(jump, "sloping_deviation"))
         said.append(f"With the weight of the jump along the bed it gives {_number(jump, 'sloping_y2', 'm')}: {off}.")
     return " ".join(said)
 
 
 def _number(found: Jump | Local, key: str, unit: str = "") -> str:
-    return with_error(vars(found), key, unit=unit)
+    return with_error(found, key, unit=unit)
 
 
 def _how_sure(jump: Jump) -> str:
     if not isfinite(jump.speed_error):
         return "Too few frames for errors."
-    needed = starts_needed(vars(jump.members))
+    needed = starts_needed(jump.members)
     return (
         f"± is within this run; a standard error of 3 % takes {AT_LEAST}{needed}."
         if needed
@@ -109,7 +110,7 @@ def _how_sure(jump: Jump) -> str:
     )
 
 
-def belongs_to(jump: Jump) -> str:
+def belongs_to(jump: MeasuredJump) -> str:
     """Where the numbers beside the jump were measured, and how far contacts have changed the stream there."""
     near, far = -jump.upstream.zone[1], -jump.upstream.zone[0]
     text = f"The state before the toe is that of the stream {near:z.1f} to {far:z.1f} m before the front"

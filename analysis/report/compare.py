@@ -11,8 +11,7 @@ from math import hypot
 from typing import Any
 
 from lammps_jump.analysis.quantities import QUANTITIES
-from lammps_jump.analysis.quantity import Quantity
-from lammps_jump.units import Number, numbers_of, shown, sure_of
+from lammps_jump.units import Number, known, numbers_of, shown, sure_of
 
 from .page import Beside, Curve, Player, Section, Table, Text, cut, heading, render
 
@@ -60,34 +59,25 @@ def comparison(left: Side, right: Side) -> str:
 def _rows(left: Mapping[str, Any], right: Mapping[str, Any]) -> Iterator[tuple[str, str, str, str]]:
     """Label, both numbers and their difference, cut to their errors within the runs."""
     for name, quantity in QUANTITIES.items():
-        first, second = (_parts(quantity, summary.get(name)) for summary in (left, right))
+        first, second = (quantity.walls(summary.get(name) or {}) for summary in (left, right))
         for part in dict.fromkeys([*first, *second]):
-            sides = first.get(part, {}), second.get(part, {})
+            sides = first.get(part), second.get(part)
             for number in numbers_of(quantity.result).values():
-                known = [
-                    side for side in sides if side.get(number.key) is not None and quantity.belongs(number.key, side)
-                ]
-                if number.label != number.meaning and known:
+                told = any(
+                    known(getattr(side, number.key, None)) and quantity.belongs(number.key, side) for side in sides
+                )
+                if number.label != number.meaning and told:
                     yield _row(part, number, *sides)
 
 
-def _parts(quantity: Quantity, found: object) -> dict[str, Mapping[str, Any]]:
-    """What holds the numbers of a quantity, by the name of the wall where there are several."""
-    if not isinstance(found, Mapping):
-        return {}
-    if quantity.named is None:
-        return {"": found}
-    return {name: part for name, part in found.items() if isinstance(part, Mapping) and name not in quantity.parts}
-
-
-def _row(part: str, number: Number, left: Mapping[str, Any], right: Mapping[str, Any]) -> tuple[str, str, str, str]:
+def _row(part: str, number: Number, left: object, right: object) -> tuple[str, str, str, str]:
     key, unit = number.key, number.unit
-    texts = [cut(side, key) if side.get(key) is not None else shown(None) for side in (left, right)]
-    values: list[Any] = [side.get(key) for side in (left, right)]
-    errors: list[Any] = [sure_of(side, key).value for side in (left, right)]
+    values: list[Any] = [getattr(side, key, None) for side in (left, right)]
+    texts = [shown(None) if side is None else cut(side, key) for side in (left, right)]
+    errors = [sure_of(side, key).value for side in (left, right)]
     difference = shown(None)
-    if all(isinstance(value, int | float) for value in values):
-        error = hypot(*errors) if all(isinstance(error, float) for error in errors) else None
+    if all(known(value) for value in values):
+        error = hypot(*(error for error in errors if error is not None)) if None not in errors else None
         difference = shown(values[1] - values[0], error=error, alone=True).replace("-", "−")
     label = heading(number.meaning, unit)
     return f"{part}: {label}" if part else label, texts[0], texts[1], difference

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 A_JUMP = {
     "jump": "A hydraulic jump",
@@ -24,7 +25,7 @@ FELL = 0.01
 """Run-out over base from which on a column has fallen: a bed that lies as it lay is none."""
 
 
-def against_water(front: Mapping) -> bool:
+def against_water(front: Mapping[str, Any]) -> bool:
     """Whether the case asks for a comparison with water: ``analysis.front: water``."""
     return bool(front.get("martin_moyce"))
 
@@ -35,9 +36,8 @@ OF_A_JUMP = (*OF_A_STEADY_JUMP, "belanger_y2", "belanger_deviation", "froude", "
 """Numbers that mean nothing where there is no jump."""
 
 
-def belongs(key: str, found: Mapping) -> bool:
+def belongs(key: str, verdict: str) -> bool:
     """Whether a number of a jump goes with what was found: no length of a jump where there is none."""
-    verdict = found.get("verdict", "jump")
     if verdict in ("marginal jump", "jump not developed"):
         return key not in OF_A_STEADY_JUMP
     return verdict == "jump" or (key not in OF_A_JUMP and not key.startswith("local."))

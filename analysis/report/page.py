@@ -24,7 +24,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
 from markupsafe import Markup, escape
 
 from lammps_jump.files import plain, read_file, read_start, text_of
-from lammps_jump.units import ABSENT, AT_LEAST, POWERS, numbers_of, shown, sure_of, two_digits
+from lammps_jump.units import ABSENT, AT_LEAST, POWERS, known, numbers_of, shown, sure_of, two_digits
 
 from .coder import digits_of, encode
 
@@ -281,10 +281,17 @@ def text(value: Value) -> Markup:
     return Markup(mantissa if exponent else mantissa.replace("-", "−")) + power
 
 
-def described(result: type, found: Mapping[str, Value], *keys: str) -> list[tuple[str, Value]]:
+def described(result: object, *keys: str) -> list[tuple[str, Value]]:
     """Rows (meaning with unit, value) of a result's numbers, in words of their descriptions."""
     numbers = numbers_of(result)
-    return [(heading(numbers[key].meaning, numbers[key].unit), found.get(key)) for key in keys]
+    heads = (heading(numbers[key].meaning, numbers[key].unit) for key in keys)
+    return list(zip(heads, cells(result, *keys), strict=True))
+
+
+def cells(result: object, *keys: str) -> tuple[Value, ...]:
+    """Numbers of a result as cells of a table; None where they were not measured."""
+    values = (getattr(result, key) for key in keys)
+    return tuple(value if known(value) else None for value in values)
 
 
 def heading(meaning: str, unit: str) -> str:
@@ -293,20 +300,20 @@ def heading(meaning: str, unit: str) -> str:
     return f"{first}{meaning[1:]}" + (f" [{unit.translate(POWERS)}]" if unit else "")
 
 
-def errors_of(result: type, found: Mapping[str, Any]) -> list[tuple[str, str]]:
+def errors_of(result: object) -> list[tuple[str, str]]:
     """Rows (meaning with unit, standard error within this run) of a result's numbers that have one."""
-    numbers = [number for number in numbers_of(result).values() if found.get(number.key) is not None]
-    known = [(number, *sure_of(found, number.key)) for number in numbers]
+    numbers = [number for number in numbers_of(result).values() if known(getattr(result, number.key))]
+    sure = [(number, *sure_of(result, number.key)) for number in numbers]
     return [
         (heading(number.meaning, number.unit), f"{AT_LEAST * bound}{two_digits(error)}")
-        for number, error, bound in known
+        for number, error, bound in sure
         if error
     ]
 
 
 def percent(share: Any, digits: int = 1) -> str:
     """A share in per cent; with more than one digit its sign is shown."""
-    if share is None:
+    if not known(share):
         return shown(None)
     return f"{100 * share:{'+' if digits > 1 else ''}z.{digits}f} %"
 
@@ -321,18 +328,18 @@ def percent_of(share: float | None, error: float | None = None, bound: bool = Fa
     return f"{'+' * (share > 0)}{text} %".replace("-", "−")
 
 
-def with_error(found: Mapping[str, Any], key: str, scale: float = 1.0, unit: str = "", *, alone: bool = False) -> str:
-    """A number of ``summary.json`` with how sure it is within this run, where that is known."""
-    value, (error, bound) = found[key], sure_of(found, key)
-    if value is None:
+def with_error(result: object, key: str, scale: float = 1.0, unit: str = "", *, alone: bool = False) -> str:
+    """A number of a result with how sure it is within this run, where that is known."""
+    value, (error, bound) = getattr(result, key), sure_of(result, key)
+    if not known(value):
         return ABSENT
     error = None if error is None else error / scale
     return shown(value / scale, unit, error, bound=bound, alone=alone).replace("-", "−")
 
 
-def cut(found: Mapping[str, Any], key: str, scale: float = 1.0, unit: str = "") -> str:
-    """A number of ``summary.json``, cut to its standard error within this run."""
-    return with_error(found, key, scale, unit, alone=True)
+def cut(result: object, key: str, scale: float = 1.0, unit: str = "") -> str:
+    """A number of a result, cut to its standard error within this run."""
+    return with_error(result, key, scale, unit, alone=True)
 
 
 def picture_kind(path: Path) -> str:

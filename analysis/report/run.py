@@ -10,9 +10,7 @@ from shlex import quote
 from typing import Any
 
 from lammps_jump.analysis.budgets import stations
-from lammps_jump.analysis.jump.section import certainty
 from lammps_jump.analysis.quantities import LISTED, QUANTITIES, captions
-from lammps_jump.analysis.quantity import Quantity
 from lammps_jump.analysis.tables.rows import MOST, lines, rows_of, sure, tiles
 from lammps_jump.analysis.verdicts import doubts, verdict
 from lammps_jump.errors import DumpError
@@ -23,6 +21,7 @@ from lammps_jump.units import ABSENT, numbers_of
 from .curves_check import read_curves
 from .page import (
     Beside,
+    Block,
     Boxes,
     Code,
     Curve,
@@ -44,9 +43,6 @@ LARGEST = 5_000_000
 """Bytes of a report without its player; figures come first, the film only where it still fits."""
 
 FILMS = ("animation.mp4", "animation.gif")
-LINKED = ("jump_track.png", "front.png", "forces.png", "energy.png")
-"""Curves over time that stand below the player and show its time."""
-
 REPEAT = """\
 lammps-jump build-and-run case.yaml --out again
 
@@ -57,7 +53,7 @@ run = lj.load_case("case.yaml").run("again")
 
 def write_report(
     folder: Path,
-    summary: Mapping,
+    summary: Mapping[str, Any],
     case_yaml: str = "",
     *,
     name: str = "report.html",
@@ -89,15 +85,16 @@ def write_report(
     name_of_run = str(summary.get("name", "run"))
     called = name_of_run if "given" in summary else name_of_run.replace("_", " ")
     title = verdict(summary) or called
-    about = {
-        "tab": f"{name_of_run}: report",
-        "name": ": ".join(filter(None, (name_of_run, summary.get("description")))),
-    }
+    above = ": ".join(filter(None, (name_of_run, summary.get("description"))))
+
+    def rendered(sections: Sequence[Section | None]) -> str:
+        return render(title, sections, tab=f"{name_of_run}: report", name=above)
+
     before = [Section("", _lead(summary)), Section("", [Items(doubts(summary), "Doubtful")])]
     begins = [f"{text[:1].upper()}{text[1:]}." for text in summary.get("begins") or ()]
     before.append(Section("", [Items([*begins, *(summary.get("warnings") or ())], "Notes")]))
     after = [
-        _defined(quantity.section(summary[key]), quantity.definitions + quantity.defined(summary))
+        _defined(quantity.section(quantity.read(summary[key])), quantity.definitions + quantity.defined(summary))
         for key, quantity in QUANTITIES.items()
         if summary.get(key) and quantity.shown(summary)
     ]
@@ -107,14 +104,19 @@ def write_report(
     coefficients = [(heading(number.meaning, ""), value, number.unit) for number, value in values]
     folded = Table(coefficients if case_yaml else (), ("Coefficients", "value", "unit"), "Coefficients")
     open_ = folded._replace(rows=() if case_yaml else coefficients, summary="")
-    case = [open_, folded, Code(case_yaml, "case.yaml, every default filled in"), Items(summary.get("skipped") or ())]
+    case: list[Block] = [
+        open_,
+        folded,
+        Code(case_yaml, "case.yaml, every default filled in"),
+        Items(summary.get("skipped") or ()),
+    ]
     last = [_errors(summary), Section("The case", case), _how(summary)]
-    room = LARGEST - len(render(title, [*before, *after, *last], **about).encode(errors="replace"))
+    room = LARGEST - len(rendered([*before, *after, *last]).encode(errors="replace"))
     path, drawn, found = Path(folder) / name, curves(Path(folder)), _pictures(Path(folder), beside)
     if player:
-        linked = [drawn.pop(name) for name in LINKED if name in drawn]
+        linked = [drawn.pop(name) for name in _linked() if name in drawn]
         before.insert(2, Section("", [player, *([Beside(linked)] if linked else [])]))
-    page = render(title, [*before, *after, _figures(found, room, player, drawn), *last], **about)
+    page = rendered([*before, *after, _figures(found, room, player, drawn), *last])
     try:
         write_text(path, page)
     except OSError as error:
@@ -129,7 +131,7 @@ def _defined(section: Section | None, text: str) -> Section | None:
     return section._replace(blocks=[*section.blocks, Code(text, "What these numbers mean")])
 
 
-def _lead(summary: Mapping) -> list[Text | Boxes]:
+def _lead(summary: Mapping[str, Any]) -> list[Text | Boxes]:
     rows = rows_of([summary], most=MOST + 1)
     return [
         Text(summary.get("message") or "", "bad"),
@@ -139,27 +141,24 @@ def _lead(summary: Mapping) -> list[Text | Boxes]:
     ]
 
 
-def _errors(summary: Mapping) -> Section:
-    """Standard errors within this run, by the words of their numbers."""
-    jump = summary.get("jump") or {}
+def _errors(summary: Mapping[str, Any]) -> Section:
+    """Standard errors within this run, by the words of their numbers; how sure they are."""
+    known = [(one, one.read(summary[name])) for name, one in QUANTITIES.items() if summary.get(name)]
     rows = [
         (f"{name}: {label}" if name else label, error)
-        for quantity in QUANTITIES.values()
-        for part, result in quantity.errors.items()
-        for name, found in _parts(quantity, part, summary.get(quantity.name) or {})
-        for label, error in errors_of(result, found)
+        for quantity, found in known
+        for name, result in quantity.errors(found)
+        if result is not None
+        for label, error in errors_of(result)
     ]
-    said = certainty(jump) if jump.get("drift") and rows else ()
+    said = [text for quantity, found in known for text in quantity.certainty(found)] if rows else []
     table = Table(rows, ("Number", "standard error"), f"Standard errors of {len(rows)} numbers")
     return Section("Errors within this run", [table, *map(Text, said)])
 
 
-def _parts(quantity: Quantity, path: str, whole: Mapping[str, Any]) -> list[tuple[str, Mapping[str, Any]]]:
-    """What stands at a path in the part of a quantity, with its name where it is one of several."""
-    if path == "*":
-        return [(name, values) for name, values in whole.items() if name not in quantity.parts]
-    found = (whole.get(path) if path else whole) or {}
-    return [("", found)] if quantity.belongs("local.y1", whole) else []
+def _linked() -> list[str]:
+    """Curves over time that stand below the player and show its time."""
+    return [f"{quantity.linked}.png" for quantity in QUANTITIES.values() if quantity.linked]
 
 
 def curves(folder: Path) -> dict[str, Curve]:
@@ -187,7 +186,7 @@ def _pictures(folder: Path, beside: Path | None) -> dict[str, Path]:
 
 def _figures(given: Mapping[str, Path], room: int, player: Player | None, drawn: Mapping[str, Curve]) -> Section:
     """The film, curves and pictures in a fixed order, as long as there is room; the film gives way to the pictures."""
-    left = {*drawn, *(LINKED if player else ()), *([STILL] if player and player.still else ())}
+    left = {*drawn, *(_linked() if player else ()), *([STILL] if player and player.still else ())}
     films = [given[name] for name in FILMS if name in given]
     found = {name: given[name] for name in sorted(given) if name not in (*FILMS, *left)}
     known = {f"{name}.png": text for name, text in captions().items()}
@@ -206,7 +205,7 @@ def _figures(given: Mapping[str, Path], room: int, player: Player | None, drawn:
     return Section("Figures", [Beside(list(drawn.values())), *shown, Text(tail)])
 
 
-def _command(summary: Mapping) -> list[Text | Code]:
+def _command(summary: Mapping[str, Any]) -> list[Text | Code]:
     """The command that makes the results again."""
     if "given" not in summary:
         return [Text("In this run folder, with the versions below:"), Code(REPEAT)]
@@ -225,7 +224,7 @@ def _option(key: str, value: object) -> list[str]:
     return [f"--{key.replace('_', '-')} {value if isinstance(value, str) else format(value, 'g')}"]
 
 
-def _how(summary: Mapping) -> Section:
+def _how(summary: Mapping[str, Any]) -> Section:
     seconds, discs = summary.get("wall_seconds") or {}, summary.get("discs") or {}
     speed, versions = summary.get("disc_steps_per_second"), summary.get("versions") or {}
     sums = {name: values.get("sha256") for name, values in (summary.get("outputs") or {}).items()}

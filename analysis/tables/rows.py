@@ -18,7 +18,7 @@ from lammps_jump.analysis.quantity import Quantity, Wanted
 from lammps_jump.analysis.report.page import NumberBox, heading
 from lammps_jump.analysis.statistics import Mean
 from lammps_jump.analysis.verdicts import doubts, headline
-from lammps_jump.units import ABSENT, POWERS, ROUND_OFF, numbers_of, shown, sure_of
+from lammps_jump.units import ABSENT, POWERS, ROUND_OFF, known, numbers_of, shown, sure_of
 
 MOST = 5
 FAR = 3.0
@@ -200,11 +200,11 @@ def sure(summary: Mapping[str, Any]) -> str:
 
 
 def together(summaries: Sequence[Mapping[str, Any]], mean: Callable[[Sequence[float]], Mean]) -> dict[str, Any]:
-    """One summary of starts of one case: means of those with the commonest verdict on a jump, errors half intervals.
+    """One summary of starts of one case: means of those with the commonest verdict, errors half intervals.
 
     ``starts`` holds how many they are, and how many of them have the verdict.
     """
-    kinds = [_at(one, "jump.verdict") for one in summaries]
+    kinds = [tuple(_at(one, f"{name}.verdict") for name in QUANTITIES) for one in summaries]
     kind = Counter(kinds).most_common(1)[0][0]
     same = [one for one, its in zip(summaries, kinds, strict=True) if its == kind]
     return {**_means(same, mean), "starts": (len(same), len(summaries))}
@@ -230,18 +230,19 @@ def main_numbers(summary: Mapping[str, Any]) -> list[str]:
     lines = [said] if said else []
     for name, quantity in QUANTITIES.items():
         found = summary.get(name)
-        if not isinstance(found, Mapping) or not quantity.shown(summary):
-            continue
-        texts = [f"verdict {found['verdict']}"] if found.get("verdict") else []
-        for number in numbers_of(quantity.result).values():
-            if (
-                number.label != number.meaning
-                and found.get(number.key) is not None
-                and quantity.belongs(number.key, found)
-            ):
-                error, bound = sure_of(found, number.key)
-                value = shown(found[number.key], number.unit, error, bound=bound)
-                texts.append(f"{number.label} {value}")
-        lines += [f"{name}: {', '.join(texts)}"] if texts else []
+        if isinstance(found, Mapping) and quantity.shown(summary) and (texts := _labelled(quantity, found)):
+            lines.append(f"{name}: {', '.join(texts)}")
     lines += filter(None, [stations.line(summary)])
     return [*lines, *(f"doubtful: {text}" for text in doubts(summary))]
+
+
+def _labelled(quantity: Quantity, found: Mapping[str, Any]) -> list[str]:
+    """The verdict of a quantity, and its labelled numbers that were found."""
+    texts = [f"verdict {found['verdict']}"] if found.get("verdict") else []
+    for result in quantity.walls(found).values() if quantity.named is None else ():
+        for number in numbers_of(result).values():
+            value = getattr(result, number.key)
+            if number.label != number.meaning and known(value) and quantity.belongs(number.key, result):
+                error, bound = sure_of(result, number.key)
+                texts.append(f"{number.label} {shown(value, number.unit, error, bound=bound)}")
+    return texts

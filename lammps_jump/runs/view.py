@@ -40,7 +40,7 @@ def case_html(name: str, scene: Scene) -> str:
 def number_table(results: Sequence[object]) -> str:
     """The labelled numbers of some results, at most five, each with its standard error."""
     rows = [
-        (number.meaning, shown(value, number.unit, sure_of(vars(result), number.key).value))
+        (number.meaning, shown(value, number.unit, sure_of(result, number.key).value))
         for result in results
         for number in numbers_of(result).values()
         if number.label != number.meaning and (value := getattr(result, number.key)) == value

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
-from made_up import INPUTS, disc_frame, flow_context, numbers
+from made_up import INPUTS, disc_frame, flow_context
 
 from lammps_jump.analysis.budgets import stations
 from lammps_jump.analysis.budgets.head import (
@@ -17,7 +17,7 @@ from lammps_jump.analysis.budgets.head import (
     no_budget,
 )
 from lammps_jump.analysis.flow import from_scene
-from lammps_jump.analysis.jump.found import Jump
+from lammps_jump.analysis.jump.found import MeasuredJump, TrackedJump
 from lammps_jump.analysis.jump.frame import Moving
 from lammps_jump.analysis.jump.result import analyse_jump
 from lammps_jump.analysis.jump.section import section
@@ -174,7 +174,9 @@ def test_gravity_along_the_bed_is_no_loss():
         fluxes.add(disc_frame(x, 0 * x + D / 2 - rest, speed, box=[[-20, 90], [-1, 9]], time=time), time)
     inside = np.ones(len(times), bool)
     motion = FrontMotion(c, 0.0, start, len(times))
-    result = Jump("jump", "", window=(0.0, 2.0), flow=flow, in_window=inside, motion=motion, mass_toe=0.0)
+    unused = "momentum_terms track moving mass_end surface_toe surface_end upstream downstream"
+    known = {"flow": flow, "in_window": inside, "motion": motion, "mass_toe": 0.0}
+    result = MeasuredJump("jump", "", window=(0.0, 2.0), **known, **dict.fromkeys(unused.split()))
     found = budget_between(fluxes.result(), result, (-10.0, 10.0), (start, c), inside)
     assert abs(found.carried) > 0.5
     assert abs(found.lost) < 0.02
@@ -192,16 +194,15 @@ def test_friction_has_no_budget(jump):
     scene = load_case(INPUTS / "quick_jump.yaml", ["contact.friction=0.1"]).scene()
     assert EnergyFluxes(from_scene(scene)).result() is None
     assert energy_budget(None, result) is None
-    assert energy_budget(fields, replace(result, upstream=None)) is None
+    nothing = TrackedJump("no jump found", "", flow=result.flow, in_window=result.in_window)
+    assert energy_budget(fields, nothing) is None
 
 
 def test_the_report_names_the_stations_beside_the_loss(jump):
     fields, result = jump
     found = energy_budget(fields, result)
-    summary = numbers(replace(summarise_jump(result), budget=found, head_lost=found.lost))
-    heads = [
-        table.header[0] for block in section(summary).blocks if isinstance(block, Beside) for table in block.blocks
-    ]
+    whole = replace(summarise_jump(result), budget=found, head_lost=found.lost)
+    heads = [table.header[0] for block in section(whole).blocks if isinstance(block, Beside) for table in block.blocks]
     (head,) = (head for head in heads if head.startswith("Energy from"))
     assert f"{found.start:+.1f} to {found.stop:+.1f} m from the toe".replace("-", "−") in head
 

@@ -88,7 +88,8 @@ def all_numbers(value, key=""):
 def test_no_text_and_no_number_is_empty_of_meaning(found, bed, discs):
     parts = found[bed, discs]
     texts = [headline(parts), verdict(parts), *rows.main_numbers(parts)]
-    for section in (quantities.QUANTITIES[name].section(parts[name]) for name in WANTED if name in parts):
+    told = (quantities.QUANTITIES[name] for name in WANTED if name in parts)
+    for section in (quantity.section(quantity.read(parts[quantity.name])) for quantity in told):
         texts += [str(block) for block in section.blocks] if section else []
     for text in texts:
         assert not re.search(r"\bnan\b|\binf\b|(?<![\d.])-0(\.0+)?(?![\d.])", text), text

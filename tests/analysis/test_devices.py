@@ -62,7 +62,7 @@ def test_gauges_without_a_period():
     assert waves.analyse(gathered(flow_context(**ROOM))) is None
     still = waves.analyse(gathered(flow_context(**ROOM, gauges=(5.0,))))
     assert "no wall oscillates" in still.reason and verdict({"waves": numbers(still)}) == ""
-    assert waves.section(numbers(still)).blocks[0].rows == [("5", "0.000", "0.000", "0.000")]
+    assert waves.section(still).blocks[0].rows == [("5", "0.000", "0.000", "0.000")]
     slow = paddle_flow(gauges=(5.0,))
     short = gathered(slow)
     short.profiles.attrs |= {"window_begin": 18.0}
@@ -205,7 +205,7 @@ def test_several_gaps_and_one_in_a_wall():
     assert np.isnan(found.slot) and np.isnan(found.beverloo) and "2 gaps beside each other" in found.no_beverloo
     said = "through 2 gaps: 0.20 through 1.0 m at x = 0.5 m, 0.20 through 1.0 m at x = 3.5 m"
     assert said in verdict({"hopper": numbers(found)})
-    assert len(hopper.section(numbers(found)).blocks[1].rows) == 2
+    assert len(hopper.section(found).blocks[1].rows) == 2
     # turned by a right angle: discs run along x through a gap in a wall
     walls = [line("low", (5, -4), (5, 2)), line("high", (5, 4), (5, 9))]
     times = np.arange(0.0, 20.0, 0.05)

@@ -250,6 +250,6 @@ def test_the_work_of_moving_walls_explains_the_energy():
     assert found.conservative is False and found.work_of_walls == work[-1]
     assert work[-1] > 1000.0
     np.testing.assert_allclose(history.total - history.total[0], work, atol=2e-3 * work[-1])
-    assert section(numbers(found)).blocks[0].rows[-1][0].startswith("Work of moving walls")
+    assert section(found).blocks[0].rows[-1][0].startswith("Work of moving walls")
     assert "work of the walls" in [line.label for line in energy_chart(found).panels[0].lines]
     assert "work_of_walls" in tables(found)["energy.csv"]

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from made_up import collected, disc_frame, flow_context
 
 from lammps_jump.analysis.forces.figures import history_chart, impulse_chart, section
-from lammps_jump.analysis.forces.history import analyse_forces, moving_mean, peak_error
+from lammps_jump.analysis.forces.history import Forces, analyse_forces, moving_mean, peak_error
 from lammps_jump.analysis.forces.impulse import MomentumLedger, impulse_identity, window_lengths
 from lammps_jump.analysis.forces.reflection import track_reflection
 from lammps_jump.analysis.profiles import add_means, compute_profiles
@@ -300,8 +300,9 @@ def test_a_structure_tells_its_component_and_its_resultant():
     (panel,) = history_chart(found).panels
     assert [line.label for line in panel.lines] == ["Fy as recorded", "Fx, 0.05 s mean", "Fy, 0.05 s mean", "peak Fy"]
     assert panel.ylim[0] < -4 and panel.ylim[1] > 3
-    largest, whole = (table for table in section(plain(found.summary())).blocks[1:3])
+    blocks = section(Forces.of(plain(found.summary()))).blocks
+    largest, whole = (table for table in blocks[1:3])
     assert largest.rows[0][:3] == ("back", "Fy", pytest.approx(-4.0)) and len(whole.rows) == 1
-    assert any("Nothing touched floor." in str(block[0]) for block in section(plain(found.summary())).blocks)
+    assert any("Nothing touched floor." in str(block[0]) for block in blocks)
     assert history_chart(analyse_forces({"floor": none}, flow, None, profiles)) is None
     assert impulse_chart(analyse_forces({"floor": none}, flow, None, profiles)) is None

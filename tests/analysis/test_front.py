@@ -193,12 +193,13 @@ def on_a_bed(*walls, front=lambda time: 2 + 10 * time):
 @pytest.mark.parametrize("end", [1.0, 2.0, 2.01, None])
 def test_a_front_without_a_bed_meets_nothing(end):
     """The shelf ends before, under and a little beyond the face of the column, or there is none at all."""
-    found = numbers(on_a_bed(*([] if end is None else [Block("shelf", (0, end), (-0.2, 0))])))
+    front = on_a_bed(*([] if end is None else [Block("shelf", (0, end), (-0.2, 0))]))
+    found = numbers(front)
     assert found["position"] == pytest.approx(42) and found["column_base"] == 2
     assert found["arrival_time"] is found["free_length"] is found["speed"] is None
     assert "no bed is known under the front" in found["reason"]
     assert "met" not in headline({"front": found}) and "meets" not in verdict({"front": found})
-    assert found["reason"] in [block.text for block in section(found).blocks if hasattr(block, "text")]
+    assert found["reason"] in [block.text for block in section(front).blocks if hasattr(block, "text")]
 
 
 def test_a_front_that_leaves_its_bed_has_met_no_obstacle():
@@ -301,7 +302,7 @@ def test_water_is_compared_with_where_that_is_asked_for_alone(water):
     drawn = figures(front, Gathered(flow, None, None, {}, {}))
     boxes = tiles(rows_of([found]))
     shown = [verdict(found), headline(found), *(f"{box.label} {box.value} {box.against}" for box in boxes)]
-    shown += [str(label) for label, _ in section(found["front"]).blocks[0].rows]
+    shown += [str(label) for label, _ in section(front).blocks[0].rows]
     shown += [line.label for line in drawn["front"].panels[0].lines]
     assert any("10" in box.value for box in boxes)
     for name in ("Ritter", "Martin & Moyce"):

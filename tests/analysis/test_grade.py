@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from made_up import columns_of_discs, disc_frame, flow_context, numbers
+from made_up import columns_of_discs, disc_frame, flow_context
 
 from lammps_jump.analysis.budgets import grade
 from lammps_jump.analysis.profiles import compute_profiles
@@ -69,7 +69,7 @@ def test_a_step_of_the_bed_is_in_the_head():
     assert [station.lost for station in found.stations][1:] == pytest.approx([0.0, 2.0], abs=1e-9)
     assert found.lost == pytest.approx(2.0)
     assert set(grade.figures(found, None)) == {"energy_head"} and "lost" in grade.tables(found)["grade.csv"]
-    table = grade.section(numbers(found)).blocks[0]
+    table = grade.section(found).blocks[0]
     assert len(table.rows) == 3 and table.rows[0][-1] != table.rows[2][-1]
 
 

@@ -109,7 +109,7 @@ def test_layers_without_discs_and_too_many_layers():
     found, _ = profile(flow, [disc_frame([7.0], [0.1], box=ROOM["domain"])])
     assert "no disc" in found.reason and (found.begin, found.end) == (-4.0, 4.0)
     assert layers.tables(found) == {} and layers.figures(found, None) == {}
-    assert not layers.section(numbers(found)).blocks
+    assert not layers.section(found).blocks
     with pytest.raises(DumpError, match=r"analysis.layers.height = 1e-06 m makes 4000000 layers"):
         layers.LayerSums(flow_of(layers=(None, 1e-6)))
 
@@ -272,7 +272,7 @@ def test_rest_of_frames():
     assert found.time == pytest.approx(2.0) and found.speed == 0.0 and found.sinking == pytest.approx(0.0)
     assert found.top == pytest.approx(1.2, abs=1e-4) and found.reason is None
     assert set(rest.tables(found)["rest.csv"]) == {"time", "median_speed", "top"}
-    assert rest.figures(found, gathered(flow))["rest"] is not None and len(rest.section(numbers(found)).blocks) == 2
+    assert rest.figures(found, gathered(flow))["rest"] is not None and len(rest.section(found).blocks) == 2
     moving = rest.analyse(gathered(flow, rest=collected(rest.RestWatch(flow), frames[:5])))
     assert np.isnan(moving.time) and "still move" in moving.reason
     early = rest.analyse(gathered(flow, rest=collected(rest.RestWatch(flow), frames[:25])))
@@ -281,7 +281,7 @@ def test_rest_of_frames():
     assert "they moved, or their top or number changed" in later.reason and later.sinking == pytest.approx(0.0)
     empty = rest.analyse(gathered(flow, rest=collected(rest.RestWatch(flow), [disc_frame([], [], box=ROOM["domain"])])))
     assert "no frame" in empty.reason and rest.figures(empty, gathered(flow)) == {}
-    assert not rest.section(numbers(empty)).blocks
+    assert not rest.section(empty).blocks
     assert "gravity" in rest.analyse(gathered(flow_of(gravity=(0.0, 0.0)), rest=history)).reason
 
 

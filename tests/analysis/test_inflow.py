@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from made_up import INPUTS, numbers
+from made_up import INPUTS
 
 from lammps_jump.analysis.budgets.inflow import Arrivals, InflowCounter, analyse, deliver, in_order, section
 from lammps_jump.analysis.flow import from_scene
@@ -104,7 +104,7 @@ def test_a_flow_without_rows_has_no_inflow():
 
 def test_the_section_says_what_came_of_the_discharge():
     found, _ = delivered()
-    blocks = section(numbers(found)).blocks
+    blocks = section(found).blocks
     assert blocks[0].rows[0] == ("Discharge [m²/s]", 6.0, found.delivered)
     assert blocks[0].rows[-1][-1] == f"0 of {found.turns}"
     assert len(blocks[1].rows) == 6

@@ -429,21 +429,19 @@ def test_each_printed_number_has_its_error():
     assert found["members"]["y2"] >= 1
 
 
-def tables_of(found):
+def tables_of(jump):
     """All tables of the section."""
-    blocks = [
-        one for block in section(found).blocks for one in (block.blocks if isinstance(block, Beside) else [block])
-    ]
+    blocks = [one for block in section(jump).blocks for one in (block.blocks if isinstance(block, Beside) else [block])]
     return [block for block in blocks if isinstance(block, Table)]
 
 
 def test_the_section_says_what_the_numbers_are_worth():
     jump = worded(summarise_jump(analyse_jump(compute_profiles(wandering_step(), context()), context())))
-    page = render("", [section(numbers(jump))])
+    page = render("", [section(jump)])
     assert "short jump, of one to two" in page and "stream before the toe" in page
-    assert "±" not in page and "average at least" in certainty(numbers(jump))[1]
+    assert "±" not in page and "average at least" in certainty(jump)[1]
     upstream = replace(jump, roller=Roller(2.5, 1.0, 2.0, 1.5))
-    rows = [row for table in tables_of(numbers(upstream)) for row in table.rows]
+    rows = [row for table in tables_of(upstream) for row in table.rows]
     assert [row[1] for row in rows if row[0].startswith("Roller")] == ["2", "2.5"]
 
 
@@ -455,7 +453,7 @@ def test_numbers_that_one_run_cannot_tell_say_so_everywhere():
     assert {"u2", "sequent_ratio", "belanger_ratio", "energy_loss"} <= set(local["lower_bounds"])
     assert all(f"{key}_error" in known for key in LOWER_BOUNDS)
     assert all(f"{key}_error" in numbers_of(Local) for key in LOCAL_BOUNDS)
-    errors = dict(errors_of(Jump, found)) | dict(errors_of(Local, local))
+    errors = dict(errors_of(jump)) | dict(errors_of(jump.local))
     told = errors["Mass depth s behind the end [m]"], errors["Sequent depth, by mass [m]"]
     assert all(text.startswith("at least ") for text in told)
     assert "at least" not in errors["Length of the jump [m]"]
@@ -487,12 +485,12 @@ def test_what_is_made_of_a_marked_number_is_marked(step_result):
 
 @pytest.mark.parametrize("kind", ["locked heap", "drowned inlet", "no jump found"])
 def test_no_row_of_a_jump_where_there_is_none(kind, step_result):
-    found = numbers(replace(worded(summarise_jump(step_result)), budget=Budget(start=-2.0, stop=5.0, lost=1.0)))
-    shown = str(section(found | {"verdict": kind}))
+    found = replace(worded(summarise_jump(step_result)), budget=Budget(start=-2.0, stop=5.0, lost=1.0))
+    shown = str(section(replace(found, verdict=kind)))
     words_of_a_jump = ("Length", "Head", "Mass depth", "s₂/s₁", "Bélanger's", "Roller", "Tail water", "Energy between")
     for words in words_of_a_jump:
-        assert words not in shown.replace(found["reason"], ""), words
-    marginal = str(section(found | {"verdict": "marginal jump"}))
+        assert words not in shown.replace(found.reason, ""), words
+    marginal = str(section(replace(found, verdict="marginal jump")))
     assert "Mass depth" in marginal and "Length of the jump" not in marginal and "Energy between" not in marginal
 
 
@@ -573,12 +571,12 @@ def test_the_headline_is_the_comparison_everywhere():
     boxes = tiles(rows_of([{"jump": found}]))
     assert float(boxes[0].value) == pytest.approx(jump.y2, abs=0.005)
     assert f"Bélanger {jump.belanger_y2:.2f} m" in boxes[0].against and off in boxes[0].against
-    tables = tables_of(found)
+    tables = tables_of(jump)
     rows = [row for table in tables for row in table.rows]
     assert sum(expected in str(cell) for row in rows for cell in row) == 1  # the states
     sill = theory.sill_holding_height(U1, 1.0)
     assert any(
-        f"By energy a sill of {sill:.4g} m" in block.text for block in section(found).blocks if isinstance(block, Text)
+        f"By energy a sill of {sill:.4g} m" in block.text for block in section(jump).blocks if isinstance(block, Text)
     )
     states = next(table for table in tables if table.header[0] == "State")
     assert states.header == ("State", "frame", "Froude number", "sequent depth by Bélanger [m]")

@@ -264,11 +264,11 @@ def test_no_jump_has_no_length_on_the_screen():
     found = {"y2": 3.0, "y2_error": 0.1, "speed": -1.0, "speed_error": 0.2, "length": 5.0, "length_error": None}
     assert (
         "y2 3.00 ± 0.10 m, shock speed -1.00 ± 0.20 m/s, length 5"
-        in main_numbers({"jump": {"verdict": "jump", **found}})[0]
+        in main_numbers({"jump": {"verdict": "jump", **found, "lower_bounds": []}})[0]
     )
     untold = {"verdict": "jump", **found, "lower_bounds": ["y2"]}
     assert "y2 3.00 ± at least 0.10 m, shock speed -1.00 ± 0.20 m/s, length 5" in main_numbers({"jump": untold})[0]
-    assert main_numbers({"jump": {"verdict": "locked heap", **found}}) == [
+    assert main_numbers({"jump": {"verdict": "locked heap", **found, "lower_bounds": []}}) == [
         "jump: verdict locked heap, shock speed -1.00 ± 0.20 m/s"
     ]
     assert "length" not in main_numbers({"jump": {"verdict": "marginal jump", **found}})[0]

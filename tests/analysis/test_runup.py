@@ -70,7 +70,7 @@ def test_the_tongue_on_a_slope_ends_before_the_first_gap():
     )
     assert any("diameters, and the surface is known to about one" in text for text in doubts(summary))
     assert set(runup.tables(found)["runup.csv"]) == {"time", "height", "over"}
-    assert len(runup.figures(found, None)["runup"].panels) == 1 and runup.section(numbers(found)).blocks
+    assert len(runup.figures(found, None)["runup"].panels) == 1 and runup.section(found).blocks
 
 
 def test_water_that_falls_before_the_motion_is_no_run_up():

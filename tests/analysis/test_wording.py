@@ -8,7 +8,7 @@ import re
 
 import pytest
 
-from lammps_jump.analysis.jump.certainty import starts_needed
+from lammps_jump.analysis.jump.certainty import Members, starts_needed
 from lammps_jump.analysis.tables.markdown import with_error
 from lammps_jump.analysis.verdicts import verdict
 from lammps_jump.cli.progress import StudyLine
@@ -37,12 +37,10 @@ def test_two_digits_end_without_a_point():
 
 
 def test_runs_are_counted_in_words():
-    assert (
-        starts_needed({"y2": 1, "speed": 2, "froude": None}) == "1 run for y2 and 2 runs for the velocity of the front"
-    )
-    three = starts_needed({"y2": 3, "speed": 12, "froude": 1})
+    assert starts_needed(Members(1, 2, None)) == "1 run for y2 and 2 runs for the velocity of the front"
+    three = starts_needed(Members(3, 12, 1))
     assert re.fullmatch(r"3 runs for y2, 12 runs for .* and 1 run for the Froude number", three)
-    assert starts_needed({"y2": None, "speed": None, "froude": None}) == ""
+    assert starts_needed(Members()) == starts_needed(None) == ""
 
 
 def test_units_have_their_powers_and_errors_are_not_zero():

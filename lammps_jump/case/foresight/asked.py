@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from math import degrees
 
+from lammps_jump.analysis.quantities import LISTED
 from lammps_jump.case.fields import CaseFields
 from lammps_jump.case.groups.discs import Column
 from lammps_jump.case.parts.beds import RoughBed
@@ -22,24 +23,27 @@ OTHER_ANGLE = 0.01
 """The same for multiples of 15 degrees."""
 
 
+def facts(case: CaseFields, walls: Sequence[MovingWall]) -> dict[str, tuple[bool, str]]:
+    """What a scene has that analyses need, by the names in `LISTED`, and how its lack is said."""
+    ends = [wall for wall in case.walls if not isinstance(wall, RoughBed) and wall.finite]
+    rubs = case.contact.friction >= LEAST_FRICTION or any((wall.friction or 0) > 0 for wall in ends)
+    return {
+        "gravity": (bool(case.gravity), "gravity is 0"),
+        "rows": (case.inflow is not None and case.inflow.kind == "rows", "no rows flow in (inflow: {kind: rows, …})"),
+        "column": (any(isinstance(item, Column) for item in case.initial), "no column stands at the start"),
+        "turning wall": (any(one.kind is not None and one.kind.turns for _, one in walls), "no wall turns"),
+        "gap": (len(ends) > 1, "there are no two walls that could leave a gap between them"),
+        "friction": (rubs, f"with a friction below {LEAST_FRICTION:zg}"),
+    }
+
+
 def in_vain(case: CaseFields, walls: Sequence[MovingWall]) -> list[str]:
     """Sentences on analyses for which the scene has nothing."""
-    asked, ends = case.analysis, [wall for wall in case.walls if not isinstance(wall, RoughBed) and wall.finite]
-    texts = {
-        "drum": (asked.drum, any(motion.kind is not None and motion.kind.turns for _, motion in walls),
-                 "no wall turns, so that there is no drum"),
-        "hopper": (asked.hopper, len(ends) > 1, "there are no two walls that could leave a gap between them"),
-        "jump": (asked.jump, case.inflow is not None and case.inflow.kind == "rows",
-                 "no rows flow in (inflow: {kind: rows, …}), so that no jump can stand"),
-        "front": (bool(asked.front), any(isinstance(item, Column) for item in case.initial),
-                  "no column stands at the start, so that none collapses"),
-        "heap": (asked.heap, case.contact.friction >= LEAST_FRICTION or any((w.friction or 0) > 0 for w in ends),
-                 f"with a friction below {LEAST_FRICTION:zg} discs make no heap"),
-    }  # fmt: skip
-    found = {name: (wanted, there, why) for name, (wanted, there, why) in texts.items()}
-    if not case.gravity:
-        found |= {name: (texts[name][0], False, "gravity is 0") for name in ("jump", "front", "heap", "hopper")}
-    return [f"analysis.{name}: {why}; drop it" for name, (wanted, there, why) in found.items() if wanted and not there]
+    lacking = {name: said for name, (there, said) in facts(case, walls).items() if not there}
+    asked = [(name, one.needs) for name, one in LISTED.items() if getattr(case.analysis, name, False)]
+    whys = ((name, next((lacking[one] + follows for one, follows in needs.items() if one in lacking), ""))
+            for name, needs in asked)  # fmt: skip
+    return [f"analysis.{name}: {why}; drop it" for name, why in whys if why]
 
 
 def empty_window(case: CaseFields) -> list[str]:
