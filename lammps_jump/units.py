@@ -149,16 +149,17 @@ Result = TypeVar("Result")
 def from_summary(result: type[Result], found: Mapping[str, Any]) -> Result:
     """A result as it stands in ``summary.json``: what `as_summary` was made of.
 
-    Where null stands for a number it is NaN, else None. What stands in no summary has its default, None without one.
+    Where null stands for a number it is NaN, for all else the default. What stands in no summary has its default, None
+    without one.
     """
     given: dict[str, Any] = {}
     kinds = _kinds(cast(Hashable, result))
     for field in dataclasses.fields(result):  # type: ignore[arg-type]
-        key = field.metadata.get("key", field.name)
-        if field.metadata.get("summary", True) and key in found:
-            given[field.name] = _as(kinds[field.name], found[key])
-        elif field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING:
-            given[field.name] = _as(kinds[field.name], None)
+        kind, value = kinds[field.name], found.get(field.metadata.get("key", field.name))
+        stands = field.metadata.get("summary", True) and (value is not None or kind is float)
+        lacks = field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
+        if stands or lacks:
+            given[field.name] = _as(kind, value)
     return result(**given)
 
 
@@ -178,8 +179,12 @@ def _as(kind: Any, value: Any) -> Any:
         if dataclasses.is_dataclass(kind):
             return from_summary(kind, value)  # type: ignore[arg-type]
         return {key: _as(parts[1], one) for key, one in value.items()} if parts else value
-    if isinstance(value, list | tuple) and parts:
-        return tuple(_as(parts[0], one) for one in value)
+    if isinstance(value, list | tuple):
+        if parts:
+            return tuple(_as(parts[0], one) for one in value)
+        import numpy as np  # not for a command that shows no result
+
+        return np.array(value, float) if kind is np.ndarray else value
     return value
 
 

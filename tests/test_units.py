@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from math import isnan, nan
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from lammps_jump.files import plain
@@ -113,6 +114,7 @@ class Whole:
     parts: tuple[Part, ...]
     by_name: dict[str, Part]
     counts: tuple[int, ...]
+    curve: np.ndarray
     absent: Part | None
     kind: str = field(metadata={"key": "class"})
     hidden: list[int] = field(metadata={"summary": False})
@@ -121,7 +123,16 @@ class Whole:
 def test_a_result_is_read_back_from_its_summary():
     """Null is NaN where a number stands, arrays and inputs are left out, results within it are results again."""
 
-    found = Whole(Part(1.5, name="sill"), (Part(2.0), Part(nan)), {"gate": Part(3.0)}, (1, 2), None, "weak", hidden=[1])
+    found = Whole(
+        Part(1.5, name="sill"),
+        (Part(2.0), Part(nan)),
+        {"gate": Part(3.0)},
+        (1, 2),
+        np.array([0.5, nan]),
+        None,
+        "weak",
+        hidden=[1],
+    )
     summary = plain(as_summary(found))
     assert summary["parts"][1] == {"depth": None, "depth_error": None, "name": ""}
     assert summary["class"] == "weak" and "hidden" not in summary
@@ -134,5 +145,6 @@ def test_a_result_is_read_back_from_its_summary():
         "weak",
     )
     assert back.hidden is None and isnan(back.parts[1].depth) and back.parts[0].depth == 2.0
+    np.testing.assert_array_equal(back.curve, found.curve)
     lacking = from_summary(Part, {})
     assert isnan(lacking.depth) and lacking.name == ""
