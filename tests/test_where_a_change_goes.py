@@ -361,7 +361,6 @@ def test_a_new_field_is_told_at_the_field_alone(monkeypatch, capsys):
         assert said in str(caught.value)
 
 
-SPREAD = ListedAnalysis("made_quantity", "height of the discs", look="Height of the discs")
 SPREAD = ListedAnalysis(
     "made_quantity", "height of the discs", look="Height of the discs", needs={"gravity": ", so that nothing falls"}
 )
