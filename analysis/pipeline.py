@@ -201,7 +201,6 @@ def collect(
         found = [place / CONTACTS_FILE for place in places]
         there = next((file for file in found if file.is_file()), found[-1])
         flow = replace(flow, written=ContactFile(there, flow.scene))
-    warnings = [*flow.notes, *without_friction(flow, places, wanted), *without_core(flow)]
     needs = {need for name, one in QUANTITIES.items() if name in wanted for need in one.needs}
     edges = bin_edges(flow.x_range, flow.bin_width) if "thrust" in needs else None
     contacts = ContactCollector(flow, edges) if flow.knows_contacts and needs & {"contacts", "thrust"} else None
@@ -217,10 +216,13 @@ def collect(
     stretch = sloping_stretch(flow) if "slope" in needs and flow.velocities else None
     along = [AlongBed(flow, stretch)] if stretch else []
     fed = [*watch, *([contacts] if contacts else []), *collectors.values(), *along]
-    profiles = gather(dump, flow, fed, warnings)
+    notes: list[str] = []
+    profiles = gather(dump, flow, fed, notes)
+    # of a run that goes on, the engine may have made its files only now
+    warnings = [*flow.notes, *without_friction(flow, places, wanted), *without_core(flow), *notes]
     histories = {name: collector.result() for name, collector in collectors.items()}
     forces = {}
-    if forces_asked and (table := _forces_file(places)):  # of a run that goes on it is whole only now
+    if forces_asked and (table := _forces_file(places)):
         try:
             forces = read_forces(table)
         except DumpError as error:

@@ -74,3 +74,27 @@ def test_a_dump_that_changed_since_is_read_again(tmp_path, passes, monkeypatch):
     monkeypatch.setattr(lj.engines, "run", damaged)
     with pytest.raises(lj.RunError, match="not whole"):
         lj.load_case(INPUTS / "quick_jump.yaml", SHORT).run(tmp_path / "run")
+
+
+def test_what_contacts_lack_is_asked_when_the_engine_has_ended(tmp_path, monkeypatch):
+    """The analysis begins before the engine has made its files: a page once said that contacts.bin is not there."""
+    monkeypatch.chdir(tmp_path)
+    run = lj.load_case(INPUTS / "inclined_flow.yaml", {**SHORT, "run.duration": 0.04}).run(tmp_path / "run")
+    file, away, gather = run.folder / "contacts.bin", run.folder / "away", pipeline.gather
+    lacks = "Contact forces lack the tangential springs"
+
+    def notes(before, after):
+        before()
+
+        def late(*more):
+            after()
+            return gather(*more)
+
+        monkeypatch.setattr(pipeline, "gather", late)
+        flow = lj.runs.results.flow_of(run.case, run.folder)
+        found = lj.runs.results.collect(run.case, flow, run.folder, lj.runs.results.read_dump(run.folder))
+        return [note for note in found.warnings if note.startswith(lacks)]
+
+    assert file.is_file() and not [note for note in run.summary["warnings"] if note.startswith(lacks)]
+    assert not notes(lambda: file.rename(away), lambda: away.rename(file))
+    assert notes(lambda: file.rename(away), lambda: None)
