@@ -52,17 +52,10 @@ LONG_CALLS: dict[str, int] = {}
 """Functions over `MOST_PARAMETERS`, with their parameters today."""
 LONG_FUNCTIONS: dict[str, int] = {}
 """Functions over `LONGEST`, with their lines today."""
-LONG_COMPILED: dict[str, int] = {
-    "lammps_jump/core/pair_forces.cpp:compute": 51,
-}
+LONG_COMPILED: dict[str, int] = {}
 """Functions of C++ and JavaScript over `LONGEST`, with their lines today."""
-LONG_C_CALLS: dict[str, int] = {
-    "lammps_jump/core/kinds.h:pair_of": 9,
-    "lammps_jump/core/lists.cpp:jump_image_rows": 11,
-    "lammps_jump/core/lists.cpp:jump_list_near": 10,
-    "lammps_jump/core/sums.cpp:contact_of": 10,
-}
-"""Functions of C++ over `MOST_PARAMETERS`, with their parameters today: entries of the core take arrays one by one."""
+LONG_C_CALLS: dict[str, int] = {}
+"""Functions of C++ over `MOST_PARAMETERS`, with their parameters today."""
 TWO_MEANINGS: dict[str, int] = {}
 """Names that several classes have, with their number today."""
 ONE_THING = {

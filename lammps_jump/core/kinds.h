@@ -153,15 +153,19 @@ class WallMemory {
   double px, py, radius;
 };
 
-/** The contact of discs i and j of a row of the list; (dx, dy) from j to i. */
+/** From a disc to another: components and square. */
+struct Between {
+  double dx, dy, apart2;
+};
+
+/** The contact of discs i and j of a row of the list; `way` goes from j to i. */
 template <bool SIZES, bool SPIN>
-inline Pair<double> pair_of(const jump_state &s, const Seen &seen, int64_t i, int64_t j, double dx, double dy, double apart2,
-                            double a, double b)
+inline Pair<double> pair_of(const jump_state &s, const Seen &seen, int64_t i, int64_t j, const Between &way, double a, double b)
 {
   Pair<double> pair;
-  pair.dx = dx;
-  pair.dy = dy;
-  pair.apart2 = apart2;
+  pair.dx = way.dx;
+  pair.dy = way.dy;
+  pair.apart2 = way.apart2;
   pair.vx = seen.vx[i] - seen.vx[j];
   pair.vy = seen.vy[i] - seen.vy[j];
   pair.a = a;

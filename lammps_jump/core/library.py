@@ -17,7 +17,7 @@ from lammps_jump.errors import SetupError
 
 from .columns import require_columns
 
-VERSION = 5
+VERSION = 6
 """Of the interface, as in ``api.h``."""
 
 CORE = Product(

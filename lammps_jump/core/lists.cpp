@@ -151,13 +151,19 @@ int64_t jump_outside(int64_t n, const double *x, const double *y, const double *
   return lost;
 }
 
+#define JUMP_IMAGE_ROWS(FIELD) \
+  FIELD(int64_t, n) FIELD(const double *, x) FIELD(const double *, y) FIELD(const double *, radius) \
+  FIELD(const double *, reach) FIELD(int64_t *, start) FIELD(int32_t *, neighbours) FIELD(int64_t, room) \
+  FIELD(int32_t *, owner) FIELD(double *, shift) FIELD(int32_t *, right)
+JUMP_INPUT(jump_image_rows, JUMP_IMAGE_ROWS)
+
 /** Pairs across the seam of a periodic channel: a row for each disc near its left end, behind the n others.
 
     The row's disc stands a period further on. reach: of the list, the largest of centres, left end, period. `right`
     is room for the discs near the other end. Returns the number of rows, or -1 where there is no room. */
-int64_t jump_image_rows(int64_t n, const double *x, const double *y, const double *radius, const double *reach, int64_t *start,
-                        int32_t *neighbours, int64_t room, int32_t *owner, double *shift, int32_t *right)
+JUMP_API int64_t jump_image_rows(const jump_image_rows_input *input)
 {
+  JUMP_IMAGE_ROWS(JUMP_LOCAL)
   const RowOf list{n, x, y, radius, reach[0], neighbours};
   const double widest = reach[1], low = reach[2], period = reach[3];
   int64_t strip = 0, rows = n, count = start[n];
@@ -221,15 +227,21 @@ double jump_foot_at(const Face *face, double px, double py) { return foot_of(*fa
 
 double jump_away(const Face *faces, int64_t face, double px, double py) { return WallFaces{faces, false}.away(face, px, py); }
 
+#define JUMP_LIST_NEAR(FIELD) \
+  FIELD(const jump_grid *, grid) FIELD(int64_t, n) FIELD(const double *, x) FIELD(const double *, y) \
+  FIELD(int32_t *, discs) FIELD(int8_t *, plain) FIELD(int64_t *, last) FIELD(int64_t *, near) \
+  FIELD(const int64_t *, room) FIELD(int64_t *, found)
+JUMP_INPUT(jump_list_near, JUMP_LIST_NEAR)
+
 /** List the discs near one wall and the faces near each.
 
     Row r of the list is disc discs[r] with the faces near[last[r] .. last[r + 1]). room: of `last` and of `near`; found: rows
     and faces to go on from, and those in the end; faces -1 where there is no room. */
-void jump_list_near(const jump_grid *g, int64_t n, const double *x, const double *y, int32_t *discs, int8_t *plain,
-                    int64_t *last, int64_t *near, const int64_t *room, int64_t *found)
+JUMP_API void jump_list_near(const jump_list_near_input *input)
 {
+  JUMP_LIST_NEAR(JUMP_LOCAL)
   NearRows rows{discs, plain, last, near, {room[0], room[1]}, found[0], found[1]};
-  const bool whole = list_near(*g, n, rows, [=](int64_t i, double &px, double &py) {
+  const bool whole = list_near(*grid, n, rows, [=](int64_t i, double &px, double &py) {
     px = x[i];
     py = y[i];
   });

@@ -164,9 +164,6 @@ JUMP_API double jump_slope(const jump_state *state, const double *vx, const doub
 /** Lists: see lists.cpp. */
 JUMP_API int64_t jump_outside(int64_t n, const double *x, const double *y, const double *domain);
 JUMP_API int64_t jump_list_pairs(jump_state *state, jump::Crew *crew);
-JUMP_API int64_t jump_image_rows(int64_t n, const double *x, const double *y, const double *radius, const double *reach,
-                                 int64_t *start, int32_t *neighbours, int64_t room, int32_t *owner, double *shift,
-                                 int32_t *right);
 JUMP_API double jump_closest(int64_t n, const double *x, const double *y, double px, double py);
 JUMP_API int64_t jump_append_row(int64_t i, const double *x, const double *y, const double *radius, double reach,
                                  int64_t *start, int32_t *neighbours, int64_t room);
@@ -177,8 +174,6 @@ JUMP_API int64_t jump_touching(const jump::Face *faces, int64_t deep, const int6
                                double (*found)[4], int64_t *which);
 JUMP_API double jump_foot_at(const jump::Face *face, double px, double py);
 JUMP_API double jump_away(const jump::Face *faces, int64_t face, double px, double py);
-JUMP_API void jump_list_near(const jump_grid *grid, int64_t n, const double *x, const double *y, int32_t *discs, int8_t *plain,
-                             int64_t *last, int64_t *near, const int64_t *room, int64_t *found);
 JUMP_API void jump_mark_cells(const jump_grid *grid, int64_t begin, int64_t end, int64_t *start, int64_t *listed);
 
 /** Sums: see sums.cpp. */

@@ -186,6 +186,30 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
     b.n = n;
   }
 
+  /** Contacts of the batch from c on, as many as a vector has. */
+  Pair<Lanes> pairs_from(int c, const Lanes &half)
+  {
+    Lanes between[4];
+    columns(b.between + c, between);
+    Pair<Lanes> two;
+    two.dx = between[0];
+    two.dy = between[1];
+    two.vx = between[2];
+    two.vy = between[3];
+    two.apart2 = two.dx * two.dx + two.dy * two.dy;
+    two.a = SIZES ? lanes(b.radius_i + c) : half;
+    two.b = SIZES ? lanes(b.radius_j + c) : half;
+    if constexpr (SIZES) {
+      two.bulk_a = s.fixed ? lanes(b.bulk_i + c) : two.a;
+      two.bulk_b = s.fixed ? lanes(b.bulk_j + c) : two.b;
+    }
+    if constexpr (SPIN) {
+      two.spin_a = lanes(b.spin_i + c);
+      two.spin_b = lanes(b.spin_j + c);
+    }
+    return two;
+  }
+
   /** The forces of the batch. */
   void compute()
   {
@@ -193,24 +217,7 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
     const Numbers<Lanes> of = numbers_of(s.pair, Lanes{});
     const Lanes half = spread(0.5 * s.diameter, Lanes{});
     for (int c = 0; c < b.n; c += LANES) {
-      Lanes between[4];
-      columns(b.between + c, between);
-      Pair<Lanes> two;
-      two.dx = between[0];
-      two.dy = between[1];
-      two.vx = between[2];
-      two.vy = between[3];
-      two.apart2 = two.dx * two.dx + two.dy * two.dy;
-      two.a = SIZES ? lanes(b.radius_i + c) : half;
-      two.b = SIZES ? lanes(b.radius_j + c) : half;
-      if constexpr (SIZES) {
-        two.bulk_a = s.fixed ? lanes(b.bulk_i + c) : two.a;
-        two.bulk_b = s.fixed ? lanes(b.bulk_j + c) : two.b;
-      }
-      if constexpr (SPIN) {
-        two.spin_a = lanes(b.spin_i + c);
-        two.spin_b = lanes(b.spin_j + c);
-      }
+      const Pair<Lanes> two = pairs_from(c, half);
       Stretch<Lanes> held{};
       if constexpr (MEMORY) {
         held.slide = lanes(b.slide + c);

@@ -109,7 +109,7 @@ void forces(const Swarm &s, const ShearBox &box, const Control &c, const jump_st
         const double dx = s.x[i] - s.x[j] - p->level * box.offset - p->column * box.lx;
         const double dy = s.y[i] - s.y[j] - p->level * box.ly, r2 = dx * dx + dy * dy, a = s.radius[i], b = s.radius[j];
         if (r2 >= (a + b) * (a + b)) continue;
-        Pair<double> pair = pair_of<true, SPIN>(state, seen, i, j, dx, dy, r2, a, b);
+        Pair<double> pair = pair_of<true, SPIN>(state, seen, i, j, {dx, dy, r2}, a, b);
         pair.vx -= p->level * speed;
         Stretch<double> held{};
         PairForce<double> out;

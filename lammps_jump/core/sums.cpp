@@ -110,22 +110,22 @@ class ContactRows {
 
 /** The contact of two discs of a row, with what it remembers. */
 template <bool SIZES, bool SPIN, class Law>
-static PairForce<double> contact_of(const jump_state &s, const Law &law, const Seen &seen, int64_t i, int64_t j, double dx,
-                                    double dy, double r2, double a, double b)
+static PairForce<double> contact_of(const jump_state &s, const Law &law, const Seen &seen, int64_t i, int64_t j,
+                                    const Between &way, double a, double b)
 {
   Stretch<double> held{};
   if constexpr (Law::Friction::REMEMBERS) {
     const PairMemory memory(s, i, j);
     held = memory.take(s).begin(memory.way);
   }
-  return pair_contact<SIZES, SPIN>(law, numbers_of(s.pair, 0.0), pair_of<SIZES, SPIN>(s, seen, i, j, dx, dy, r2, a, b), held);
+  return pair_contact<SIZES, SPIN>(law, numbers_of(s.pair, 0.0), pair_of<SIZES, SPIN>(s, seen, i, j, way, a, b), held);
 }
 
 template <bool SIZES, bool SPIN, class Law>
 static void list_contacts(const jump_state &s, const Law &law, const Seen &at_step, const Seen &seen, ContactRows &record)
 {
   each_pair(s, {}, [&](double xi, int64_t i, int64_t j, double dx, double dy, double r2, double a, double b) {
-    const PairForce<double> out = contact_of<SIZES, SPIN>(s, law, seen, i, j, dx, dy, r2, a, b);
+    const PairForce<double> out = contact_of<SIZES, SPIN>(s, law, seen, i, j, {dx, dy, r2}, a, b);
     const double way = way_to_middle(a, out.overlap), sx = at_step.vx[i] - at_step.vx[j], sy = at_step.vy[i] - at_step.vy[j];
     double power = taken(out, out.nx, out.ny, sx, sy);
     if constexpr (SPIN) power -= out.on_a * at_step.spin[i] + out.on_b * at_step.spin[j];
@@ -210,7 +210,7 @@ static void between(const jump_state &s, const jump_stations &at, double *sums)
       const auto parts = [&](double x) { return (s.x[a] < x) && (s.x[b] >= x); };
       const int way = parts(at.left) - parts(at.left + at.width);
       if (way == 0) return;
-      const PairForce<double> out = contact_of<SIZES, SPIN>(s, law, seen, b, a, s.x[b] - s.x[a], s.y[b] - s.y[a], r2,
+      const PairForce<double> out = contact_of<SIZES, SPIN>(s, law, seen, b, a, {s.x[b] - s.x[a], s.y[b] - s.y[a], r2},
                                                             radius_of(s, b), radius_of(s, a));
       const AtStep one(s, a), two(s, b);
       const double mx = 0.5 * (one.vx + two.vx), my = 0.5 * (one.vy + two.vy);

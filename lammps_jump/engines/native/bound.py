@@ -4,13 +4,13 @@
 from __future__ import annotations
 
 import weakref
-from ctypes import POINTER, addressof, byref, c_char_p, c_double, c_int64, c_void_p
+from ctypes import POINTER, addressof, byref, c_char_p, c_double, c_int64, c_void_p, pointer
 from typing import Any, ClassVar
 
 import numpy as np
 
 from lammps_jump.core.law import jump_law, laws_of
-from lammps_jump.core.library import INTEGER, INTEGERS, REAL, REALS, Struct, function
+from lammps_jump.core.library import INTEGER, INTEGERS, REAL, REALS, Struct, entry, function
 from lammps_jump.scene.chains import Faces, records_of
 from lammps_jump.scene.near import FaceGrid
 
@@ -103,8 +103,14 @@ _outside = function("jump_outside", INTEGER, *[ARRAY] * 3, result=INTEGER)
 _list_pairs = function("jump_list_pairs", STATE, c_void_p, result=INTEGER)
 _closest = function("jump_closest", INTEGER, ARRAY, ARRAY, REAL, REAL, result=REAL)
 _append_row = function("jump_append_row", INTEGER, *[ARRAY] * 3, REAL, *[ARRAY] * 2, INTEGER, result=INTEGER)
-_image_rows = function("jump_image_rows", INTEGER, *[ARRAY] * 6, INTEGER, *[ARRAY] * 3, result=INTEGER)
-_list_near = function("jump_list_near", GRID, INTEGER, *[ARRAY] * 8)
+_image_rows = entry(
+    "jump_image_rows", INTEGER, n=INTEGER, x=ARRAY, y=ARRAY, radius=ARRAY, reach=ARRAY, start=ARRAY, neighbours=ARRAY,
+    room=INTEGER, owner=ARRAY, shift=ARRAY, right=ARRAY,
+)  # fmt: skip
+_list_near = entry(
+    "jump_list_near", grid=GRID, n=INTEGER, x=ARRAY, y=ARRAY, discs=ARRAY, plain=ARRAY, last=ARRAY, near=ARRAY,
+    room=ARRAY, found=ARRAY,
+)  # fmt: skip
 _mark_cells = function("jump_mark_cells", GRID, INTEGER, INTEGER, INTEGERS, ARRAY)
 
 
@@ -330,10 +336,11 @@ class Core:
     def image_rows(self, discs: Any, reach: tuple[float, float, float], owner: np.ndarray, shift: np.ndarray) -> int:
         """As `Loops.image_rows`."""
         d, of, right = discs, self._pointer, np.empty(discs.n + 1, np.int32)
+        seam = (c_double * 4)(*reach, discs.period)
         return _image_rows(
-            d.n, of("x", d.x), of("y", d.y), of("radius", d.radius), (c_double * 4)(*reach, d.period),
-            of("start", d.start), of("neighbours", d.neighbours), d.neighbours.size, address(owner), address(shift),
-            address(right),
+            n=d.n, x=of("x", d.x), y=of("y", d.y), radius=of("radius", d.radius),
+            reach=addressof(seam), start=of("start", d.start), neighbours=of("neighbours", d.neighbours),
+            room=d.neighbours.size, owner=address(owner), shift=address(shift), right=address(right),
         )  # fmt: skip
 
     def cell_pairs(self, state: State) -> int:
@@ -348,8 +355,9 @@ class Core:
         ends, of = (c_int64 * 2)(*found), self._pointer
         (n, x, y), room = seen, (c_int64 * 2)(near.last.size, near.faces.size)
         _list_near(
-            byref(self._grid(wall, faces, grid)), n, of("seen x", x), of("seen y", y), of("discs", near.discs),
-            of("plain", near.plain), of("last", near.last), of("faces", near.faces), room, ends,
+            grid=pointer(self._grid(wall, faces, grid)), n=n, x=of("seen x", x), y=of("seen y", y),
+            discs=of("discs", near.discs), plain=of("plain", near.plain), last=of("last", near.last),
+            near=of("faces", near.faces), room=addressof(room), found=addressof(ends),
         )  # fmt: skip
         return ends[0], ends[1]
 
