@@ -18,7 +18,7 @@ def run() -> None:
         if threading.active_count() > 1 or not isinstance(end.code, int):
             raise
         atexit._run_exitfuncs()
-        for stream in (sys.stdout, sys.stderr):
+        for stream in filter(None, (sys.stdout, sys.stderr)):  # None where the program began with a closed one
             with suppress(OSError, ValueError):  # closed by who reads it
                 stream.flush()
         os._exit(end.code)

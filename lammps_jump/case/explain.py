@@ -109,7 +109,8 @@ def _meant(path: PathKey, models: list[type], whole: type[BaseModel]) -> str:
     if here or difflib.get_close_matches(word, known, n=1, cutoff=CLOSE):
         return f"write {here[0]}" if here else nearest(word, known)
     away = {one.path: str(one) for one in found if one.group != group}
-    away |= {other: other for other in named if other.rpartition(".")[2] == word and other not in away}
+    elsewhere = [other for other in named if other.rpartition(".")[2] == word and other.rpartition(".")[0] != group]
+    away |= {other: other for other in elsewhere if other not in away}
     if not away:
         return nearest(word, known)
     texts = list(away.values()) if len(away) == 1 else list(away)[:MOST_NAMED]

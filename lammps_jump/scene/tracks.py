@@ -68,9 +68,7 @@ class Wave(NamedTuple):
 class Kind:
     """What motions of a case file have in common; `begin` is ``from`` there."""
 
-    __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(
-        extra="forbid", validate_by_name=True, validate_by_alias=True, serialize_by_alias=True
-    )
+    __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid", serialize_by_alias=True)
     turns: ClassVar[bool] = False
     eased: ClassVar[bool] = True
     """Whether changes of velocity take time unless the case says otherwise; a motion that was measured is not eased."""

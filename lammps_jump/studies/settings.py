@@ -121,9 +121,11 @@ def listed(option: str, text: str | None, allowed: Collection[str]) -> tuple[str
     Raises
     ------
     CaseError
-        A word that is not allowed.
+        A word that is not allowed, or an option without a word.
     """
     words = tuple(dict.fromkeys(word.strip() for word in (text or "").split(",") if word.strip()))
+    if text is not None and not words:
+        raise CaseError(f"{option}: '{text}' names nothing; allowed are {', '.join(allowed)}")
     for word in words:
         if word not in allowed:
             raise CaseError(f"{option}: '{word}' is not known; allowed are {', '.join(allowed)}")

@@ -19,9 +19,13 @@ def case_scene(name, *changes):
 
 
 def test_the_disc_on_the_seam_stands_once():
-    bed = RoughBed(kind="rough", name="bed", begin=(0.0, 0.0), end=(0.3, 0.0), diameter=0.01)
+    def bed_from(x):
+        fields = {"kind": "rough", "name": "bed", "from": [x, 0.0], "to": [x + 0.3, 0.0], "diameter": 0.01}
+        return RoughBed.model_validate(fields)
+
+    bed = bed_from(0.0)
     assert len(bed.places(None)) == 31 and len(bed.places((0.0, 0.3))) == 30
-    shifted = RoughBed(kind="rough", name="bed", begin=(0.1, 0.0), end=(0.4, 0.0), diameter=0.01).places((0.0, 0.3))
+    shifted = bed_from(0.1).places((0.0, 0.3))
     assert len(shifted) == 30 and shifted[:, 0].min() == pytest.approx(0.0, abs=1e-12) and shifted[:, 0].max() < 0.3
     assert np.diff(np.sort(shifted[:, 0])) == pytest.approx(0.01)
 

@@ -73,3 +73,9 @@ def test_the_program_ends_at_once_but_what_is_to_be_done_at_its_end_is_done():
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert done.returncode == 0 and done.stderr == ""
     assert done.stdout.splitlines() == [f"lammps-jump {lj.__version__}", "at the end"]
+
+
+@pytest.mark.parametrize("closed", [">&-", "2>&-", ">&- 2>&-"])
+def test_the_status_is_the_program_s_own_where_its_streams_are_closed(closed):
+    code = f'exec "$0" -m lammps_jump check nofile.yaml {closed}'
+    assert subprocess.run(["sh", "-c", code, sys.executable], capture_output=True).returncode == 2

@@ -278,6 +278,8 @@ WRONG_ASSIGNMENTS = [
     ("discs=&a {diameter: *a}", ["--set discs=&a {diameter: *a}", "alias"]),
     ("discs=" + 3000 * "[", ["--set discs=[", "deep"]),
     ("contact.friction=-1", ["--set contact.friction=-1", ">= 0"]),
+    ("walls.floor.motion={kind: translate, velocity: [1, 0], begin: 5}", ["begin", "unknown field"]),
+    ("walls.floor.motion={kind: rotate, rate: 1, amplitude: [1, 0]}", ["motion.amplitude: unknown field; known here"]),
 ]
 
 
@@ -383,7 +385,7 @@ def test_out_without_a_name(monkeypatch, capsys, tmp_path, command):
 @pytest.mark.parametrize(
     "arguments",
     [("bench", "case.yaml", "--members", "0"), ("bench", "case.yaml", "--members", "-3"), ("stress", "--random", "-1"),
-     ("stress", "--seed", "-1")],
+     ("stress", "--seed", "-1"), ("sensitivity", "--only", ""), ("bench", "case.yaml", "--axes", ",")],
 )  # fmt: skip
 def test_counts_of_studies(monkeypatch, capsys, tmp_path, arguments):
     (tmp_path / "case.yaml").write_text(GOOD)

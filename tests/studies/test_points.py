@@ -106,7 +106,7 @@ def test_a_run_is_made_once_and_again_where_that_is_asked_for(tmp_path, monkeypa
 
 @pytest.mark.parametrize("name", ["stress", "sensitivity"])
 def test_a_wheel_says_where_its_studies_are(name, tmp_path, monkeypatch):
-    with pytest.raises(CaseError, match=f"--laws .*: holds no .*{name}.*study.py"):
+    with pytest.raises(CaseError, match=f"--laws .*: holds nothing of .*{name}.*study.py"):
         study_named(name, tmp_path)
     monkeypatch.setattr(find, "TREE", tmp_path / "site" / "validation")
     with pytest.raises(SetupError, match=f"lammps-jump {name}.* validation/ of the source .*--laws DIR"):

@@ -27,7 +27,7 @@ SAME_PLACE = 1e-6
 class RoughBed(Strict):
     """A row of fixed discs from one point to another; other discs collide with them as with discs."""
 
-    model_config = ConfigDict(populate_by_name=True, serialize_by_alias=True)
+    model_config = ConfigDict(serialize_by_alias=True)
     kind: Literal["rough"]
     name: WallName
     begin: Point = Field(alias="from", description="[x, y]: centre of the first fixed disc")

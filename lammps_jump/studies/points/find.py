@@ -43,7 +43,9 @@ def source_of(what: str, file: str, given: Path | None = None) -> Path:
         return known
     if given:
         folder, _, name = file.rpartition("/")
-        lacks, needs = ("no law", "a folder for each law") if folder == "*" else (f"no {what}", f"a folder {folder}")
+        lacks, needs = (
+            ("no law", "a folder for each law") if folder == "*" else (f"nothing of {what}", f"a folder {folder}")
+        )
         raise CaseError(f"--laws {given}: holds {lacks}; it needs {needs}, with a {name} in it")
     raise SetupError(
         f"{what} are not installed: they stand in the folder {FOLDER}/ of the source of lammps-jump {__version__}, "
