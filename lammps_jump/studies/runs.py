@@ -57,7 +57,18 @@ def execute(
         library = plugin.plugin_path() if kernel == "compiled" else None
         setting = Setting(kernel=kernel, plugin=library, dump_format=dump_format, script=script)
         result = run(scene, folder, setting)
-    if result.status == "interrupted":  # no result to be stored: the study ends here
+    return not_interrupted(result)
+
+
+def not_interrupted(result: RunResult) -> RunResult:
+    """The result of a run that the user let go to its end; that of another is not stored.
+
+    Raises
+    ------
+    RunInterrupted
+        The user ended the run, and so the study.
+    """
+    if result.status == "interrupted":
         raise RunInterrupted("the study was ended; what it had is kept, and the same command continues from there")
     return result
 

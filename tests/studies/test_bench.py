@@ -2,6 +2,7 @@
 """Benchmark arithmetic: settings, errors, Pareto fronts, choices, storage; nothing is run."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -9,9 +10,10 @@ from made_up import INPUTS
 
 from lammps_jump import load_case
 from lammps_jump.engines.native import NativeSimulation
-from lammps_jump.errors import CaseError
+from lammps_jump.errors import CaseError, RunInterrupted
 from lammps_jump.studies.bench import page as bench_page
 from lammps_jump.studies.bench import study as bench_errors
+from lammps_jump.studies.bench import timing
 from lammps_jump.studies.bench.collision import SPEED, collision_scene
 from lammps_jump.studies.bench.study import QuantityError, read_axes
 from lammps_jump.studies.cross_validation.trajectories import with_discs_of
@@ -188,3 +190,12 @@ def test_a_developed_flow_keeps_the_sizes_of_its_discs():
     assert np.abs(started.diameters(ids) - was).max() < 0.01 * (scene.largest - scene.smallest)
     assert {row.first_step for row in started.inlets} == {scene.size_steps}
     assert (with_discs_of(started, scene).positions == started.positions).all()
+
+
+def test_a_search_that_the_user_ended_is_no_time(monkeypatch):
+    # its time was kept as that of a whole run, and the next search began
+    scene = load_case(INPUTS / "energy_box_16.yaml", ["run.duration=0.5"]).scene()
+    ended = partial(timing.run_native, should_stop=lambda: True)
+    monkeypatch.setattr(timing, "run_native", ended)
+    with pytest.raises(RunInterrupted, match="the study was ended"):
+        timing.cell_time(scene, None)

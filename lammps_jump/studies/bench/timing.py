@@ -32,7 +32,7 @@ from lammps_jump.errors import SetupError
 from lammps_jump.scene import Scene
 from lammps_jump.studies.cross_validation import trajectories
 from lammps_jump.studies.cross_validation.trajectories import CONTACT_STEPS
-from lammps_jump.studies.runs import KERNELS, in_turn, middle, run_frames
+from lammps_jump.studies.runs import KERNELS, in_turn, middle, not_interrupted, run_frames
 from lammps_jump.studies.settings import SKINS
 from lammps_jump.sweeps import Results, Say, Store, all_versions
 
@@ -68,7 +68,7 @@ def cell_time(scene: Scene, size: float | None) -> tuple[float, float]:
     """Return (processor seconds, disc-steps) of a run with cells of `size` diameters, None for the neighbour list."""
     cell_size = None if size is None else size * scene.diameter
     with tempfile.TemporaryDirectory() as folder:
-        result = run_native(scene, Path(folder), ledger=False, cell_size=cell_size)
+        result = not_interrupted(run_native(scene, Path(folder), ledger=False, cell_size=cell_size))
     return result.cpu_seconds, result.disc_steps
 
 
