@@ -144,7 +144,7 @@ def compute_fields(
 
 
 class _Grid(NamedTuple):
-    """Cells of the fields, with a margin around the extent that is asked for.
+    """Cells of the fields, and a margin of cells around their extent.
 
     Attributes
     ----------

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""How a dump becomes numbers, tables and figures: one pass, then each analysis that is asked for."""
+"""Reads a dump once, runs the wanted analyses, and writes their numbers, tables and figures."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 DISCS = "snapshots"
 """Name of the figure of ten pictures."""
 MAIN = ("depth_profile",)
-"""Figures that are drawn beside `DISCS` where no others are asked for; the page draws the curves of all itself."""
+"""Figures that are drawn by default, with `DISCS`. The page draws the curves of all others itself."""
 
 
 class Pictures(NamedTuple):

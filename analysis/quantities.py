@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The analyses of a run: where each is found, and how it is asked for.
+"""The list of analyses: the module of each, and the fields and options that choose it.
 
 What is needed before an analysis is loaded stands here, because cases and commands load none. All else is told by the
 `QUANTITY` of its file (`quantity.py`).
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class ListedAnalysis(NamedTuple):
-    """How an analysis is found and asked for.
+    """What is known of an analysis before its module is loaded.
 
     Attributes
     ----------

@@ -12,7 +12,7 @@ from lammps_jump.scene.bodies.free import Free
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.motion import Motion, MovingWall
 from lammps_jump.scene.scene import Scene
-from lammps_jump.scene.walls import Circle, Wall
+from lammps_jump.scene.walls import Block, Box, Circle, Line, Plane, Polygon, Wall
 
 DENSITY = 1000.0
 FAR = [(90.0, 90.0)]
@@ -30,6 +30,19 @@ def body(wall: Wall, gravity=(0.0, -9.81), density: float = DENSITY, **free: Any
     fields = {"mass": mass, "inertia": density * section.moment, "centre": section.centre, "weight": weight}
     kind = Free(**{**fields, "corner_radius": 0.05, **free})
     return MovingWall(wall, Motion(kind=kind, about=kind.point))
+
+
+def crowd(**last: Any) -> tuple[Wall | MovingWall, ...]:
+    """Walls of every kind and bodies of every shape among them; `last` are fields of the body that comes last."""
+    return (
+        Plane("floor", "y", 0.0, "above"), Block("step", (3.0, 4.0), (-1.0, 0.5)), Circle("pier", (5.0, 1.0), 0.5),
+        Line("ramp", ((-3.0, 2.0), (-1.0, 0.2), (-0.6, 0.3))), Box("box", (-4.0, 7.0), (0.0, 5.0)),
+        body(Block("a", (0.0, 1.0), (0.01, 0.8)), velocity=(3.0, -2.0), spin=1.0),
+        body(Polygon("b", ((1.05, 0.5), (2.2, 0.7), (1.8, 1.4))), velocity=(-1.0, -1.0)),
+        body(Circle("c", (3.2, 0.92), 0.4), spin=-5.0, velocity=(0.0, -1.0)),
+        body(Block("d", (4.2, 4.4), (0.6, 2.6)), hinge=(4.3, 2.5), spin=3.0),
+        body(Circle("e", (2.6, 1.33), 0.3), velocity=(1.0, -2.0), **last),
+    )  # fmt: skip
 
 
 def scene_of(*walls, positions=FAR, velocities=None, gravity=(0.0, -9.81), **fields: Any) -> Scene:

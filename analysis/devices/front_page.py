@@ -30,14 +30,14 @@ def tables(front: Front) -> Tables:
 
 
 def figures(front: Front, gathered: Gathered) -> Drawings:
-    """Figures of the front in time and, where water is asked for, beside Martin & Moyce's measurements."""
+    """The front against time. Of water also the measurements of Martin & Moyce."""
     flow, history = gathered.flow, cast(FrontHistory, front.history)
     water = martin_moyce_chart(history, flow) if flow.water else None
     return {"front": front_chart(history, flow), "martin_moyce": water}
 
 
 def section(front: Front) -> Section:
-    """The front; where water is asked for, against Ritter and Martin & Moyce."""
+    """The numbers of the front. Those of water stand beside Ritter and Martin & Moyce."""
     if not known(front.position):
         return Section("Front", [Text(shown(front.reason), "warn")])
     rows: list[tuple[str, Any]] = []
@@ -58,7 +58,7 @@ def section(front: Front) -> Section:
 
 
 def front_chart(history: FrontHistory, flow: Flow) -> Chart | None:
-    """Front, column height and surface speed against time; where water is asked for, Ritter's front while it holds."""
+    """Front, column height and surface speed against time. Of water also Ritter's front while it holds."""
     if not np.isfinite(history.bulk).any():
         return None
     (base, depth), gravity, time = history.column, flow.gravity, history.time

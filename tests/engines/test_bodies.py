@@ -5,7 +5,7 @@ from math import cos, pi, radians, sin
 
 import numpy as np
 import pytest
-from free_bodies import DENSITY, body, scene_of, state_of
+from free_bodies import DENSITY, body, crowd, scene_of, state_of
 
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.engines.native.state import load_state, save_state
@@ -13,7 +13,7 @@ from lammps_jump.engines.twin import Twin
 from lammps_jump.errors import RunError
 from lammps_jump.physics.bodies import effective_mass, pendulum_period, section_of_circle, section_of_polygon
 from lammps_jump.physics.slip import Springs
-from lammps_jump.scene.walls import Block, Box, Circle, Line, Plane, Polygon
+from lammps_jump.scene.walls import Block, Box, Circle, Plane, Polygon
 
 G = 9.81
 SPRINGS = Springs(2 / 7, 1.0)
@@ -180,23 +180,10 @@ LAWS = {
 
 def crowded(**law):
     """Bodies of every shape among walls and discs."""
-    walls = (
-        FLOOR, Block("step", (3.0, 4.0), (-1.0, 0.5)), Circle("pier", (5.0, 1.0), 0.5),
-        Line("ramp", ((-3.0, 2.0), (-1.0, 0.2), (-0.6, 0.3))), Box("box", (-4.0, 7.0), (0.0, 5.0)),
-    )  # fmt: skip
-    bodies = (
-        body(Block("a", (0.0, 1.0), (0.01, 0.8)), velocity=(3.0, -2.0), spin=1.0),
-        body(Polygon("b", ((1.05, 0.5), (2.2, 0.7), (1.8, 1.4))), velocity=(-1.0, -1.0)),
-        body(Circle("c", (3.2, 0.92), 0.4), spin=-5.0, velocity=(0.0, -1.0)),
-        body(Block("d", (4.2, 4.4), (0.6, 2.6)), hinge=(4.3, 2.5), spin=3.0),
-        body(Circle("e", (2.6, 1.33), 0.3), velocity=(1.0, -2.0)),
-    )
     rows = (np.arange(0.1, 1.0, 0.21), 0.92), (np.arange(1.3, 2.2, 0.21), 1.55), (np.arange(2.5, 3.5, 0.21), 1.75)
     places = np.array([*((x, y) for xs, y in rows for x in xs), (4.08, 1.2), (4.08, 1.5)])
     speeds = np.random.default_rng(3).normal([0.0, -5.0], 1.0, places.shape)
-    return scene_of(
-        *walls, *bodies, positions=places, velocities=speeds, restitution=0.4, overlap_limit=0.0, **(FAST | law)
-    )
+    return scene_of(*crowd(), positions=places, velocities=speeds, restitution=0.4, overlap_limit=0.0, **(FAST | law))
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from free_bodies import body, scene_of
+from free_bodies import crowd, scene_of
 
 from lammps_jump.dump.read import open_dump
 from lammps_jump.dump.side_files.bodies import read_bodies
@@ -16,8 +16,7 @@ from lammps_jump.engines.launch import run
 from lammps_jump.engines.native import NativeSimulation, run_native
 from lammps_jump.engines.setting import Setting
 from lammps_jump.physics.slip import Rolling, Springs
-from lammps_jump.scene import Block, Plane, Sizes
-from lammps_jump.scene.walls import Box, Circle, Line, Polygon
+from lammps_jump.scene import Sizes
 
 D, STEPS = 0.2, 1000
 SPRINGS = Springs(2 / 7, 1.0, Rolling(0.1, 0.3, 1.0))
@@ -36,17 +35,6 @@ pytestmark = pytest.mark.lammps
 
 def scene(**law):
     """Bodies of every shape among walls of every kind, on and under discs that fall and lie."""
-    walls = (
-        Plane("floor", "y", 0.0, "above"), Block("step", (3.0, 4.0), (-1.0, 0.5)), Circle("pier", (5.0, 1.0), 0.5),
-        Line("ramp", ((-3.0, 2.0), (-1.0, 0.2), (-0.6, 0.3))), Box("box", (-4.0, 7.0), (0.0, 5.0)),
-    )  # fmt: skip
-    bodies = (
-        body(Block("a", (0.0, 1.0), (0.01, 0.8)), velocity=(3.0, -2.0), spin=1.0),
-        body(Polygon("b", ((1.05, 0.5), (2.2, 0.7), (1.8, 1.4))), velocity=(-1.0, -1.0)),
-        body(Circle("c", (3.2, 0.92), 0.4), spin=-5.0, velocity=(0.0, -1.0)),
-        body(Block("d", (4.2, 4.4), (0.6, 2.6)), hinge=(4.3, 2.5), spin=3.0),
-        body(Circle("e", (2.6, 1.33), 0.3), velocity=(1.0, -2.0), begin=0.01),
-    )
     rows = (np.arange(0.1, 1.0, 0.25), 0.95), (np.arange(1.3, 2.2, 0.25), 1.6), (np.arange(2.5, 3.5, 0.25), 1.8)
     places = np.array([*((x, y) for xs, y in rows for x in xs), (4.07, 1.2), (4.07, 1.5)])
     speeds = np.random.default_rng(3).normal([0.0, -5.0], 1.0, places.shape)
@@ -58,7 +46,7 @@ def scene(**law):
         "probe_steps": 50,
     }
     return scene_of(
-        *walls, *bodies, positions=places, velocities=speeds, restitution=0.4, probes=("floor", "a"),
+        *crowd(begin=0.01), positions=places, velocities=speeds, restitution=0.4, probes=("floor", "a"),
         **(fields | {"time_step_fraction": 0.1, "correct_restitution": True, "overlap_limit": 0.06} | law),
     )  # fmt: skip
 
