@@ -225,8 +225,6 @@ int64_t jump_touching(const Face *faces, int64_t deep, const int64_t *near, int6
 
 double jump_foot_at(const Face *face, double px, double py) { return foot_of(*face, px, py); }
 
-double jump_away(const Face *faces, int64_t face, double px, double py) { return WallFaces{faces, false}.away(face, px, py); }
-
 #define JUMP_LIST_NEAR(FIELD) \
   FIELD(const jump_grid *, grid) FIELD(int64_t, n) FIELD(const double *, x) FIELD(const double *, y) \
   FIELD(int32_t *, discs) FIELD(int8_t *, plain) FIELD(int64_t *, last) FIELD(int64_t *, near) \

@@ -259,8 +259,3 @@ int64_t jump_advance(jump_state *state, Crew *crew, int64_t steps, int64_t owed,
 int64_t jump_list_pairs(jump_state *state, Crew *crew) { return jump::list_pairs(*state, *state->lists, *crew); }
 
 void jump_place_walls(const jump_state *state, int64_t step) { jump::place_walls(*state, (double) step); }
-
-double jump_slope(const jump_state *state, const double *vx, const double *vy)
-{
-  return jump::slope_of(*state, {vx, vy, nullptr});
-}

@@ -158,8 +158,6 @@ JUMP_API int64_t jump_crew_threads(const jump::Crew *crew);
 /** Step: see `advance` in native.cpp. */
 JUMP_API int64_t jump_advance(jump_state *state, jump::Crew *crew, int64_t steps, int64_t owed, int64_t *left);
 JUMP_API void jump_place_walls(const jump_state *state, int64_t step);
-/** 1/eps of the sign law by these velocities, s/m; 0 of another law. */
-JUMP_API double jump_slope(const jump_state *state, const double *vx, const double *vy);
 
 /** Lists: see lists.cpp. */
 JUMP_API int64_t jump_outside(int64_t n, const double *x, const double *y, const double *domain);
@@ -169,11 +167,10 @@ JUMP_API int64_t jump_append_row(int64_t i, const double *x, const double *y, co
                                  int64_t *start, int32_t *neighbours, int64_t room);
 JUMP_API int64_t jump_search_cells(jump_state *state);
 
-/** Walls: contacts of a disc (rows of gap, normal, angle), the foot on a face, discs near a wall, cells of faces. */
+/** Walls: contacts of a disc (rows of gap, normal, angle), the foot on a face, cells of faces. */
 JUMP_API int64_t jump_touching(const jump::Face *faces, int64_t deep, const int64_t *near, int64_t count, const double *disc,
                                double (*found)[4], int64_t *which);
 JUMP_API double jump_foot_at(const jump::Face *face, double px, double py);
-JUMP_API double jump_away(const jump::Face *faces, int64_t face, double px, double py);
 JUMP_API void jump_mark_cells(const jump_grid *grid, int64_t begin, int64_t end, int64_t *start, int64_t *listed);
 
 /** Sums: see sums.cpp. */
