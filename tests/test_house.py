@@ -36,18 +36,12 @@ AT_THE_ROOT = {"__init__.py", "__main__.py", *(f"{name}.py" for name in FLOORS[:
 CALLERS = {"studies", "cli"}
 """What calls the public Python API, ``import lammps_jump``."""
 NOT_FOR_ANALYSIS = {"case", "engines"}
-LARGEST_FILE = 300
-"""Lines of code; docstrings, comments and blank lines do not count."""
 MOST_PARAMETERS = 8
 """Parameters of a function, keyword-only ones, ``*args`` and ``**kwargs`` included; options of a command are free."""
-MOST_FILES = 12
-"""Python files of a folder, ``__init__.py`` included."""
 
 LONGEST = 50
-"""Lines of code of a function; the options of a command do not count."""
+"""Lines of code of a function; docstrings, comments and blank lines, and the options of a command, do not count."""
 
-LARGE_FILES: dict[str, int] = {}
-"""Files over `LARGEST_FILE`, with their lines of code today."""
 LONG_CALLS: dict[str, int] = {}
 """Functions over `MOST_PARAMETERS`, with their parameters today."""
 LONG_FUNCTIONS: dict[str, int] = {}
@@ -63,8 +57,6 @@ ONE_THING = {
     "jump_springs", "jump_state", "jump_stations",
 }  # fmt: skip
 """Names that a class of Python and one of C++ share, because both hold the same."""
-FULL_FOLDERS: dict[str, int] = {}
-"""Folders over `MOST_FILES`, with their files today."""
 PRIVATE_NAMES: set[tuple[str, str]] = set()
 """(file, private name) that a file takes from another."""
 IMPORTS_INSIDE: dict[str, int] = {}
@@ -388,12 +380,6 @@ def shrinks(found: dict[str, int], known: dict[str, int]) -> None:
     assert all(size <= known[name] for name, size in found.items()), found
 
 
-def test_files_are_small():
-    texts = {file: (ROOT / file).read_text() for file in trees()}
-    sizes = {file: lines_of_code(text) for file, text in texts.items() if text.count("\n") > LARGEST_FILE}
-    shrinks(over(sizes, LARGEST_FILE), LARGE_FILES)
-
-
 def is_command(function: ast.FunctionDef) -> bool:
     """Whether a function is a command of the command line, whose options are its parameters."""
     calls = [one.func for one in function.decorator_list if isinstance(one, ast.Call)]
@@ -559,10 +545,6 @@ def test_names_that_texts_tell_are_there():
         if not is_name(said := (found[1] or found[2]).rstrip("."))
     ]
     assert not gone
-
-
-def test_folders_are_small():
-    shrinks(over(Counter(str(Path(file).parent) for file in trees()), MOST_FILES), FULL_FOLDERS)
 
 
 @pytest.mark.parametrize(("text", "lines"), [('"""Doc."""\n\nx = (\n    1,\n)\n# note\n"""About x."""\n', 3), ("", 0)])
