@@ -38,12 +38,21 @@ class Defect(NamedTuple):
 CONTACT, JUMP, LAW = (f"lammps_jump/physics/{name}.py" for name in ("contact", "jump", "law"))
 LEDGER, EVENTS, STATE = (f"lammps_jump/engines/native/{name}.py" for name in ("ledger", "events", "state"))
 CORE_LAW, CORE_CONTACT, CORE_FACES, CORE_NEAR, CORE_SLOTS, CORE_MOTION, CORE_WALL = (
-    f"lammps_jump/core/{name}.h" for name in ("law", "contact", "faces", "near", "slots", "motion", "wall")
+    f"lammps_jump/core/{name}.h"
+    for name in (
+        "contact/law",
+        "contact/contact",
+        "walls/faces",
+        "walls/near",
+        "contact/slots",
+        "walls/motion",
+        "walls/wall",
+    )
 )
 CORE_DRIFT, CORE_PAIRS, CORE_LISTS, CORE_SUMS = (
-    f"lammps_jump/core/{name}.cpp" for name in ("drift", "pair_forces", "lists", "sums")
+    f"lammps_jump/core/{name}.cpp" for name in ("step/drift", "step/pair_forces", "step/lists", "sums/sums")
 )
-CORE_CREW, CORE_RELIST = "lammps_jump/core/crew.h", "lammps_jump/core/relist.cpp"
+CORE_CREW, CORE_RELIST = "lammps_jump/core/step/crew.h", "lammps_jump/core/step/relist.cpp"
 TWIN_TESTS = "engines/test_twin.py"
 THREAD_TESTS = "engines/test_native_threads.py"
 CHECKPOINT = "lammps_jump/engines/checkpoint.py"
@@ -144,7 +153,7 @@ DEFECTS = [
     Defect("left out", FIX_CPP, "  if (own) end_steps();\n  own = false;", "  own = false;", ARRAY_TESTS),
     Defect("left out", FIX_CPP, "others_look || step == output->next || step", "others_look || step", ARRAY_TESTS),
     Defect("left out", PAIR_CPP, "if (sizes) radii[to] = radii[from];", "", "integration/test_threads.py"),
-    Defect("formula", "lammps_jump/core/shares.h", "(a * std::sqrt(1.0 - a * a)", "(a * std::sqrt(1.0 - a)",
+    Defect("formula", "lammps_jump/core/analysis/shares.h", "(a * std::sqrt(1.0 - a * a)", "(a * std::sqrt(1.0 - a)",
            "analysis/test_profiles.py"),
     Defect("left out", "analysis/profiles.py", "np.where(some, height / safe, np.nan) - bed",
            "np.where(some, height / safe, np.nan)", "analysis/test_profiles.py"),
@@ -158,7 +167,7 @@ DEFECTS = [
            "analysis/test_front.py"),
     Defect("off by one", "analysis/statistics.py", "np.var(block, axis=0) / (n - 1)", "np.var(block, axis=0) / n",
            "analysis/test_profiles.py analysis"),
-    Defect("left out", "lammps_jump/core/pairs.cpp", "UP[] = {0, 1, -1, 0, 1}", "UP[] = {0, 1, 0, 0, 1}",
+    Defect("left out", "lammps_jump/core/analysis/pairs.cpp", "UP[] = {0, 1, -1, 0, 1}", "UP[] = {0, 1, 0, 0, 1}",
            "analysis/test_contacts.py"),
     Defect("factor", "analysis/budgets/head.py", "energy = 0.5 * (u * u", "energy = 1.0 * (u * u",
            "analysis/test_budget.py"),

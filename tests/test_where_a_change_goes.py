@@ -135,7 +135,7 @@ def test_nothing_else_knows_a_friction_law_by_its_name():
     knowing = {file for file, node in nodes(names) if isinstance(node, ast.Constant) and node.value in names}
     quoted = re.compile(f'"({"|".join(names)})"')
     knowing |= {file for file, text in texts().items() if not file.endswith(".py") and quoted.search(text)}
-    formulas = {"lammps_jump/physics/law.py", "lammps_jump/core/law.h"}
+    formulas = {"lammps_jump/physics/law.py", "lammps_jump/core/contact/law.h"}
     assert knowing | formulas == law_files()
 
 
@@ -149,11 +149,11 @@ def test_few_files_know_a_number_of_the_law_by_its_name():
 def test_only_one_header_puts_the_slots_of_a_law_together():
     """Another file that asks a slot for its force, energy or part would be a second contact."""
     asks = re.compile(r"\b(normal|damping|tangential)\.(force|energy|pressing|against_rolling)\b")
-    assert {file for file, text in texts().items() if asks.search(text)} == {"lammps_jump/core/contact.h"}
+    assert {file for file, text in texts().items() if asks.search(text)} == {"lammps_jump/core/contact/contact.h"}
 
 
 MADE_UP = {
-    "core/law.h": (
+    "core/contact/law.h": (
         ("NUMBER(rolling_friction)", "NUMBER(rolling_friction) NUMBER(made_up)"),
         ("return of.stiffness * overlap - of.cohesion;", "return (of.stiffness + of.made_up) * overlap - of.cohesion;"),
         ("return of.stiffness * (0.5 * overlap", "return (of.stiffness + of.made_up) * (0.5 * overlap"),

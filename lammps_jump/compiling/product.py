@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """What is compiled: the libraries of this project, their sources, and what their sources include.
 
-A library is described once, as a `Product`. Every file ``*.cpp`` of its folder belongs to it: a new file needs no entry
-in a list.
+A library is described once, as a `Product`. Every file ``*.cpp`` of its folder and of the folders in there belongs to
+it: a new file needs no entry in a list.
 """
 
 from __future__ import annotations
@@ -110,14 +110,14 @@ class Product:
         return code.startswith(b"\x7fELF") and self.export.encode() in code
 
     def units(self) -> list[tuple[str, ...]]:
-        """Names of the files of each unit of compiling; each file is in one.
+        """Paths in `folder` of the files of each unit of compiling; each file is in one.
 
         Raises
         ------
         SetupError
             There are no sources.
         """
-        left = {path.name: path for path in sorted(self.folder.glob("*.cpp"))}
+        left = {path.relative_to(self.folder).as_posix(): path for path in sorted(self.folder.rglob("*.cpp"))}
         if not left:
             raise SetupError(f"the sources of {self.title} are not in {self.folder}; reinstall lammps-jump")
         units = []

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // What the columns of Python's arrays are (core/columns.py), and what numbers stand for; compared where the core is loaded.
 
-#include "faces.h"
-#include "native.h"
+#include "walls/faces.h"
+#include "step/native.h"
 
 #include <cstddef>
 #include <string>

@@ -2,7 +2,7 @@
 // What Python compares when it loads the core.
 
 #include "api.h"
-#include "law.h"
+#include "contact/law.h"
 
 JUMP_API int64_t jump_core_version() { return jump::VERSION; }
 

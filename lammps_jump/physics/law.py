@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Contact law of two discs, or of a disc and a wall: normal force, friction, stored energy (thesis 3.11, 4.18-4.21).
 
-Plain functions of one contact, which the twin calls. The core and the plugin have them in ``core/law.h``; tests compare
-the two.
+Plain functions of one contact, which the twin calls. The core and the plugin have them in ``core/contact/law.h``;
+tests compare the two.
 
 `touch` is the width s (m) of a smooth touch, or None for a sharp one. With overlap delta and stiffness k, the spring of
 a smooth touch is k delta^2/(2 s) below delta = s and k (delta - s/2) beyond. Its dashpot is c F / sqrt(2 k E), where F

@@ -97,7 +97,7 @@ class Faces(NamedTuple):
 
 
 FACE = np.dtype([("codes", np.int64, 8), ("shape", float, 15)])
-"""A row of `Faces` as the core has it (``core/faces.h``)."""
+"""A row of `Faces` as the core has it (``core/walls/faces.h``)."""
 
 
 def records_of(faces: Faces) -> np.ndarray:

@@ -369,7 +369,7 @@ def _way(begin: float, corner: VelocityChange) -> np.ndarray:
 def pose_py(track: np.ndarray, first: int, last: int, time: float) -> tuple[float, float, float]:
     """Pose (m, m, rad) at a time (s), by the rows ``first … last - 1`` of a track; zero before the first row.
 
-    The core does the same operations in the same order, `core/motion.h`, and the plugin calls it.
+    The core does the same operations in the same order, `core/walls/motion.h`, and the plugin calls it.
     """
     row = first - 1
     while row + 1 < last and track[row + 1, BEGIN] <= time:

@@ -281,19 +281,19 @@ def test_old_objects_are_forgotten_and_nothing_else(tmp_path):
 def test_every_source_is_in_one_unit():
     for one in (PLUGIN, CORE):
         files = [name for unit in one.units() for name in unit]
-        assert sorted(files) == sorted(path.name for path in one.folder.glob("*.cpp"))
+        assert sorted(files) == sorted(path.relative_to(one.folder).as_posix() for path in one.folder.rglob("*.cpp"))
 
 
 @pytest.mark.parametrize("which", [PLUGIN, CORE], ids=["plugin", "core"])
 def test_what_is_included_is_part_of_the_sources(which):
-    """Every header of the folder is found by the names that units include; the plugin has those of the core too."""
+    """Every header in the folder is found by the names that units include; the plugin has those of the core too."""
     found = {
         name
         for one in {which.name: which, PLUGIN.name: PLUGIN}.values()
         for unit in one.units()
         for name in one.included(unit)
     }
-    assert {f"{which.folder.name}/{path.name}" for path in which.folder.glob("*.h")} <= found
+    assert {f"{path.parent.name}/{path.name}" for path in which.folder.rglob("*.h")} <= found
 
 
 @pytest.mark.fault("surroundings")

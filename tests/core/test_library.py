@@ -65,7 +65,7 @@ def test_arrays_of_another_kind_are_refused():
 
 
 def test_its_sources_include_nothing_of_lammps_or_python():
-    for path in (*CORE.folder.glob("*.cpp"), *CORE.folder.glob("*.h")):
+    for path in (*CORE.folder.rglob("*.cpp"), *CORE.folder.rglob("*.h")):
         text = path.read_text()
         assert "lammps.h" not in text and "Python.h" not in text and "mpi.h" not in text, path.name
 

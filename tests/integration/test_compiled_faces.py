@@ -197,7 +197,7 @@ def test_at_the_border_of_face_and_joint_the_plugin_has_one_contact(evaluate, co
 
 def test_constants_of_the_plugin_are_those_of_the_package():
     plugin = Path(plugin_package.__file__).parent
-    header = "".join(path.read_text() for path in (plugin / "near_faces.h", CORE.folder / "faces.h"))
+    header = "".join(path.read_text() for path in (plugin / "near_faces.h", CORE.folder / "walls" / "faces.h"))
     value = {
         name: re.search(rf" {name} = ([^;]+);", header)[1] for name in ("MOST", "FEW", "MOST_CELLS", "SMOOTH_TURN")
     }

@@ -81,7 +81,7 @@ def test_the_dashpot_never_exceeds_the_sharp_one(width, share):
 
 
 def test_the_cores_form_of_the_dashpot():
-    # core/law.h: sqrt(3 delta/(4 s)) below, q / sqrt(q^2 + s^2/12) beyond
+    # core/contact/law.h: sqrt(3 delta/(4 s)) below, q / sqrt(q^2 + s^2/12) beyond
     assert dashpot_share(0.3, 1.0) == pytest.approx(sqrt(0.75 * 0.3), rel=1e-14)
     assert dashpot_share(2.0, 1.0) == pytest.approx(1.5 / sqrt(1.5**2 + 1 / 12), rel=1e-14)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The core under the native engine: its state, bound to the arrays of Python, and its functions (``core/native.h``)."""
+"""The core under the native engine: its state, bound to arrays of Python, and its functions (``step/native.h``)."""
 
 from __future__ import annotations
 

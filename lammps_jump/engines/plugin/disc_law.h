@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-/* The law of one kind of contact as the words of the plugin's styles tell it, and as the core takes it (core/law.h).
+/* The law of one kind of contact as the words of the plugin's styles tell it, and as the core takes it (core/contact/law.h).
 
    The styles have dashpots as rates, of nominal discs: c = m_eff gamma. The core has c, of a size of 1 m where discs have
    radii of their own: c of a contact goes by the root of its effective mass, and masses grow as R^2. */
@@ -7,7 +7,7 @@
 #ifndef JUMP_DISC_LAW_H
 #define JUMP_DISC_LAW_H
 
-#include "contact.h"
+#include "contact/contact.h"
 
 namespace jump {
 

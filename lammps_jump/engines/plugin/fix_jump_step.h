@@ -14,19 +14,19 @@
 
    - velocity Verlet, as fix nve (with spin: as fix nve/sphere disc, I = m R^2/2); gravity enters the velocities
      here and not the force array;
-   - walls: N faces, by the rule of core/faces.h. A face is 22 numbers, the columns of `Faces` in
+   - walls: N faces, by the rule of core/walls/faces.h. A face is 22 numbers, the columns of `Faces` in
      lammps_jump/scene/chains.py without the wall's own: kind, run, loop, before, after, at_start, at_end (neighbours
      count from 0 within the wall), then its shape. DEEP 1: a centre behind a face is pushed back from any depth,
      0: from less than its radius. The push goes on growing behind a face. GN, GT in 1/s: force = M GN v.
      With sizes M, GN and GT are of the nominal disc; GN and GT of others are theirs times sqrt(M/m).
      A wall with a `law` has its own in place of that of the other walls, one with `roll` its own friction of rolling, one with `seam` crosses that of a periodic x. One with `until STEP` is felt by the forces of
-     the steps before STEP. One with `move` follows N rows of 25 numbers (core/motion.h), turning about (CX, CY); one with
+     the steps before STEP. One with `move` follows N rows of 25 numbers (core/walls/motion.h), turning about (CX, CY); one with
      `lid` is pushed by the discs and by a force, and free along x and y (1) or not (0). t = 0 is at the step START.
-     One with `hold` is a tailgate (core/hold.h): from the step FIRST on it looks every EVERY steps at the discs between
+     One with `hold` is a tailgate (core/walls/hold.h): from the step FIRST on it looks every EVERY steps at the discs between
      LOW and HIGH, and goes along y at a speed up to SPEED, within its way from LOWEST to HIGHEST.
      One with `body` is pushed by what touches it, with a weight that acts at (AX, AY) from the point (CX, CY), free along x and
      y and to turn, released at BEGIN with these velocities; BULK is the radius of a disc of its mass.
-   - bodies: N corners of walls as discs, and M contacts of a corner of wall V with faces of W (core/bodies.h). Rows of all bodies
+   - bodies: N corners of walls as discs, and M contacts of a corner of wall V with faces of W (core/walls/bodies.h). Rows of all bodies
      go to FILE every EVERY steps. An overlap beyond LIMIT ends the run.
    - sizes: discs are inserted with the largest diameter. At the end of a step that is a multiple of EVERY new ones get
      their own diameter d by id, and the mass DENSITY d^2: u is the fraction of (id + SHIFT) TURN, d is
@@ -45,11 +45,11 @@
 
 #include "disc_law.h"
 #include "fix.h"
-#include "hold.h"
+#include "walls/hold.h"
 #include "near_faces.h"
-#include "slots.h"
+#include "contact/slots.h"
 #include "step_bodies.h"
-#include "wall.h"
+#include "walls/wall.h"
 
 #include <array>
 

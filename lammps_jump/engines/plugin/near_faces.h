@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-/* A wall's faces, and the discs near them, as fix jump/step keeps them (the rules: core/faces.h and near.h). */
+/* A wall's faces, and the discs near them, as fix jump/step keeps them (the rules: core/walls/faces.h and near.h). */
 
 #ifndef JUMP_NEAR_FACES_H
 #define JUMP_NEAR_FACES_H
 
-#include "near.h"
+#include "walls/near.h"
 
 #include <algorithm>
 #include <cmath>

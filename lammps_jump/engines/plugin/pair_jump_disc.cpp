@@ -83,7 +83,7 @@ void PairJumpDisc::settings(int narg, char **arg)
     } else {
       error->all(FLERR,
                  "pair_style jump/disc: unknown keyword '{}'; there are law, k, gamma, gammat, mu, mass, diameter, skin, "
-                 "smooth, spin, sizes, springs, rolling, fixed and further numbers of core/law.h", key);
+                 "smooth, spin, sizes, springs, rolling, fixed and further numbers of core/contact/law.h", key);
     }
   }
   require_sound_settings();

@@ -4,7 +4,7 @@
                         [springs RATIO] [rolling RATIO DAMPING MUR] [fixed FIRST LAST] [NAME NUMBER] ...
    pair_coeff * *
 
-   Contact forces between discs (laws: core/law.h, whose numbers that have no word here go by their names). gamma in 1/s: the
+   Contact forces between discs (laws: core/contact/law.h, whose numbers that have no word here go by their names). gamma in 1/s: the
    force is (M/2) GN v. Discs are equal: one of another mass or diameter is an error. With sizes their diameters lie from SMALLEST to LARGEST and their masses are
    M (diameter/D)^2; M, D, GN and GT are then of nominal discs, and GN and GT of a pair are theirs times
    sqrt((M/2)/m_eff). Discs with ids from FIRST to LAST stay where they are (sizes are needed). The law history has a tangential spring of RATIO K, and GT is that of its dashpot; rolling has one
@@ -30,7 +30,7 @@
 #include "halo.h"
 #include "pair.h"
 #include "record.h"
-#include "pace.h"
+#include "step/pace.h"
 
 #include <atomic>
 

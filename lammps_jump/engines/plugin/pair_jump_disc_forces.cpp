@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /* The forces of pair_style jump/disc, and what is summed over its pairs (what it is: pair_jump_disc.h). */
 
-#include "lanes.h"    // before the core: its templates take vectors
+#include "contact/lanes.h"    // before the core: its templates take vectors
 
 #include "pair_jump_disc.h"
 

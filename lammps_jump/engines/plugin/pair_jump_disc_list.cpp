@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /* The neighbour list of pair_style jump/disc (what it is: pair_jump_disc.h). */
 
-#include "lanes.h"
+#include "contact/lanes.h"
 #include "pair_jump_disc.h"
 
 #include "atom.h"

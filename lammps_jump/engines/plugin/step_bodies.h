@@ -6,7 +6,7 @@
 #ifndef JUMP_STEP_BODIES_H
 #define JUMP_STEP_BODIES_H
 
-#include "bodies.h"
+#include "walls/bodies.h"
 #include "near_faces.h"
 
 #include <array>

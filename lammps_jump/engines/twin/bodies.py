@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Bodies against walls and against each other: corners, as discs, against faces (`core/bodies.h`)."""
+"""Bodies against walls and against each other: corners, as discs, against faces (`core/walls/bodies.h`)."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Walls that are pushed, lids and bodies: kick and drift, where they are, how fast (`core/motion.h`)."""
+"""Walls that are pushed, lids and bodies: kick and drift, where they are, how fast (`core/walls/motion.h`)."""
 
 from __future__ import annotations
 

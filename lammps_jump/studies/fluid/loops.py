@@ -75,7 +75,7 @@ class Control(NamedTuple):
 
 
 class jump_springs(Struct):
-    """Slots of the discs (``core/shear.cpp``)."""
+    """Slots of the discs (``core/sums/shear.cpp``)."""
 
     _fields_: ClassVar = [
         ("slots", c_int64),

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+/* The kinds of contact of the native engine: which law a state asks for, and its numbers. */
+
+#ifndef JUMP_CORE_KINDS_H
+#define JUMP_CORE_KINDS_H
+
+#include "contact/contact.h"
+#include "step/native.h"
+#include "contact/slots.h"
+#include "walls/wall.h"
+
+namespace jump {
+
+/** Velocities that dashpots and friction see: of the half step, or extrapolated. */
+inline Seen seen_by(const jump_state &s)
+{
+  return s.ux ? Seen{s.ux, s.uy, s.uomega} : Seen{s.vx, s.vy, s.omega};
+}
+
+/** 1/eps of the thesis' friction, eps = 0.01 v_max (4.20), of these velocities, s/m; 0 of another friction. */
+double slope_of(const jump_state &s, const Seen &seen);
+
+inline bool has(double number) { return number == number; }
+
+/** The law that a state asks for. */
+inline Choice choice_of(const jump_state &s, double slope)
+{
+  const auto tangential = s.partner                ? Choice::SLIDER
+                          : !has(s.pair.friction)  ? Choice::NONE
+                          : s.pair.sign_ramp > 0.0 ? Choice::SIGN
+                                                   : Choice::RAMP;
+  return {tangential, s.pair.touch > 0.0, slope, s.memory_step};
+}
+
+/** Calls run(law, sizes, spin) with the law of a state. */
+template <class Run> inline void with_law(const jump_state &s, double slope, const Run &run)
+{
+  with_law(choice_of(s, slope), s.radius, s.omega, run);
+}
+
+inline double radius_of(const jump_state &s, int64_t i) { return s.radius ? s.radius[i] : 0.5 * s.diameter; }
+inline bool is_fixed(const jump_state &s, int64_t i) { return s.fixed && s.fixed[i] != 0; }
+
+/** Radius that stands for the mass of a disc, m: its partner's mass counts where it is fixed. */
+inline double bulk_of(const jump_state &s, int64_t i) { return is_fixed(s, i) ? HUGE_RADIUS : s.radius[i]; }
+
+/** Slots of one disc. */
+struct StateSlots {
+  const jump_state &s;
+  int64_t first;
+
+  StateSlots(const jump_state &state, int64_t disc) : s(state), first(disc * state.slots) {}
+  int count() const { return (int) s.slots; }
+  int64_t partner(int at) const { return s.partner[first + at]; }
+  double foot(int at) const { return s.sigma[first + at]; }
+  bool used(int at) const { return s.used[first + at] == 1; }
+  void take(int at, int64_t partner)
+  {
+    s.partner[first + at] = partner;
+    s.spring[first + at] = s.roll[first + at] = 0.0;
+  }
+  void mark(int at, double foot)
+  {
+    s.sigma[first + at] = foot;
+    s.used[first + at] = 1;
+  }
+};
+
+/** What a disc remembers of one contact: how it stands, and how it goes on behind a step. */
+class ContactMemory {
+ public:
+  ContactMemory(const jump_state &s, int64_t disc) : row(s, disc), id(s.ids[disc]) {}
+
+  void find(int64_t partner, double foot, double limit, double around)
+  {
+    const bool goes_on = row.s.memory_step > 0.0;
+    slot = goes_on ? slot_of(row, partner, foot, limit, around) : held(row, partner, foot, limit, around);
+    if (slot == FULL && goes_on) *row.s.full = id;
+  }
+
+  /** As it stands; nothing is changed. */
+  void look(int64_t partner) { slot = held(row, partner, 0.0, NO_END, 0.0); }
+
+  /** Index of the springs, or FULL. */
+  int64_t place() const { return slot == FULL ? FULL : row.first + slot; }
+
+  /** `way`: rolling of this disc over that of the first of the contact. */
+  Stretch<double> begin(double way) const
+  {
+    if (slot == FULL) return {0.0, 0.0};
+    return {row.s.spring[row.first + slot], way * row.s.roll[row.first + slot]};
+  }
+
+  void end(const Stretch<double> &held, double way) const
+  {
+    if (slot == FULL || !(row.s.memory_step > 0.0)) return;
+    row.s.spring[row.first + slot] = held.slide;
+    row.s.roll[row.first + slot] = way * held.roll;
+  }
+
+ private:
+  StateSlots row;
+  int64_t id;
+  int slot = FULL;
+};
+
+/** Of two discs the one with the larger id remembers; `way` is that of rolling (ContactMemory). */
+struct PairMemory {
+  double way;
+  int64_t disc, partner;
+
+  PairMemory(const jump_state &s, int64_t i, int64_t j)
+      : way(s.ids[i] > s.ids[j] ? 1.0 : -1.0), disc(way > 0.0 ? i : j), partner(s.ids[way > 0.0 ? j : i])
+  {
+  }
+
+  /** The springs, taken where there are none yet and springs go on. */
+  ContactMemory take(const jump_state &s) const
+  {
+    ContactMemory of(s, disc);
+    of.find(partner, 0.0, NO_END, 0.0);
+    return of;
+  }
+
+  /** The springs as they stand. */
+  ContactMemory look(const jump_state &s) const
+  {
+    ContactMemory of(s, disc);
+    of.look(partner);
+    return of;
+  }
+};
+
+/** Disc i at a face of a wall; (px, py): its place in the wall's own frame. */
+class WallMemory {
+ public:
+  WallMemory(const jump_state &s, int64_t i, int64_t face, double px, double py, double radius)
+      : state(s), of(s, i), face(face), px(px), py(py), radius(radius)
+  {
+  }
+  Stretch<double> begin(double slip)
+  {
+    const double limit = 0.5 * radius + std::fabs(slip) * state.memory_step;
+    of.find(state.chain[face], foot_of(state.faces[face], px, py), limit, state.around[face]);
+    return of.begin(1.0);
+  }
+  void end(const Stretch<double> &held) const { of.end(held, 1.0); }
+
+ private:
+  const jump_state &state;
+  ContactMemory of;
+  int64_t face;
+  double px, py, radius;
+};
+
+/** From a disc to another: components and square. */
+struct Between {
+  double dx, dy, apart2;
+};
+
+/** The contact of discs i and j of a row of the list; `way` goes from j to i. */
+template <bool SIZES, bool SPIN>
+inline Pair<double> pair_of(const jump_state &s, const Seen &seen, int64_t i, int64_t j, const Between &way, double a, double b)
+{
+  Pair<double> pair;
+  pair.dx = way.dx;
+  pair.dy = way.dy;
+  pair.apart2 = way.apart2;
+  pair.vx = seen.vx[i] - seen.vx[j];
+  pair.vy = seen.vy[i] - seen.vy[j];
+  pair.a = a;
+  pair.b = b;
+  if constexpr (SIZES) {
+    pair.bulk_a = bulk_of(s, i);
+    pair.bulk_b = bulk_of(s, j);
+  }
+  if constexpr (SPIN) {
+    pair.spin_a = seen.spin[i];
+    pair.spin_b = seen.spin[j];
+  }
+  return pair;
+}
+
+/** A wall of a state as a disc meets it. */
+struct WallView : WallInPlace {
+  WallView(const jump_state &s, int64_t wall) : WallInPlace{{s.faces, s.deep[wall] == 1}, nullptr, 0.0, 0.0}
+  {
+    if (!s.moving || s.moving[wall] == STANDS) return;
+    placed = s.placed + wall;
+    cx = s.centre[wall][0];
+    cy = s.centre[wall][1];
+    if (s.bulk) bulk = s.bulk[wall];
+  }
+
+  /** The contact of disc i at (x, y). */
+  template <bool SIZES, bool SPIN>
+  AtWall<double> meet(const jump_state &s, const Seen &seen, int64_t i, const FaceContact &found, double x, double y) const
+  {
+    const double own = radius_of(s, i);
+    AtWall<double> out = at(found, x, y, own, seen.vx[i], seen.vy[i], SPIN ? seen.spin[i] : 0.0);
+    if (SIZES && bulk > 0.0) out.size = pair_size(bulk_of(s, i), bulk);
+    return out;
+  }
+
+  /** Whether the wall and a disc that stays feel each other: a body and a rough bed do. */
+  bool passes(const jump_state &s, int64_t i) const { return is_fixed(s, i) && !(bulk > 0.0); }
+
+  /** Contacts of disc i, which is on this row of the list; (px, py): its place in the wall's own frame. */
+  int touching(const jump_state &s, int64_t row, double px, double py, double radius, FaceContact *found) const
+  {
+    const int64_t *const near = s.near_faces + s.near_last[row];
+    if (!s.near_plain[row]) return faces.touching(near, s.near_last[row + 1] - s.near_last[row], px, py, radius, found);
+    found[0] = faces.on_line(*near, px, py);    // one straight face whose ends are out of reach
+    return found[0].gap < radius && (faces.deep || found[0].gap > -radius);
+  }
+};
+
+}    // namespace jump
+
+#endif

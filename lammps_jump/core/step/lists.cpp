@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+/* Lists of the native engine beside those of relist.cpp: discs near walls, the seam of a channel, newcomers, the thesis' own
+   search. */
+
+#include "step/kinds.h"
+#include "walls/near.h"
+#include "step/relist.h"
+
+#include <cstring>
+
+namespace jump {
+
+/** Puts neighbours into a row of a list; without a branch, which would be guessed wrong often. */
+struct RowOf {
+  int64_t n;
+  const double *x, *y, *radius;
+  double reach;    // of centres; of surfaces where discs have radii of their own
+  int32_t *neighbours;
+
+  double reach_of(int64_t i) const { return radius ? reach + radius[i] : reach; }
+  void add(int64_t &count, double px, double py, double far, int64_t j) const
+  {
+    const double dx = px - x[j], dy = py - y[j], apart = radius ? far + radius[j] : far;
+    neighbours[count] = (int32_t) j;
+    count += dx * dx + dy * dy < apart * apart;
+  }
+};
+
+/** Cells that a disc covers, along one axis, of those from `low` on. */
+struct Span {
+  int64_t first, last;
+
+  Span(double place, double reach, int64_t end)
+      : first((int64_t) most(place - reach, 0.0)), last(least((int64_t) (place + reach), end))
+  {
+  }
+};
+
+/** Discs near walls, row by row, and the faces near each (jump_list_near). */
+struct NearRows {
+  int32_t *discs;
+  int8_t *plain;
+  int64_t *last, *near, room[2], row, count;
+};
+
+/** List the discs near one wall, which place(i, x, y) puts where its frame has them; false where there is no room. */
+template <class Place> static bool list_near(const jump_grid &g, int64_t n, NearRows &to, const Place &place)
+{
+  const WallFaces wall{g.faces, g.deep == 1};
+  const NearGrid cells{g.left, g.low, g.inverse, g.columns, g.rows};
+  const Extent all{g.xlo, g.xhi, g.ylo, g.yhi};
+  const Extent *const box = reinterpret_cast<const Extent *>(g.box);
+  for (int64_t i = 0; i < n; i++) {
+    double px, py;
+    place(i, px, py);
+    if (!all.holds(px, py)) continue;
+    const int64_t cell = g.first_cell + cells.cell(px, py), first = g.start[cell], end = g.start[cell + 1];
+    if (to.row + 1 >= to.room[0] || to.count + end - first > to.room[1]) return false;
+    const int64_t begin = to.count;
+    for (int64_t p = first; p < end; p++)
+      if (is_near(wall, g.listed[p], box[g.listed[p]], px, py, g.reach)) to.near[to.count++] = g.listed[p];
+    if (to.count == begin) continue;
+    to.discs[to.row] = (int32_t) i;
+    to.plain[to.row] = to.count == begin + 1 && is_plain(g.faces[to.near[begin]], px, py, g.reach);
+    to.last[++to.row] = to.count;
+  }
+  return true;
+}
+
+bool list_walls(jump_state &s, const jump_lists &lists)
+{
+  NearRows to{s.near_discs, s.near_plain, s.near_last, s.near_faces, {lists.rows_room, lists.faces_room}, 0, 0};
+  for (int64_t wall = 0; wall < s.walls; wall++) {
+    const WallView view(s, wall);
+    if (view.placed) s.listed[wall] = view.placed->now;
+    const bool whole = list_near(lists.grids[wall], s.n, to, [&](int64_t i, double &px, double &py) {
+      px = s.x0[i];
+      py = s.y0[i];
+      view.see(px, py);
+    });
+    if (!whole) return false;
+    s.near_rows[wall + 1] = to.row;
+  }
+  return true;
+}
+
+bool search_cells(jump_state &s)
+{
+  const double inverse = s.grid_inverse, half = 0.5 * s.diameter;
+  const auto radius = [&](int64_t i) { return s.radius ? s.radius[i] : half; };
+  const auto column = [&](double x) { return (x - s.grid_x) * inverse; };
+  const auto line = [&](double y) { return (y - s.grid_y) * inverse; };
+  int64_t left = s.grid_columns, right = -1, low = s.grid_rows, high = -1;
+  for (int64_t i = 0; i < s.n; i++) {
+    const double px = column(s.x[i]), py = line(s.y[i]), reach = radius(i) * inverse;
+    if (!(px >= 0.0 && px < (double) s.grid_columns && py >= 0.0 && py < (double) s.grid_rows)) return false;
+    const Span across(px, reach, s.grid_columns - 1), up(py, reach, s.grid_rows - 1);
+    left = least(left, across.first);
+    right = most(right, across.last);
+    low = least(low, up.first);
+    high = most(high, up.last);
+  }
+  const int64_t rows = most<int64_t>(high - low + 1, 0), cells = rows * most<int64_t>(right - left + 1, 0);
+  int64_t *const first = s.grid_first;
+  std::memset(first, 0, (size_t) (cells + 2) * sizeof(int64_t));
+  const auto each_cell = [&](int64_t i, auto &&run) {
+    const double reach = radius(i) * inverse;
+    const Span across(column(s.x[i]), reach, right), up(line(s.y[i]), reach, high);
+    for (int64_t cx = across.first - left; cx <= across.last - left; cx++)
+      for (int64_t cy = up.first - low; cy <= up.last - low; cy++) run(cx * rows + cy);
+  };
+  for (int64_t i = 0; i < s.n; i++) each_cell(i, [&](int64_t cell) { first[cell + 2]++; });
+  for (int64_t c = 2; c < cells + 2; c++) first[c] += first[c - 1];
+  for (int64_t i = 0; i < s.n; i++) each_cell(i, [&](int64_t cell) { s.owner[first[cell + 1]++] = (int32_t) i; });
+  int64_t count = 0;
+  s.start[0] = 0;
+  for (int64_t c = 0; c < cells; c++) {
+    const int64_t last = first[c + 1];
+    for (int64_t a = first[c]; a < last; a++) {
+      const int64_t i = s.owner[a];
+      if (count + last - a > s.room) return false;
+      for (int64_t b = a + 1; b < last; b++) {
+        const int64_t j = s.owner[b];
+        const double dx = s.x[i] - s.x[j], dy = s.y[i] - s.y[j], ri = radius(i), rj = radius(j);
+        if (!(dx * dx + dy * dy < (ri + rj) * (ri + rj))) continue;
+        // it counts only in the cell that holds the contact point, which divides the line of centres as the radii
+        const double share = s.radius ? rj / (ri + rj) : 0.5;
+        const int64_t cx = (int64_t) column(share * s.x[i] + (1.0 - share) * s.x[j]) - left;
+        const int64_t cy = (int64_t) line(share * s.y[i] + (1.0 - share) * s.y[j]) - low;
+        if (cx * rows + cy == c) s.neighbours[count++] = (int32_t) j;
+      }
+      s.start[a + 1] = count;
+    }
+  }
+  s.grid_used[0] = s.rows = first[cells];
+  return true;
+}
+
+}    // namespace jump
+
+using namespace jump;
+
+int64_t jump_search_cells(jump_state *state) { return search_cells(*state) ? state->rows : -1; }
+
+/** Index of a disc outside the domain, or -1; a NaN is outside. */
+int64_t jump_outside(int64_t n, const double *x, const double *y, const double *domain)
+{
+  int64_t lost = -1;
+  for (int64_t i = 0; i < n; i++)
+    if (!(x[i] >= domain[0] && x[i] <= domain[1] && y[i] >= domain[2] && y[i] <= domain[3])) lost = i;
+  return lost;
+}
+
+#define JUMP_IMAGE_ROWS(FIELD) \
+  FIELD(int64_t, n) FIELD(const double *, x) FIELD(const double *, y) FIELD(const double *, radius) \
+  FIELD(const double *, reach) FIELD(int64_t *, start) FIELD(int32_t *, neighbours) FIELD(int64_t, room) \
+  FIELD(int32_t *, owner) FIELD(double *, shift) FIELD(int32_t *, right)
+JUMP_INPUT(jump_image_rows, JUMP_IMAGE_ROWS)
+
+/** Pairs across the seam of a periodic channel: a row for each disc near its left end, behind the n others.
+
+    The row's disc stands a period further on. reach: of the list, the largest of centres, left end, period. `right`
+    is room for the discs near the other end. Returns the number of rows, or -1 where there is no room. */
+JUMP_API int64_t jump_image_rows(const jump_image_rows_input *input)
+{
+  JUMP_IMAGE_ROWS(JUMP_LOCAL)
+  const RowOf list{n, x, y, radius, reach[0], neighbours};
+  const double widest = reach[1], low = reach[2], period = reach[3];
+  int64_t strip = 0, rows = n, count = start[n];
+  for (int64_t i = 0; i < n; i++) {
+    owner[i] = (int32_t) i;
+    shift[i] = 0.0;
+    right[strip] = (int32_t) i;
+    strip += x[i] > low + period - widest;
+  }
+  for (int64_t i = 0; i < n; i++) {
+    if (!(x[i] < low + widest)) continue;
+    if (count + strip > room) return -1;
+    const double far = list.reach_of(i);
+    for (int64_t p = 0; p < strip; p++) list.add(count, x[i] + period, y[i], far, right[p]);
+    owner[rows] = (int32_t) i;
+    shift[rows] = period;
+    start[++rows] = count;
+  }
+  return rows;
+}
+
+/** Square of the distance from a point to the closest disc; infinite where there is none. */
+double jump_closest(int64_t n, const double *x, const double *y, double px, double py)
+{
+  double nearest = HUGE_VAL;
+  for (int64_t i = 0; i < n; i++) {
+    const double dx = px - x[i], dy = py - y[i];
+    nearest = least(dx * dx + dy * dy, nearest);
+  }
+  return nearest;
+}
+
+/** List row of disc i, the newest: every older disc within the reach; 0 where there is no room. */
+int64_t jump_append_row(int64_t i, const double *x, const double *y, const double *radius, double reach, int64_t *start,
+                        int32_t *neighbours, int64_t room)
+{
+  int64_t count = start[i];
+  for (int64_t j = 0; j < i; j++) {
+    const double dx = x[i] - x[j], dy = y[i] - y[j], apart = radius ? reach + radius[i] + radius[j] : reach;
+    if (!(dx * dx + dy * dy < apart * apart)) continue;
+    if (count == room) return 0;
+    neighbours[count++] = (int32_t) j;
+  }
+  start[i + 1] = count;
+  return 1;
+}
+
+int64_t jump_touching(const Face *faces, int64_t deep, const int64_t *near, int64_t count, const double *disc,
+                      double (*found)[4], int64_t *which)
+{
+  FaceContact at[MOST];
+  const int contacts = WallFaces{faces, deep == 1}.touching(near, count, disc[0], disc[1], disc[2], at);
+  for (int c = 0; c < contacts; c++) {
+    found[c][0] = at[c].gap, found[c][1] = at[c].nx, found[c][2] = at[c].ny, found[c][3] = at[c].angle;
+    which[c] = at[c].face;
+  }
+  return contacts;
+}
+
+double jump_foot_at(const Face *face, double px, double py) { return foot_of(*face, px, py); }
+
+#define JUMP_LIST_NEAR(FIELD) \
+  FIELD(const jump_grid *, grid) FIELD(int64_t, n) FIELD(const double *, x) FIELD(const double *, y) \
+  FIELD(int32_t *, discs) FIELD(int8_t *, plain) FIELD(int64_t *, last) FIELD(int64_t *, near) \
+  FIELD(const int64_t *, room) FIELD(int64_t *, found)
+JUMP_INPUT(jump_list_near, JUMP_LIST_NEAR)
+
+/** List the discs near one wall and the faces near each.
+
+    Row r of the list is disc discs[r] with the faces near[last[r] .. last[r + 1]). room: of `last` and of `near`; found: rows
+    and faces to go on from, and those in the end; faces -1 where there is no room. */
+JUMP_API void jump_list_near(const jump_list_near_input *input)
+{
+  JUMP_LIST_NEAR(JUMP_LOCAL)
+  NearRows rows{discs, plain, last, near, {room[0], room[1]}, found[0], found[1]};
+  const bool whole = list_near(*grid, n, rows, [=](int64_t i, double &px, double &py) {
+    px = x[i];
+    py = y[i];
+  });
+  found[0] = rows.row;
+  found[1] = whole ? rows.count : -1;
+}
+
+/** Count the faces begin .. end near each cell in start[cell + 1]; with `listed`, list them from there. */
+void jump_mark_cells(const jump_grid *g, int64_t begin, int64_t end, int64_t *start, int64_t *listed)
+{
+  const WallFaces wall{g->faces, false};
+  const NearGrid cells{g->left, g->low, g->inverse, g->columns, g->rows};
+  const Extent *const box = reinterpret_cast<const Extent *>(g->box);
+  for (int64_t f = begin; f < end; f++)
+    mark_cells(wall, f, box[f], cells, g->reach, [&](int64_t cell) {
+      if (listed) listed[start[cell + 1]] = f;
+      start[cell + 1]++;
+    });
+}

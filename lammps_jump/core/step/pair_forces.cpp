@@ -1,0 +1,417 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+/* Forces of touching pairs, in batches: pairs that touch are gathered without a branch, which would be guessed wrong often,
+   their contacts are computed in vectors, and the forces are added in the order of the list. */
+
+#include "contact/lanes.h"    // before the core: its templates take vectors
+
+#include "step/forces.h"
+#include "step/kinds.h"
+
+#include <algorithm>
+
+namespace jump {
+
+namespace {
+
+/** As many numbers as a vector has, from an aligned place. */
+inline Lanes &lanes(double *from) { return *reinterpret_cast<Lanes *>(from); }
+
+typedef double Column[BATCH];
+
+/** Touching pairs and what their contacts give; each column is a number of each of them. */
+struct Batch {
+  int n = 0;
+  int32_t i[BATCH + 4], j[BATCH + 4];    // room for four that are written at once
+  int64_t row[BATCH];
+  alignas(64) double between[BATCH][4];    // from the second disc to the first: x, y, vx, vy
+  alignas(64) Column radius_i, radius_j, bulk_i, bulk_j, spin_i, spin_j, slide, roll;
+  alignas(64) Column fx, fy, dash_x, dash_y, on_i, on_j, slid_x, slid_y;
+  alignas(64) double given[BATCH][4];      // force and its lost part
+  int64_t slot[BATCH];    // of the springs; FULL: none, or another part's
+  double way[BATCH];      // of rolling, from the disc that remembers to the first of the pair
+};
+
+/** Squares of the lengths of four differences, by their first two numbers. */
+inline Four square_of(const Four &a, const Four &b, const Four &c, const Four &d)
+{
+  const Four aa = a * a, bb = b * b, cc = c * c, dd = d * d;
+  const Four ab = JUMP_PICK(aa, bb, 0, 4, 2, 6) + JUMP_PICK(aa, bb, 1, 5, 3, 7);
+  const Four cd = JUMP_PICK(cc, dd, 0, 4, 2, 6) + JUMP_PICK(cc, dd, 1, 5, 3, 7);
+  return JUMP_PICK(ab, cd, 0, 1, 4, 5);
+}
+
+inline Four square(const Four &a) { return a * a; }
+
+/** What pairs add to one disc: force and its lost part. */
+struct PairGiven {
+  Four given{};
+};
+
+/** With friction: its part of the force, and the torque. */
+struct Rubbed : PairGiven {
+  double slid_x = 0.0, slid_y = 0.0, torque = 0.0;
+};
+
+/** Calls run(row, i, j, apart) for the pairs of some rows that touch and have a disc of the part, in their order; `apart` has
+    their differences of place and velocity. It reads `at` alone: each line of memory of another part costs. */
+template <class Run>
+void each_across(const jump_state &s, const Part &part, int64_t from, int64_t to, const Run &run)
+{
+  for (int64_t row = from; row < to; row++) {
+    const int64_t i = s.owner ? s.owner[row] : row;
+    const bool own = part.owns(i);
+    Four one = *reinterpret_cast<const Four *>(part.at[i]);
+    if (s.shift) one[0] += s.shift[row];
+    const double a = radius_of(s, i);
+    for (int64_t p = s.start[row]; p < s.start[row + 1]; p++) {
+      const int64_t j = s.neighbours[p];
+      if (!own && !part.owns(j)) continue;
+      const Four apart = one - *reinterpret_cast<const Four *>(part.at[j]);
+      const double reach = a + radius_of(s, j);
+      if (apart[0] * apart[0] + apart[1] * apart[1] < reach * reach) run(row, i, j, apart);
+    }
+  }
+}
+
+/** Calls rows(from, to) for the rows of a part that may have pairs across its ends, in the order of the list; between them
+    inside() for the blocks of those that have none. */
+template <class Rows, class Inside>
+void each_stretch(const jump_state &s, const Part &part, const Rows &rows, const Inside &inside)
+{
+  rows(part.before, part.blocks.front());
+  inside();
+  rows(part.blocks.back(), part.behind);
+  rows(part.sorted, s.rows);
+}
+
+/** Sums the forces of pairs on the discs of a part. */
+template <bool SIZES, bool SPIN, class Law> class PairSums {
+  static constexpr bool RUBS = Law::Friction::RUBS, MEMORY = Law::Friction::REMEMBERS;
+  using Added = std::conditional_t<RUBS, Rubbed, PairGiven>;
+
+ public:
+  PairSums(const jump_state &s, const Law &law, const Part &part)
+      : s(s), law(law), part(part), seen(seen_by(s)), at(part.at)
+  {
+  }
+
+  /** Blocks of rows that are the part's own, with second discs behind the first that are its own too. */
+  void inside()
+  {
+    for (size_t block = 0; block + 1 < part.blocks.size(); block++) {
+      const int64_t first = part.blocks[block], behind = part.blocks[block + 1], begin = s.start[first], end = s.start[behind];
+      if (end - begin > BATCH) {    // one row that is longer
+        across(first, behind);
+        continue;
+      }
+      find(begin, end);
+      for (int c = 0; c < b.n; c++) difference(c) = disc(b.i[c]) - disc(b.j[c]);
+      compute();
+      if (s.dash_x) add_batch<true>(first);
+      else add_batch<false>(first);
+      add_rows(first, (int) (behind - first));
+    }
+    b.n = 0;
+  }
+
+  /** Any rows, in their order. */
+  void across(int64_t from, int64_t to)
+  {
+    int64_t row_now = -1, disc = 0;
+    Added sum;
+    const auto end_row = [&]() {
+      if (row_now >= 0 && part.owns(disc)) add(disc, sum);
+    };
+    const auto flush = [&]() {
+      compute();
+      for (int c = 0; c < b.n; c++) {
+        if (b.row[c] != row_now) {
+          end_row();
+          sum = Added{};
+          row_now = b.row[c];
+          disc = b.i[c];
+        }
+        add_pair(c, sum);
+      }
+      b.n = 0;
+    };
+    b.n = 0;
+    each_across(s, part, from, to, [&](int64_t row, int64_t i, int64_t j, const Four &apart) {
+      b.i[b.n] = (int32_t) i;
+      b.j[b.n] = (int32_t) j;
+      b.row[b.n] = row;
+      difference(b.n) = apart;
+      b.n++;
+      if (b.n == BATCH) flush();
+    });
+    flush();
+    end_row();
+  }
+
+ private:
+  const jump_state &s;
+  const Law &law;
+  const Part &part;
+  const Seen seen;
+  const double (*const at)[4];
+  size_t lent = 0;    // of the part's, those that are read
+  Batch b;
+  Added rows[BATCH];
+
+  const Four &disc(int64_t i) const { return *reinterpret_cast<const Four *>(at[i]); }
+  Four &difference(int c) { return *reinterpret_cast<Four *>(b.between[c]); }
+
+  /** The pairs of a stretch of the list that touch, without a branch. */
+  void find(int64_t from, int64_t to)
+  {
+    const int32_t *const one = part.first, *const two = s.neighbours;
+    const double *const __restrict radius = s.radius;
+    const auto apart = [&](int64_t p) { return disc(one[p]) - disc(two[p]); };
+    const auto reach = [&](int64_t p) { return SIZES ? radius[one[p]] + radius[two[p]] : s.diameter; };
+    int n = 0;
+    int64_t p = from;
+    for (; HAS_FOUR && p + 4 <= to; p += 4) {
+      const int mask = bits(square_of(apart(p), apart(p + 1), apart(p + 2), apart(p + 3)) <
+                            square(Four{reach(p), reach(p + 1), reach(p + 2), reach(p + 3)}));
+      *reinterpret_cast<FourInts *>(b.i + n) = first_of(four(one + p), mask);
+      *reinterpret_cast<FourInts *>(b.j + n) = first_of(four(two + p), mask);
+      n += __builtin_popcount(mask);
+    }
+    for (; p < to; p++) {
+      const Four a = apart(p);
+      b.i[n] = one[p];
+      b.j[n] = two[p];
+      n += a[0] * a[0] + a[1] * a[1] < reach(p) * reach(p);
+    }
+    b.n = n;
+  }
+
+  /** Contacts of the batch from c on, as many as a vector has. */
+  Pair<Lanes> pairs_from(int c, const Lanes &half)
+  {
+    Lanes between[4];
+    columns(b.between + c, between);
+    Pair<Lanes> two;
+    two.dx = between[0];
+    two.dy = between[1];
+    two.vx = between[2];
+    two.vy = between[3];
+    two.apart2 = two.dx * two.dx + two.dy * two.dy;
+    two.a = SIZES ? lanes(b.radius_i + c) : half;
+    two.b = SIZES ? lanes(b.radius_j + c) : half;
+    if constexpr (SIZES) {
+      two.bulk_a = s.fixed ? lanes(b.bulk_i + c) : two.a;
+      two.bulk_b = s.fixed ? lanes(b.bulk_j + c) : two.b;
+    }
+    if constexpr (SPIN) {
+      two.spin_a = lanes(b.spin_i + c);
+      two.spin_b = lanes(b.spin_j + c);
+    }
+    return two;
+  }
+
+  /** The forces of the batch. */
+  void compute()
+  {
+    gather();
+    const Numbers<Lanes> of = numbers_of(s.pair, Lanes{});
+    const Lanes half = spread(0.5 * s.diameter, Lanes{});
+    for (int c = 0; c < b.n; c += LANES) {
+      const Pair<Lanes> two = pairs_from(c, half);
+      Stretch<Lanes> held{};
+      if constexpr (MEMORY) {
+        held.slide = lanes(b.slide + c);
+        held.roll = lanes(b.roll + c);
+      }
+      const PairForce<Lanes> out = pair_contact<SIZES, SPIN>(law, of, two, held);
+      lanes(b.fx + c) = out.fx;
+      lanes(b.fy + c) = out.fy;
+      lanes(b.dash_x + c) = out.dashpot * out.nx;
+      lanes(b.dash_y + c) = out.dashpot * out.ny;
+      if constexpr (RUBS) {
+        lanes(b.slid_x + c) = out.rub * out.ny;
+        lanes(b.slid_y + c) = out.rub * out.nx;
+      }
+      if constexpr (SPIN) {
+        lanes(b.on_i + c) = out.on_a;
+        lanes(b.on_j + c) = out.on_b;
+      }
+      if constexpr (MEMORY) {
+        lanes(b.slide + c) = held.slide;
+        lanes(b.roll + c) = held.roll;
+      }
+    }
+    for (int c = 0; c < b.n; c += 4)
+      rows_of_four(four(b.fx + c), four(b.fy + c), four(b.dash_x + c), four(b.dash_y + c), b.given + c);
+    if constexpr (MEMORY) remember();
+  }
+
+  /** What the contacts read of their discs; the last vector is filled with a contact that nobody reads. */
+  void gather()
+  {
+    const double *const __restrict radius = s.radius;
+    for (int c = 0; (SIZES || SPIN || MEMORY) && c < b.n; c++) {
+      const int64_t i = b.i[c], j = b.j[c];
+      if constexpr (SIZES) {
+        b.radius_i[c] = radius[i];
+        b.radius_j[c] = radius[j];
+        if (s.fixed) {
+          b.bulk_i[c] = bulk_of(s, i);
+          b.bulk_j[c] = bulk_of(s, j);
+        }
+      }
+      if constexpr (SPIN) {
+        b.spin_i[c] = seen.spin[i];
+        b.spin_j[c] = seen.spin[j];
+      }
+      if constexpr (MEMORY) recall(c, i, j);
+    }
+    for (int c = b.n; c % LANES != 0 || c % 4 != 0; c++) {
+      difference(c) = Four{0.5 * s.diameter, 0.5 * s.diameter, 0.0, 0.0};
+      b.spin_i[c] = b.spin_j[c] = b.slide[c] = b.roll[c] = 0.0;
+      b.radius_i[c] = b.radius_j[c] = b.bulk_i[c] = b.bulk_j[c] = 0.5 * s.diameter;
+    }
+  }
+
+  void recall(int c, int64_t i, int64_t j)
+  {
+    const PairMemory memory(s, i, j);
+    Stretch<double> held;
+    if (part.owns(memory.disc)) {
+      const ContactMemory found = memory.take(s);
+      b.slot[c] = found.place();
+      held = found.begin(memory.way);
+    } else {
+      b.slot[c] = FULL;
+      held = part.lent[lent++];
+    }
+    b.way[c] = memory.way;
+    b.slide[c] = held.slide;
+    b.roll[c] = held.roll;
+  }
+
+  void remember() const
+  {
+    if (!(s.memory_step > 0.0)) return;
+    for (int c = 0; c < b.n; c++) {
+      if (b.slot[c] == FULL) continue;
+      s.spring[b.slot[c]] = b.slide[c];
+      s.roll[b.slot[c]] = b.way[c] * b.roll[c];
+    }
+  }
+
+  /** Take the force of a contact off its second disc. */
+  template <bool LEDGER> void take_off(int c, int64_t j) const
+  {
+    s.fx[j] -= b.given[c][0];
+    s.fy[j] -= b.given[c][1];
+    if constexpr (SPIN) s.torque[j] += b.on_j[c];
+    if constexpr (LEDGER) {
+      s.dash_x[j] -= b.given[c][2];
+      s.dash_y[j] -= b.given[c][3];
+      if constexpr (RUBS) {
+        s.slide_x[j] += b.slid_x[c];
+        s.slide_y[j] -= b.slid_y[c];
+      }
+    }
+  }
+
+  /** Add it to the sum of its first disc. */
+  template <bool LEDGER> void put_on(int c, Added &sum) const
+  {
+    sum.given += *reinterpret_cast<const Four *>(b.given[c]);
+    if constexpr (SPIN) sum.torque += b.on_i[c];
+    if constexpr (LEDGER && RUBS) {
+      sum.slid_x -= b.slid_x[c];
+      sum.slid_y += b.slid_y[c];
+    }
+  }
+
+  /** Add the sums of rows to their discs, four at a time. */
+  void add_rows(int64_t first, int count)
+  {
+    int k = 0;
+    for (; k + 4 <= count; k += 4) {
+      Four part[4];
+      turn(rows[k].given, rows[k + 1].given, rows[k + 2].given, rows[k + 3].given, part);
+      double *const to[] = {s.fx, s.fy, s.dash_x, s.dash_y};
+      for (int of = 0; of < (s.dash_x ? 4 : 2); of++) *reinterpret_cast<AnyFour *>(to[of] + first + k) += part[of];
+      for (int c = 0; RUBS && c < 4; c++) add_rubbing(first + k + c, rows[k + c]);
+    }
+    for (; k < count; k++) add(first + k, rows[k]);
+    std::fill_n(rows, count, Added{});
+  }
+
+  void add(int64_t i, const Added &sum) const
+  {
+    s.fx[i] += sum.given[0];
+    s.fy[i] += sum.given[1];
+    if (s.dash_x) {
+      s.dash_x[i] += sum.given[2];
+      s.dash_y[i] += sum.given[3];
+    }
+    add_rubbing(i, sum);
+  }
+
+  void add_rubbing(int64_t i, const Added &sum) const
+  {
+    if constexpr (SPIN) s.torque[i] += sum.torque;
+    if constexpr (RUBS) {
+      if (!s.dash_x) return;
+      s.slide_x[i] += sum.slid_x;
+      s.slide_y[i] += sum.slid_y;
+    }
+  }
+
+  /** Add a contact to those of its discs that the part has. */
+  void add_pair(int c, Added &sum) const
+  {
+    if (s.dash_x) put_on<true>(c, sum);
+    else put_on<false>(c, sum);
+    if (!part.owns(b.j[c])) return;
+    if (s.dash_x) take_off<true>(c, b.j[c]);
+    else take_off<false>(c, b.j[c]);
+  }
+
+  /** Add the batch: to second discs now, to the sums of rows for first ones. */
+  template <bool LEDGER> void add_batch(int64_t first)
+  {
+    for (int c = 0; c < b.n; c++) {
+      put_on<LEDGER>(c, rows[b.i[c] - first]);
+      take_off<LEDGER>(c, b.j[c]);
+    }
+  }
+};
+
+}    // namespace
+
+/** Ask for what the part reads of others, all at once: it was written by other cores a moment ago. */
+static void fetch_others(const Part &part)
+{
+  for (int64_t i = part.before; i < part.begin; i += 2) __builtin_prefetch(part.at[i]);
+  for (int64_t i = part.end; i < part.beyond; i += 2) __builtin_prefetch(part.at[i]);
+}
+
+void pair_forces(const jump_state &s, double slope, Part &part)
+{
+  fetch_others(part);
+  with_law(s, slope, [&](const auto &law, auto sizes, auto spin) {
+    PairSums<sizes.value, spin.value, std::decay_t<decltype(law)>> sums(s, law, part);
+    each_stretch(s, part, [&](int64_t from, int64_t to) { sums.across(from, to); },
+                 [&]() { sums.inside(); });
+  });
+}
+
+void borrow(const jump_state &s, Part &part)
+{
+  part.lent.clear();
+  const auto take = [&](int64_t from, int64_t to) {
+    each_across(s, part, from, to, [&](int64_t, int64_t i, int64_t j, const Four &) {
+      const PairMemory memory(s, i, j);
+      if (!part.owns(memory.disc)) part.lent.push_back(memory.look(s).begin(memory.way));
+    });
+  };
+  each_stretch(s, part, take, []() {});
+}
+
+}    // namespace jump

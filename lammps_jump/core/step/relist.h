@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+/* Lists of the native engine made anew: discs sorted by cell, pairs that are close, discs near walls.
+
+   Cells are as wide as the list's reach and counted along the shorter side of the flow first. Discs are sorted by cell, so
+   that the candidates of a disc are two stretches of memory. */
+
+#ifndef JUMP_CORE_RELIST_H
+#define JUMP_CORE_RELIST_H
+
+#include "step/crew.h"
+
+namespace jump {
+
+/** What `list_pairs` returns in place of a disc outside the domain. */
+enum : int64_t { LISTED = -1, NO_ROOM = -2 };
+
+/** Sort the discs by cell and list all pairs closer than the reach, sorted rows alone; the index of a disc outside the
+    domain, or LISTED or NO_ROOM. A NaN is outside; then nothing is changed. */
+int64_t list_pairs(jump_state &s, const jump_lists &lists, Crew &crew);
+
+/** List the discs near each wall, from where they were when their pairs were listed; false where there is no room. */
+bool list_walls(jump_state &s, const jump_lists &lists);
+
+}    // namespace jump
+
+#endif

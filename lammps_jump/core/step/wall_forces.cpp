@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+/* Forces of walls on the discs near them, and what the walls feel. */
+
+#include "step/forces.h"
+#include "step/kinds.h"
+
+#include <algorithm>
+
+namespace jump {
+
+/** Rows of the list of one wall whose discs a part has. */
+static std::pair<int64_t, int64_t> rows_of(const jump_state &s, int64_t wall, const Part &part)
+{
+  const int32_t *const first = s.near_discs + s.near_rows[wall], *const last = s.near_discs + s.near_rows[wall + 1];
+  if (part.begin == 0 && part.end == s.n) return {s.near_rows[wall], s.near_rows[wall + 1]};
+  return {std::lower_bound(first, last, part.begin) - s.near_discs, std::lower_bound(first, last, part.end) - s.near_discs};
+}
+
+/** Forces of one wall on the discs of a part, and of these on it. Fixed discs feel no wall but bodies. */
+template <bool SIZES, bool SPIN, class Law>
+static void forces_of(const jump_state &s, const Law &law, int64_t wall, Part &part)
+{
+  const Seen seen = seen_by(s);
+  const WallView view(s, wall);
+  const Numbers<double> of = numbers_of(s.at_wall[wall], 0.0);
+  const bool moves = view.placed, ledger = s.dash_x, slides = Law::Friction::RUBS && s.slide_x;
+  double x_ref = s.about[wall][0], y_ref = s.about[wall][1];
+  if (moves) {
+    x_ref += view.placed->now.x;
+    y_ref += view.placed->now.y;
+  }
+  FaceContact found[MOST];
+  const auto [from, to] = rows_of(s, wall, part);
+  for (int64_t row = from; row < to; row++) {
+    const int64_t i = s.near_discs[row];
+    if (view.passes(s, i)) continue;
+    const double own = radius_of(s, i), x = s.x[i], y = s.y[i];
+    double px = x, py = y;
+    view.see(px, py);
+    const int count = view.touching(s, row, px, py, own, found);
+    for (int c = 0; c < count; c++) {
+      const AtWall<double> at = view.meet<SIZES, SPIN>(s, seen, i, found[c], x, y);
+      const WallForce<double> out =
+          wall_contact<SIZES, SPIN>(law, of, at, WallMemory(s, i, found[c].face, px, py, own));
+      const double to = view.arm(at.gap, own), to_x = x - to * at.nx, to_y = y - to * at.ny;
+      const double rolls = view.bulk > 0.0 ? own * out.resist : 0.0;    // of a body, which feels it too
+      const Sum push{out.fx, out.fy, (to_x - x_ref) * out.fy - (to_y - y_ref) * out.fx + rolls};
+      part.on_walls.push_back(push);
+      if constexpr (SPIN) s.torque[i] += out.torque;
+      s.fx[i] += out.fx;
+      s.fy[i] += out.fy;
+      if (!ledger) continue;
+      s.dash_x[i] += out.dashpot * at.nx;
+      s.dash_y[i] += out.dashpot * at.ny;
+      if (slides) {
+        s.slide_x[i] -= out.rub * at.ny;
+        s.slide_y[i] += out.rub * at.nx;
+      }
+      if (!moves) continue;
+      const double arm_x = to_x - view.cx - view.placed->now.x, arm_y = to_y - view.cy - view.placed->now.y;
+      part.lost_at_walls.push_back({
+          {out.dashpot * at.nx, out.dashpot * at.ny, out.dashpot * (arm_x * at.ny - arm_y * at.nx)},
+          {-out.rub * at.ny, out.rub * at.nx, out.rub * (arm_x * at.nx + arm_y * at.ny) + rolls},
+      });
+    }
+  }
+  part.walls_end.push_back({part.on_walls.size(), part.lost_at_walls.size()});
+}
+
+void wall_forces(const jump_state &s, double slope, Part &part)
+{
+  part.on_walls.clear();
+  part.lost_at_walls.clear();
+  part.walls_end.clear();
+  with_law(s, slope, [&](const auto &law, auto sizes, auto spin) {
+    for (int64_t wall = 0; wall < s.walls; wall++) forces_of<sizes.value, spin.value>(s, law, wall, part);
+  });
+}
+
+void sum_walls(const jump_state &s, const std::vector<Part> &parts)
+{
+  for (int64_t wall = 0; wall < s.walls; wall++) {
+    Sum on_wall, lost, slid;
+    for (const Part &part : parts) {
+      const Ends first = wall > 0 ? part.walls_end[wall - 1] : Ends{0, 0}, last = part.walls_end[wall];
+      for (size_t c = first.push; c < last.push; c++) on_wall -= part.on_walls[c];
+      for (size_t c = first.lost; c < last.lost; c++) {
+        lost += part.lost_at_walls[c].dashpots;
+        slid += part.lost_at_walls[c].friction;
+      }
+    }
+    s.wall_sum[wall].force += on_wall;
+    if (s.moving && s.moving[wall] != STANDS) s.taken[wall] = {on_wall, on_wall, lost, slid};
+  }
+}
+
+}    // namespace jump
