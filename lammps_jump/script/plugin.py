@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from lammps_jump.files import CONTACTS_FILE
+from lammps_jump.files import CONTACTS_FILE, POSES
 from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.sizes import ID_STEP
@@ -124,6 +124,8 @@ def motion_and_walls(scene: Scene) -> list[str]:
     ]
     if scene.contact_output:
         words.append(f"contacts {scene.output_steps} {CONTACTS_FILE}")
+    if scene.lids:
+        words.append(f"poses {scene.output_steps} {POSES}")
     if scene.probes:
         words.append(f"probe {scene.probe_steps} {' '.join(scene.probes)}")
     return [*lines, JOIN.join(words)]

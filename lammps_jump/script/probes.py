@@ -113,33 +113,16 @@ def near(moving: MovingWall, scene: Scene) -> list[str]:
 
 
 def plugin_probes(scene: Scene) -> list[str]:
-    """Force on each probed wall: the fix holds the mean over each window, every step counted, moments and power too."""
-    lines = ["variable        clock equal time"] if scene.probes or scene.lids else []
+    """Force on each probed wall: the fix holds the mean over each window, every step counted, moments and power too.
+
+    The fix also writes the rows of ``walls.csv`` and ``bodies.csv``, behind their headers.
+    """
+    lines = ["variable        clock equal time"] if scene.probes else []
     columns = 4 if scene.moves else 3
     for index, name in enumerate(scene.probes):
         lines += rows(scene, name, tuple(f"f_motion[{columns * index + i + 1}]" for i in range(columns)))
-    return [*lines, *lids(scene, columns * len(scene.probes))]
-
-
-def lids(scene: Scene, behind: int) -> list[str]:
-    """Rows of ``walls.csv`` before each frame: places of lids stand in the fix behind so many numbers.
-
-    An empty title is an empty line, and LAMMPS prints at the start of a part too. Readers skip both.
-    """
-    lines = [f'print           "{POSES_HEADER}" file {POSES} screen no'] if scene.lids else []
-    bodies = [wall.name for wall, _ in scene.bodies]
-    for name in scene.lids:
-        axes = ("x", "y", "turn") if name in bodies else ("x", "y")
-        lines += [f"variable        {axis}_of_{name} equal f_motion[{behind + k}]" for k, axis in enumerate(axes, 1)]
-        behind += len(axes)
-        row = ",".join(f"${{{axis}_of_{name}}}" for axis in axes) + ",0" * (3 - len(axes))
-        lines += [
-            f'fix             lid_{name} all print {scene.output_steps} "${{clock}},{name},{row}" &',
-            f'                append {POSES} screen no title ""',
-        ]
-    if bodies:
-        lines.append(f'print           "{BODIES_HEADER}" file {BODIES} screen no')
-    return lines
+    heads = ((scene.lids, POSES_HEADER, POSES), (scene.bodies, BODIES_HEADER, BODIES))
+    return [*lines, *(f'print           "{header}" file {file} screen no' for there, header, file in heads if there)]
 
 
 def going_on(scene: Scene, text: str) -> str:

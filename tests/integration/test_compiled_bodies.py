@@ -78,11 +78,10 @@ def test_native_and_plugin_agree(law, plugin, tmp_path):
     same(tmp_path / "compiled", tmp_path / "native", 1e-9 * D)
     moved = read_bodies(tmp_path / "native" / "bodies.csv")
     assert all(np.ptp(one.angle) + np.ptp(one.x) > 0.02 for one in moved.values())
-    rows = [
-        np.genfromtxt(tmp_path / name / "walls.csv", delimiter=",", skip_header=1)[-5:]
-        for name in ("native", "compiled")
-    ]
-    assert rows[0][:, 2:] == pytest.approx(rows[1][:, 2:], abs=1e-9)
+    texts = [(tmp_path / name / "walls.csv").read_text().splitlines() for name in ("native", "compiled")]
+    assert [line.split(",")[1] for line in texts[0]] == [line.split(",")[1] for line in texts[1]]
+    rows = [np.array([line.split(",")[2:] for line in text[1:]], float) for text in texts]
+    assert len(rows[0]) == 5 * (STEPS // 100 + 1) and rows[0] == pytest.approx(rows[1], abs=1e-9)
 
 
 @pytest.mark.long

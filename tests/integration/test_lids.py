@@ -15,7 +15,7 @@ from lammps_jump.engines.checkpoint import read_checkpoint
 from lammps_jump.engines.launch import run
 from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import SetupError
-from lammps_jump.files import POSES
+from lammps_jump.files import POSES, POSES_HEADER
 
 pytestmark = pytest.mark.lammps
 CASE = {
@@ -47,6 +47,12 @@ def test_places_of_lids_stand_beside_the_frames(engine, plugin, tmp_path):
         file.write("99,lid,9,9,9\n")  # written behind the checkpoint by a part that was killed
     second = run(scene, tmp_path / "parts", setting, resume=read_checkpoint(tmp_path / "parts"))
     assert second.status == "complete"
+    for part in ("whole", "parts"):  # one row a lid and frame, each once and none empty, also of a run that went on
+        head, *rows = (tmp_path / part / POSES).read_text().splitlines()
+        assert head == POSES_HEADER
+        times = [f"{scene.time(step):.10g}" for step in range(0, scene.steps + 1, scene.output_steps)]
+        told = [(f"{float(row.split(',')[0]):.10g}", row.split(",")[1]) for row in rows]
+        assert told == [(time, name) for time in times for name in scene.lids]
     found = PoseFile(tmp_path / "parts" / POSES, scene.lids)
     frames = list(open_dump(next((tmp_path / "whole").glob("dump.*"))))
     assert len(frames) == 1 + scene.steps // scene.output_steps

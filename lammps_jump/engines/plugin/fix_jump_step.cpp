@@ -44,7 +44,8 @@ FixJumpStep::FixJumpStep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
       {"k_wall", &k}, {"gamma_wall", &gamma}, {"gammat_wall", &gamma_t}, {"mu_wall", &mu}};
   const std::map<std::string, int (FixJumpStep::*)(int, int, char **)> parts = {
       {"wall", &FixJumpStep::add_wall}, {"sizes", &FixJumpStep::add_pieces}, {"slots", &FixJumpStep::add_slots},
-      {"bodies", &FixJumpStep::add_corners}, {"contacts", &FixJumpStep::add_contacts}, {"probe", &FixJumpStep::add_probes}};
+      {"bodies", &FixJumpStep::add_corners}, {"contacts", &FixJumpStep::add_contacts}, {"poses", &FixJumpStep::add_poses},
+      {"probe", &FixJumpStep::add_probes}};
   while (a < narg) {
     const std::string key = arg[a];
     if (key == "gravity") {
@@ -67,11 +68,10 @@ FixJumpStep::FixJumpStep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
   if (gamma < 0.0 || gamma_t < 0.0 || mu < 0.0)
     error->all(FLERR, "fix jump/step: gamma_wall, gammat_wall and mu_wall must not be negative");
 
-  int lids = 0, places = 0;
+  int lids = 0;
   for (const auto &wall : walls) {
     any_moves |= wall.motion.moves;
     lids += wall.motion.is_lid;
-    places += wall.motion.is_body ? 3 : wall.motion.is_lid ? 2 : 0;
   }
   columns = any_moves ? 4 : 3;
   time_integrate = 1;
@@ -79,18 +79,18 @@ FixJumpStep::FixJumpStep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
   restart_global = lids > 0;
   window.assign(columns * probed.size(), 0.0);
   mean.assign(columns * probed.size(), 0.0);
-  size_vector = (int) window.size() + places;
+  size_vector = (int) window.size();
   vector_flag = size_vector > 0;
   extscalar = extvector = 0;
 }
 
-/** How often contacts are written, and where. */
-int FixJumpStep::add_contacts(int a, int narg, char **arg)
+/** How often something is written, and where. */
+int FixJumpStep::add_file(OutFile &of, int a, int narg, char **arg) const
 {
-  if (a + 1 >= narg) error->all(FLERR, "fix jump/step: contacts needs EVERY and FILE");
-  contacts_every = utils::inumeric(FLERR, arg[a], false, lmp);
-  if (contacts_every < 1) error->all(FLERR, "fix jump/step: contacts every {} steps: must be above 0", contacts_every);
-  contacts_file = arg[a + 1];
+  if (a + 1 >= narg) error->all(FLERR, "fix jump/step: {} needs EVERY and FILE", arg[a - 1]);
+  of.every = utils::inumeric(FLERR, arg[a], false, lmp);
+  if (of.every < 1) error->all(FLERR, "fix jump/step: {} every {} steps: must be above 0", arg[a - 1], of.every);
+  of.file = arg[a + 1];
   return a + 2;
 }
 
@@ -408,12 +408,6 @@ double FixJumpStep::compute_scalar()
 
 double FixJumpStep::compute_vector(int n)
 {
-  if (n >= (int) mean.size()) {    // places of lids, which all ranks have
-    int left = n - (int) mean.size();
-    for (const auto &wall : walls)
-      if (const int own = wall.motion.is_body ? 3 : wall.motion.is_lid ? 2 : 0; own > 0 && (left -= own) < 0)
-        return wall.motion.pushed.place[left + own];
-  }
   double sum;
   MPI_Allreduce(&mean[n], &sum, 1, MPI_DOUBLE, MPI_SUM, world);
   return sum;

@@ -6,7 +6,7 @@
                               [body CX CY START MASS INERTIA FX FY AX AY X Y TURN BEGIN VX VY SPIN BULK]]...
                         [bodies EVERY FILE LIMIT DAMPING N [X Y R TX0 TY0 TX1 TY1 WALL]... M [V W K C CT LAG MU]...]
                         [sizes EVERY DENSITY SHIFT TURN N [BEGIN END LOW SLOPE]...] [known ID]
-                        [slots S] [contacts EVERY FILE]
+                        [slots S] [contacts EVERY FILE] [poses EVERY FILE]
                         [probe EVERY NAME...]                                   (probe comes last)
 
    One pass for what a step of discs needs besides the pairs of `pair_style jump/disc` (which must be in use,
@@ -33,12 +33,13 @@
      LOW + SLOPE (u - BEGIN) in the one of N pieces with BEGIN <= u < END. Discs up to ID keep the diameter they have.
    - slots: each disc keeps S of them, of four numbers (disc_slots.h): the array of the fix. The law history needs them.
    - contacts: those of each step that is a multiple of EVERY, with their forces, go to FILE (record.h).
+   - poses: a row of time, name, displacement and turn of each lid, tailgate and body goes to FILE at such a step.
    - probes: mean over each window of EVERY steps of the force ON the wall and of its moment (counter-clockwise)
      about (X0, Y0).
 
    Global scalar: the largest overlap, m. Global vector: for each probe fx, fy (N) and moment (N m), per metre of width;
-   where any wall moves, the power of the probed wall on the discs (W) behind them. Behind the probes stand the
-   displacements x and y of each lid, m, and the turn of a body, rad. A restart begins a new window and keeps the lids. */
+   where any wall moves, the power of the probed wall on the discs (W) behind them. A restart begins a new window and keeps
+   the lids. */
 
 #ifndef LMP_FIX_JUMP_STEP_H
 #define LMP_FIX_JUMP_STEP_H
@@ -169,8 +170,14 @@ class FixJumpStep : public Fix {
   std::vector<int> probed;                    // wall of each probe
   std::vector<double> window, mean;           // this rank: running sums and last full window's mean
   bigint window_steps = 0;
-  int contacts_every = 0;                     // steps between frames of contacts; 0: none
-  std::string contacts_file;
+  /** A file, and the steps between what goes there; 0: nothing does. */
+  struct OutFile {
+    int every = 0;
+    std::string file;
+
+    bool is_due(bigint step) const { return every > 0 && step % every == 0; }
+  };
+  OutFile contacts, poses;
   int chains = 0;                             // of all walls
   jump::StepBodies bodies;
 
@@ -178,7 +185,9 @@ class FixJumpStep : public Fix {
   jump::Face face_of(const Wall &, int, int, char **) const;
   int add_pieces(int, int, char **);
   int add_slots(int, int, char **);
-  int add_contacts(int, int, char **);
+  int add_file(OutFile &, int, int, char **) const;
+  int add_contacts(int a, int narg, char **arg) { return add_file(contacts, a, narg, arg); }
+  int add_poses(int a, int narg, char **arg) { return add_file(poses, a, narg, arg); }
   int add_probes(int, int, char **);
   void number_chains(Wall &);
   double diameter_of(tagint) const;
@@ -220,6 +229,7 @@ class FixJumpStep : public Fix {
   void kick(int, int);
   void turn_discs(const int *, int, int);
   void write_contacts();
+  void write_poses();
   void push(Wall &);
   template <class Law> void push(Wall &, const Law &);
   template <class Law> void push(const Wall &, const Law &, int, double *);

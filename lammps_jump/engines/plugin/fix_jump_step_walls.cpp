@@ -322,8 +322,23 @@ void FixJumpStep::write_contacts()
   for (int rank = 1; rank < comm->nprocs; rank++) places[rank] = places[rank - 1] + sizes[rank - 1];
   all.resize((places.back() + sizes.back()) / sizeof(jump::ContactRow));
   MPI_Gatherv(rows.data(), own, MPI_BYTE, all.data(), sizes.data(), places.data(), MPI_BYTE, 0, world);
-  if (comm->me == 0 && !jump::put_rows(contacts_file, update->ntimestep, all))
-    error->one(FLERR, "fix jump/step: the file {} of contacts cannot be written", contacts_file);
+  if (comm->me == 0 && !jump::put_rows(contacts.file, update->ntimestep, all))
+    error->one(FLERR, "fix jump/step: the file {} of contacts cannot be written", contacts.file);
+}
+
+/** Rows of the walls that discs push, behind those that are there. */
+void FixJumpStep::write_poses()
+{
+  if (comm->me != 0) return;
+  FILE *const file = std::fopen(poses.file.c_str(), "a");
+  if (!file) error->one(FLERR, "fix jump/step: the file {} of poses cannot be written", poses.file);
+  for (const auto &wall : walls) {
+    if (!wall.motion.is_lid) continue;
+    const auto &[x, y, angle] = wall.motion.pushed.place;
+    std::fprintf(file, "%.15g,%s,%.17g,%.17g,%.17g\n", ((double) update->ntimestep - wall.motion.start) * update->dt,
+                 wall.name.c_str(), x, y, angle);
+  }
+  std::fclose(file);
 }
 
 /** The force on each lid is that of all ranks; its power is that of its velocity at the step. */
@@ -366,7 +381,8 @@ void FixJumpStep::post_force(int)
   if (pair->slots.grows) pair->in_parts(atom->nlocal, [&](int from, int to, int) { pair->slots.end(from, to); });
   // the first forces of a run that goes on are those of a step whose contacts are in the file
   const bool again = update->setupflag && update->ntimestep > 0;
-  if (contacts_every && update->ntimestep % contacts_every == 0 && !again) write_contacts();
+  if (contacts.is_due(update->ntimestep) && !again) write_contacts();
+  if (poses.is_due(update->ntimestep) && !again) write_poses();
   if (bodies.there) push_bodies();
   push_lids();
   if (bodies.there) write_bodies(again);
