@@ -44,15 +44,15 @@ CORE_LAW, CORE_CONTACT, CORE_FACES, CORE_NEAR, CORE_SLOTS, CORE_MOTION, CORE_WAL
         "contact/contact",
         "walls/faces",
         "walls/near",
-        "contact/slots",
+        "contact/history",
         "walls/motion",
         "walls/wall",
     )
 )
 CORE_DRIFT, CORE_PAIRS, CORE_LISTS, CORE_SUMS = (
-    f"lammps_jump/core/{name}.cpp" for name in ("step/drift", "step/pair_forces", "step/lists", "sums/sums")
+    f"lammps_jump/core/{name}.cpp" for name in ("step/integrate", "step/pair_forces", "step/lists", "sums/sums")
 )
-CORE_CREW, CORE_RELIST = "lammps_jump/core/step/crew.h", "lammps_jump/core/step/relist.cpp"
+CORE_PARTITION, CORE_RELIST = "lammps_jump/core/step/thread_partition.h", "lammps_jump/core/step/relist.cpp"
 TWIN_TESTS = "engines/test_twin.py"
 THREAD_TESTS = "engines/test_native_threads.py"
 CHECKPOINT = "lammps_jump/engines/checkpoint.py"
@@ -85,10 +85,11 @@ DEFECTS = [
     Defect("factor", LAW, "+ touch * touch / 3.0)", "+ touch * touch / 2.0)", "physics/test_law.py"),
     Defect("time level", CORE_DRIFT, "seen_y = 1.5 * new_y - 0.5 * old_y", "seen_y = 1.5 * new_y - 0.5 * new_y",
            TWIN_TESTS),
-    Defect("sign", CORE_CONTACT, "-out.lever_b * out.rub - rolls", "-out.lever_b * out.rub + rolls", TWIN_TESTS),
+    Defect("sign", CORE_CONTACT, "-out.lever_b * out.tangential - rolls", "-out.lever_b * out.tangential + rolls",
+           TWIN_TESTS),
     Defect("sign", CORE_PAIRS, "s.fy[j] -= b.given[c][1];", "s.fy[j] += b.given[c][1];", TWIN_TESTS),
-    Defect("off by one", CORE_CREW, "part.before = reaching(s, own);", "part.before = own;", THREAD_TESTS),
-    Defect("left out", CORE_CREW, "? reaching(s, part.behind) : part.behind;", "? part.behind : part.behind;",
+    Defect("off by one", CORE_PARTITION, "part.first_row = reaching(s, own);", "part.first_row = own;", THREAD_TESTS),
+    Defect("left out", CORE_PARTITION, "? reaching(s, part.end_row) : part.end_row;", "? part.end_row : part.end_row;",
            THREAD_TESTS),
     Defect("written twice", CORE_PAIRS, "b.slot[c] = FULL;", "b.slot[c] = memory.look(s).place();", THREAD_TESTS),
     Defect("factor", CORE_LAW, "plain * root(0.75 * overlap / width)", "plain * root(overlap / width)", TWIN_TESTS),
@@ -150,11 +151,12 @@ DEFECTS = [
            PLUGIN_TESTS),
     Defect("sign", WALLS_CPP, "* out.fy - (a.y", "* out.fy + (a.y", PLUGIN_TESTS),
     Defect("sign", PAIR_CPP, "batch.spin[1][c] = omega[j];", "batch.spin[1][c] = -omega[j];", PLUGIN_TESTS),
-    Defect("left out", FIX_CPP, "  if (own) end_steps();\n  own = false;", "  own = false;", ARRAY_TESTS),
+    Defect("left out", FIX_CPP, "  if (lammps_is_stale) end_steps();\n  lammps_is_stale = false;",
+           "  lammps_is_stale = false;", ARRAY_TESTS),
     Defect("left out", FIX_CPP, "others_look || step == output->next || step", "others_look || step", ARRAY_TESTS),
     Defect("left out", PAIR_CPP, "if (sizes) radii[to] = radii[from];", "", "integration/test_threads.py"),
-    Defect("formula", "lammps_jump/core/analysis/shares.h", "(a * std::sqrt(1.0 - a * a)", "(a * std::sqrt(1.0 - a)",
-           "analysis/test_profiles.py"),
+    Defect("formula", "lammps_jump/core/analysis/circular_segment.h", "(a * std::sqrt(1.0 - a * a)",
+           "(a * std::sqrt(1.0 - a)", "analysis/test_profiles.py"),
     Defect("left out", "analysis/profiles.py", "np.where(some, height / safe, np.nan) - bed",
            "np.where(some, height / safe, np.nan)", "analysis/test_profiles.py"),
     Defect("off by one", "analysis/profiles.py", "(time >= window[0] - slack)", "(time >= window[0] + slack)",

@@ -29,9 +29,9 @@ std::string columns()
   text += JUMP_MEMBER(Pushed, place) + JUMP_MEMBER(Pushed, speed) + JUMP_MEMBER(Pushed, before);
   text += JUMP_MEMBER(Pushed, force) + JUMP_MEMBER(Pushed, phase) + "\nLoad";
   text += JUMP_MEMBER(Load, mass) + JUMP_MEMBER(Load, inertia) + JUMP_MEMBER(Load, force) + JUMP_MEMBER(Load, arm);
-  text += JUMP_MEMBER(Load, free) + JUMP_MEMBER(Load, begin) + "\nWallTaken";
-  text += JUMP_MEMBER(WallTaken, of_discs) + JUMP_MEMBER(WallTaken, all) + JUMP_MEMBER(WallTaken, lost);
-  text += JUMP_MEMBER(WallTaken, slid) + "\nSumsOnWall";
+  text += JUMP_MEMBER(Load, free) + JUMP_MEMBER(Load, begin) + "\nWallLoads";
+  text += JUMP_MEMBER(WallLoads, of_discs) + JUMP_MEMBER(WallLoads, all) + JUMP_MEMBER(WallLoads, dashpots);
+  text += JUMP_MEMBER(WallLoads, friction) + "\nSumsOnWall";
   text += JUMP_MEMBER(SumsOnWall, force) + JUMP_MEMBER(SumsOnWall, power) + "\nStepClock";
   text += JUMP_MEMBER(StepClock, step) + JUMP_MEMBER(StepClock, start) + JUMP_MEMBER(StepClock, dt);
   text += JUMP_MEMBER(StepClock, half_skin) + JUMP_MEMBER(StepClock, extrapolates) + "\nWork";
@@ -47,7 +47,7 @@ std::string columns()
 std::string numbers()
 {
   std::string text = "WallMotion";
-  text += JUMP_NUMBER(STANDS) + JUMP_NUMBER(FOLLOWS) + JUMP_NUMBER(LID) + JUMP_NUMBER(TAILGATE) + JUMP_NUMBER(BODY);
+  text += JUMP_NUMBER(STANDS) + JUMP_NUMBER(FOLLOWS) + JUMP_NUMBER(LOADED) + JUMP_NUMBER(TAILGATE) + JUMP_NUMBER(BODY);
   text += "\nPhase" + JUMP_NUMBER(IS_HELD) + JUMP_NUMBER(IS_RELEASED) + JUMP_NUMBER(HAS_MOVED);
   text += "\nStationSum" + JUMP_NUMBER(MASS_LEFT) + JUMP_NUMBER(MASS_RIGHT) + JUMP_NUMBER(CARRIED) + JUMP_NUMBER(CONTACTS);
   text += JUMP_NUMBER(WALLS) + JUMP_NUMBER(DASHPOTS) + JUMP_NUMBER(FRICTION) + JUMP_NUMBER(BEGAN) + JUMP_NUMBER(HELD);

@@ -74,15 +74,15 @@ class LoadColumns(Columns):
     """Time of the release, s."""
 
 
-class WallTakenColumns(Columns):
+class WallLoadsColumns(Columns):
     """What a wall takes in a step, along x, along y (N/m) and as a moment about the point of turning (N)."""
 
     OF_DISCS = slice(0, 3)
     ALL = slice(3, 6)
     """Of discs and of bodies."""
-    LOST = slice(6, 9)
+    DASHPOTS = slice(6, 9)
     """What dashpots take of it."""
-    SLID = slice(9, 12)
+    FRICTION = slice(9, 12)
     """What friction takes of it."""
 
 
@@ -145,7 +145,7 @@ class WallMotion(IntEnum):
 
     STANDS = 0
     FOLLOWS = 1
-    LID = 2
+    LOADED = 2
     TAILGATE = 3
     BODY = 4
 
@@ -190,7 +190,7 @@ class Joint(IntEnum):
 
 
 COLUMNS = (
-    PlacedColumns, PushedColumns, LoadColumns, WallTakenColumns, SumsOnWallColumns, StepClockColumns, WorkColumns,
+    PlacedColumns, PushedColumns, LoadColumns, WallLoadsColumns, SumsOnWallColumns, StepClockColumns, WorkColumns,
     WorkPartsColumns, TrackRowColumns,
 )  # fmt: skip
 NUMBERS: tuple[type[IntEnum], ...] = (WallMotion, Phase, StationSum, FaceKind, Joint)

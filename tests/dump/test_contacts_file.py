@@ -107,7 +107,7 @@ def test_contacts_are_those_of_the_step(law):
         force = np.column_stack([d.fx[:n], d.fy[:n]]) - np.multiply.outer(mass, scene.gravity)
         np.testing.assert_allclose(total[d.ids[:n]], force, atol=1e-11 * np.abs(force).max())
         vx, vy = velocities(scene, d)
-        power = (d.dash_x[:n] + d.slide_x[:n]) @ vx + (d.dash_y[:n] + d.slide_y[:n]) @ vy
+        power = (d.dashpot_x[:n] + d.friction_x[:n]) @ vx + (d.dashpot_y[:n] + d.friction_y[:n]) @ vy
         power += 0.0 if d.omega is None else d.torque[:n] @ spin(scene, d)
         assert found[:, 4].sum() == pytest.approx(-power, rel=1e-11) and power < 0
     assert {-2, -3} <= met and -1 not in met and max(met) > 40  # the gate has gone, and keeps its number

@@ -139,8 +139,8 @@ def test_half_a_step_takes_half_the_work_of_a_dashpot():
     scene = handmade_scene(np.zeros((0, 2)), np.zeros((0, 2)), (Plane("floor", "y", 0.0, "above"),))
     zero = np.zeros(1)
     discs = SimpleNamespace(
-        n=1, radius=None, omega=None, slide_x=None, fx=zero, fy=zero, vx=zero + 2.0, vy=zero + 0.5,
-        dash_x=zero - 3.0, dash_y=zero + 1.0,
+        n=1, radius=None, omega=None, friction_x=None, fx=zero, fy=zero, vx=zero + 2.0, vy=zero + 0.5,
+        dashpot_x=zero - 3.0, dashpot_y=zero + 1.0,
     )  # fmt: skip
     work = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.4])  # moving walls did 0.4 J/m in this step
     np.testing.assert_allclose(half_work(scene, discs, work), [5.5 * 0.5 * scene.time_step, 0.0, -0.2], rtol=1e-14)

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "api.h"
-#include "analysis/shares.h"
+#include "analysis/circular_segment.h"
 
 namespace {
 
@@ -53,7 +53,7 @@ JUMP_API void jump_layers_discs(const jump_layers_discs_input *input)
 {
   JUMP_LAYERS_DISCS(JUMP_LOCAL)
   const Where where = where_of(numbers);
-  const auto below = [](double place, double r, double edge) { return jump::left_share((edge - place) / r); };
+  const auto below = [](double place, double r, double edge) { return jump::circular_segment_area((edge - place) / r); };
   for (int64_t i = 0; i < n; i++) {
     const double r = radius[i], across = below(x[i], r, where.end) - below(x[i], r, where.begin);
     if (across <= 0.0) continue;

@@ -7,7 +7,7 @@
 
 #include "api.h"
 #include "analysis/cells.h"
-#include "analysis/shares.h"
+#include "analysis/circular_segment.h"
 
 #define JUMP_BIN_FRAME(FIELD) \
   FIELD(int64_t, n) FIELD(const double *, x) FIELD(const double *, y) FIELD(const double *, vx) FIELD(const double *, vy) \
@@ -35,7 +35,7 @@ JUMP_API void jump_bin_frame(const jump_bin_frame_input *input)
     // all that is outside the range is one bin on either side
     for (int64_t k = left < 0.0 ? -1 : static_cast<int64_t>(left); done < 1.0; k++) {
       const double edge = low + static_cast<double>(k + 1) * width;
-      const double upto = k >= bins ? 1.0 : jump::left_share((edge - x[i]) / r);
+      const double upto = k >= bins ? 1.0 : jump::circular_segment_area((edge - x[i]) / r);
       const double share = upto - done, part = share * m;
       done = upto;
       if (k < 0) {

@@ -24,7 +24,7 @@ template <class Number> inline Number pair_size(const Number &a, const Number &b
 
 template <class Number> struct ContactForce {
   Number fx, fy;     // on the disc, N per m of width
-  Number rub;        // its tangential part, along (-ny, nx)
+  Number tangential;        // its tangential part, along (-ny, nx)
   Number dashpot;    // its lost part along the normal
   Number resist;     // against rolling, along the rims
 };
@@ -54,7 +54,7 @@ inline Number stored_energy(const Law &law, const LawNumbers &of, const Number &
 template <class Number>
 inline Number taken(const ContactForce<Number> &of, const Number &nx, const Number &ny, const Number &vx, const Number &vy)
 {
-  return -of.dashpot * (nx * vx + ny * vy) - of.rub * (nx * vy - ny * vx);
+  return -of.dashpot * (nx * vx + ny * vy) - of.tangential * (nx * vy - ny * vx);
 }
 
 /** How a disc meets what it touches. */
@@ -77,19 +77,19 @@ inline ContactForce<Number> contact_force(const Law &law, const Numbers<Number> 
   out.dashpot = push.dashpot;
   out.fx = push.whole * nx;
   out.fy = push.whole * ny;
-  out.rub = out.resist = spread(0.0, overlap);
-  if constexpr (Law::Friction::RUBS) {
+  out.tangential = out.resist = spread(0.0, overlap);
+  if constexpr (Law::Friction::HAS_FRICTION) {
     const Number slip = vy * nx - vx * ny - at.rim;
-    if constexpr (Law::Friction::REMEMBERS) {
+    if constexpr (Law::Friction::HAS_HISTORY) {
       const Number whole = out.fx * nx + out.fy * ny;    // as the components have it, to the last bit
       const Number normal = law.normal.pressing(of.law, whole);
-      out.rub = law.tangential.force(of, normal, slip, held);
+      out.tangential = law.tangential.force(of, normal, slip, held);
       out.resist = law.tangential.against_rolling(of.law, normal, at.turn, held);
     } else {
-      out.rub = law.tangential.force(of, law.normal.pressing(of.law, push.whole), slip);
+      out.tangential = law.tangential.force(of, law.normal.pressing(of.law, push.whole), slip);
     }
-    out.fx = out.fx - out.rub * ny;
-    out.fy = out.fy + out.rub * nx;
+    out.fx = out.fx - out.tangential * ny;
+    out.fy = out.fy + out.tangential * nx;
   }
   return out;
 }
@@ -117,7 +117,7 @@ template <bool SIZES, bool SPIN, class Law, class Number>
 inline PairForce<Number> pair_contact(const Law &law, const Numbers<Number> &of, const Pair<Number> &pair,
                                       Stretch<Number> &held)
 {
-  constexpr bool MEMORY = Law::Friction::REMEMBERS;
+  constexpr bool MEMORY = Law::Friction::HAS_HISTORY;
   PairForce<Number> out;
   const Number r = root(pair.apart2), inverse = 1.0 / r;
   out.nx = pair.dx * inverse;
@@ -142,8 +142,8 @@ inline PairForce<Number> pair_contact(const Law &law, const Numbers<Number> &of,
     out.lever_a = SIZES || MEMORY ? way_to_middle(pair.a, out.overlap) : pair.a;
     out.lever_b = SIZES || MEMORY ? way_to_middle(pair.b, out.overlap) : pair.b;
     const Number rolls = arm * out.resist;
-    out.on_a = -out.lever_a * out.rub + rolls;
-    out.on_b = -out.lever_b * out.rub - rolls;
+    out.on_a = -out.lever_a * out.tangential + rolls;
+    out.on_b = -out.lever_b * out.tangential - rolls;
   }
   return out;
 }
@@ -178,11 +178,11 @@ inline WallForce<Number> wall_contact(const Law &law, const Numbers<Number> &of,
   const Number rim = SPIN ? at.radius * at.spin : spread(0.0, at.radius);
   const Number turn = SPIN ? at.radius * (at.spin - at.turns) : rim;
   Stretch<Number> held{};
-  if constexpr (Law::Friction::REMEMBERS) held = memory.begin(at.vy * at.nx - at.vx * at.ny - rim);
+  if constexpr (Law::Friction::HAS_HISTORY) held = memory.begin(at.vy * at.nx - at.vx * at.ny - rim);
   static_cast<ContactForce<Number> &>(out) =
       contact_force(law, own, Meeting<Number>{at.radius - at.gap, at.nx, at.ny, at.vx, at.vy, rim, turn}, held);
-  if constexpr (Law::Friction::REMEMBERS) memory.end(held);
-  out.torque = at.radius * (out.resist - out.rub);
+  if constexpr (Law::Friction::HAS_HISTORY) memory.end(held);
+  out.torque = at.radius * (out.resist - out.tangential);
   return out;
 }
 

@@ -18,7 +18,7 @@
 #ifndef JUMP_CORE_LAW_H
 #define JUMP_CORE_LAW_H
 
-#include "contact/number.h"
+#include "contact/scalar_ops.h"
 
 #include <type_traits>
 
@@ -111,11 +111,11 @@ template <class Number> struct Stretch {
 };
 
 struct NoFriction {
-  static constexpr bool RUBS = false, REMEMBERS = false;
+  static constexpr bool HAS_FRICTION = false, HAS_HISTORY = false;
 };
 
 struct Ramp {
-  static constexpr bool RUBS = true, REMEMBERS = false;
+  static constexpr bool HAS_FRICTION = true, HAS_HISTORY = false;
 
   template <class Number> Number force(const Numbers<Number> &of, const Number &normal, const Number &slip) const
   {
@@ -125,7 +125,7 @@ struct Ramp {
 };
 
 struct Sign {
-  static constexpr bool RUBS = true, REMEMBERS = false;
+  static constexpr bool HAS_FRICTION = true, HAS_HISTORY = false;
   double slope;    // 1/eps of this step, s/m
 
   template <class Number> Number force(const Numbers<Number> &of, const Number &normal, const Number &slip) const
@@ -148,7 +148,7 @@ inline Number slide(Number &stretch, const Number &slip, const Number &bound, do
 }
 
 struct SlidingSpring {
-  static constexpr bool RUBS = true, REMEMBERS = true;
+  static constexpr bool HAS_FRICTION = true, HAS_HISTORY = true;
   double time_step;    // s; 0: springs stay as they are
 
   template <class Number>
@@ -224,7 +224,7 @@ template <class Run> inline void with_kind(const Choice &choice, bool sizes, boo
 }
 
 /** Whether there are such contacts. */
-template <class Law, bool SPIN> constexpr bool IS_KIND = Law::Friction::RUBS || !SPIN;
+template <class Law, bool SPIN> constexpr bool IS_KIND = Law::Friction::HAS_FRICTION || !SPIN;
 
 /** Calls run(law, sizes, spin) with the law that is chosen and the constants of `with_kind`. */
 template <class Run> inline void with_law(const Choice &choice, bool sizes, bool spin, const Run &run)

@@ -4,21 +4,21 @@
 #ifndef JUMP_CORE_FORCES_H
 #define JUMP_CORE_FORCES_H
 
-#include "step/parts.h"
+#include "step/thread_part.h"
 
 namespace jump {
 
 /** Add the forces of all touching pairs to the discs of a part; `slope` is that of the sign law (`slope_of`). */
-void pair_forces(const jump_state &s, double slope, Part &part);
+void pair_forces(const jump_state &s, double slope, ThreadPart &part);
 
 /** Read what other parts' discs remember of contacts with those of this part, before anything is written. */
-void borrow(const jump_state &s, Part &part);
+void borrow(const jump_state &s, ThreadPart &part);
 
 /** Add the forces of the walls; what walls feel is kept in the part. */
-void wall_forces(const jump_state &s, double slope, Part &part);
+void wall_forces(const jump_state &s, double slope, ThreadPart &part);
 
 /** Sum what walls feel, in the order of the discs. */
-void sum_walls(const jump_state &s, const std::vector<Part> &parts);
+void sum_walls(const jump_state &s, const std::vector<ThreadPart> &parts);
 
 }    // namespace jump
 

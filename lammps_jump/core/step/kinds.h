@@ -6,19 +6,19 @@
 
 #include "contact/contact.h"
 #include "step/native.h"
-#include "contact/slots.h"
+#include "contact/history.h"
 #include "walls/wall.h"
 
 namespace jump {
 
 /** Velocities that dashpots and friction see: of the half step, or extrapolated. */
-inline Seen seen_by(const jump_state &s)
+inline ContactVelocities seen_by(const jump_state &s)
 {
-  return s.ux ? Seen{s.ux, s.uy, s.uomega} : Seen{s.vx, s.vy, s.omega};
+  return s.ux ? ContactVelocities{s.ux, s.uy, s.uomega} : ContactVelocities{s.vx, s.vy, s.omega};
 }
 
 /** 1/eps of the thesis' friction, eps = 0.01 v_max (4.20), of these velocities, s/m; 0 of another friction. */
-double slope_of(const jump_state &s, const Seen &seen);
+double slope_of(const jump_state &s, const ContactVelocities &seen);
 
 inline bool has(double number) { return number == number; }
 
@@ -42,14 +42,14 @@ inline double radius_of(const jump_state &s, int64_t i) { return s.radius ? s.ra
 inline bool is_fixed(const jump_state &s, int64_t i) { return s.fixed && s.fixed[i] != 0; }
 
 /** Radius that stands for the mass of a disc, m: its partner's mass counts where it is fixed. */
-inline double bulk_of(const jump_state &s, int64_t i) { return is_fixed(s, i) ? HUGE_RADIUS : s.radius[i]; }
+inline double mass_radius(const jump_state &s, int64_t i) { return is_fixed(s, i) ? HUGE_RADIUS : s.radius[i]; }
 
 /** Slots of one disc. */
-struct StateSlots {
+struct DiscHistory {
   const jump_state &s;
   int64_t first;
 
-  StateSlots(const jump_state &state, int64_t disc) : s(state), first(disc * state.slots) {}
+  DiscHistory(const jump_state &state, int64_t disc) : s(state), first(disc * state.slots) {}
   int count() const { return (int) s.slots; }
   int64_t partner(int at) const { return s.partner[first + at]; }
   double foot(int at) const { return s.sigma[first + at]; }
@@ -67,9 +67,9 @@ struct StateSlots {
 };
 
 /** What a disc remembers of one contact: how it stands, and how it goes on behind a step. */
-class ContactMemory {
+class ContactHistory {
  public:
-  ContactMemory(const jump_state &s, int64_t disc) : row(s, disc), id(s.ids[disc]) {}
+  ContactHistory(const jump_state &s, int64_t disc) : row(s, disc), id(s.ids[disc]) {}
 
   void find(int64_t partner, double foot, double limit, double around)
   {
@@ -99,42 +99,42 @@ class ContactMemory {
   }
 
  private:
-  StateSlots row;
+  DiscHistory row;
   int64_t id;
   int slot = FULL;
 };
 
-/** Of two discs the one with the larger id remembers; `way` is that of rolling (ContactMemory). */
-struct PairMemory {
+/** Of two discs the one with the larger id remembers; `way` is that of rolling (ContactHistory). */
+struct PairHistory {
   double way;
   int64_t disc, partner;
 
-  PairMemory(const jump_state &s, int64_t i, int64_t j)
+  PairHistory(const jump_state &s, int64_t i, int64_t j)
       : way(s.ids[i] > s.ids[j] ? 1.0 : -1.0), disc(way > 0.0 ? i : j), partner(s.ids[way > 0.0 ? j : i])
   {
   }
 
   /** The springs, taken where there are none yet and springs go on. */
-  ContactMemory take(const jump_state &s) const
+  ContactHistory take(const jump_state &s) const
   {
-    ContactMemory of(s, disc);
+    ContactHistory of(s, disc);
     of.find(partner, 0.0, NO_END, 0.0);
     return of;
   }
 
   /** The springs as they stand. */
-  ContactMemory look(const jump_state &s) const
+  ContactHistory look(const jump_state &s) const
   {
-    ContactMemory of(s, disc);
+    ContactHistory of(s, disc);
     of.look(partner);
     return of;
   }
 };
 
 /** Disc i at a face of a wall; (px, py): its place in the wall's own frame. */
-class WallMemory {
+class WallHistory {
  public:
-  WallMemory(const jump_state &s, int64_t i, int64_t face, double px, double py, double radius)
+  WallHistory(const jump_state &s, int64_t i, int64_t face, double px, double py, double radius)
       : state(s), of(s, i), face(face), px(px), py(py), radius(radius)
   {
   }
@@ -148,7 +148,7 @@ class WallMemory {
 
  private:
   const jump_state &state;
-  ContactMemory of;
+  ContactHistory of;
   int64_t face;
   double px, py, radius;
 };
@@ -160,7 +160,7 @@ struct Between {
 
 /** The contact of discs i and j of a row of the list; `way` goes from j to i. */
 template <bool SIZES, bool SPIN>
-inline Pair<double> pair_of(const jump_state &s, const Seen &seen, int64_t i, int64_t j, const Between &way, double a, double b)
+inline Pair<double> pair_of(const jump_state &s, const ContactVelocities &seen, int64_t i, int64_t j, const Between &way, double a, double b)
 {
   Pair<double> pair;
   pair.dx = way.dx;
@@ -171,8 +171,8 @@ inline Pair<double> pair_of(const jump_state &s, const Seen &seen, int64_t i, in
   pair.a = a;
   pair.b = b;
   if constexpr (SIZES) {
-    pair.bulk_a = bulk_of(s, i);
-    pair.bulk_b = bulk_of(s, j);
+    pair.bulk_a = mass_radius(s, i);
+    pair.bulk_b = mass_radius(s, j);
   }
   if constexpr (SPIN) {
     pair.spin_a = seen.spin[i];
@@ -194,11 +194,11 @@ struct WallView : WallInPlace {
 
   /** The contact of disc i at (x, y). */
   template <bool SIZES, bool SPIN>
-  AtWall<double> meet(const jump_state &s, const Seen &seen, int64_t i, const FaceContact &found, double x, double y) const
+  AtWall<double> meet(const jump_state &s, const ContactVelocities &seen, int64_t i, const FaceContact &found, double x, double y) const
   {
     const double own = radius_of(s, i);
     AtWall<double> out = at(found, x, y, own, seen.vx[i], seen.vy[i], SPIN ? seen.spin[i] : 0.0);
-    if (SIZES && bulk > 0.0) out.size = pair_size(bulk_of(s, i), bulk);
+    if (SIZES && bulk > 0.0) out.size = pair_size(mass_radius(s, i), bulk);
     return out;
   }
 

@@ -5,7 +5,7 @@
    the velocity that dashpot and friction see: v_(n-1/2), or 1.5 v_(n-1/2) - 0.5 v_(n-3/2) (thesis 3.7-3.9). Where discs have
    radii of their own, constants are those of a radius of 1 m: mass and weight grow as R^2, the moment of inertia as R^4. */
 
-#include "step/crew.h"
+#include "step/thread_partition.h"
 #include "step/forces.h"
 #include "step/kinds.h"
 #include "step/relist.h"
@@ -22,14 +22,14 @@ double slope_of(const jump_state &s, double fastest)
   return eps > 1e-300 ? 1.0 / eps : 1e300;    // nothing moves: the limit of the law, sat -> sign
 }
 
-double slope_of(const jump_state &s, const Seen &seen) { return slope_of(s, fastest(seen, 0, s.n)); }
+double slope_of(const jump_state &s, const ContactVelocities &seen) { return slope_of(s, fastest(seen, 0, s.n)); }
 
 /** Take the forces off fixed discs: they stay, and nothing is dissipated on their side. */
-static void hold(const jump_state &s, const Part &part)
+static void clear_fixed(const jump_state &s, const ThreadPart &part)
 {
   for (int64_t i = part.begin; i < part.end; i++) {
     if (s.fixed[i] == 0) continue;
-    for (double *const of : {s.fx, s.fy, s.torque, s.dash_x, s.dash_y, s.slide_x, s.slide_y})
+    for (double *const of : {s.fx, s.fy, s.torque, s.dashpot_x, s.dashpot_y, s.friction_x, s.friction_y})
       if (of) of[i] = 0.0;
   }
 }
@@ -47,13 +47,13 @@ static void end_contacts(const jump_state &s, int64_t begin, int64_t end)
 }
 
 /** Slope of the sign law in this step, or 0. */
-static double slope_now(const jump_state &s, Crew &crew)
+static double slope_now(const jump_state &s, ThreadPartition &partition)
 {
   if (!(s.pair.sign_ramp > 0.0)) return 0.0;
-  const Seen seen = seen_by(s);
-  crew.each([&](Part &part) { part.fastest = fastest(seen, part.begin, part.end); });
+  const ContactVelocities seen = seen_by(s);
+  partition.each([&](ThreadPart &part) { part.fastest = fastest(seen, part.begin, part.end); });
   double found = 0.0;
-  for (const Part &part : crew.parts) found = most(part.fastest, found);
+  for (const ThreadPart &part : partition.parts) found = most(part.fastest, found);
   return slope_of(s, found);
 }
 
@@ -66,17 +66,17 @@ static void end_walls(const jump_state &s)
   for (int64_t wall = 0; wall < s.walls; wall++) {
     const int64_t kind = s.moving[wall];
     if (kind == STANDS) continue;
-    const WallTaken &taken = s.taken[wall];
+    const WallLoads &taken = s.taken[wall];
     Pushed &pushed = s.pushed[wall];
     pushed.force[0] = taken.all.x;
     pushed.force[1] = taken.all.y;
     pushed.force[2] = taken.all.moment;
-    if (kind >= LID) centre(s.placed[wall], pushed, s.load[wall], dt);
+    if (kind >= LOADED) centre(s.placed[wall], pushed, s.load[wall], dt);
     const Pose &rate = s.placed[wall].centred;
     s.wall_sum[wall].power -= taken.of_discs.power(rate);
-    of_walls.dashpots += dt * taken.lost.power(rate);
-    of_walls.friction += dt * taken.slid.power(rate);
-    if (kind != LID && kind != BODY) of_walls.walls -= dt * taken.all.power(rate);    // the energy of the others is part of the whole
+    of_walls.dashpots += dt * taken.dashpots.power(rate);
+    of_walls.friction += dt * taken.friction.power(rate);
+    if (kind != LOADED && kind != BODY) of_walls.walls -= dt * taken.all.power(rate);    // the energy of the others is part of the whole
   }
   whole.dashpots += of_walls.dashpots;
   whole.friction += of_walls.friction;
@@ -84,78 +84,78 @@ static void end_walls(const jump_state &s)
 }
 
 /** Forces on the discs of a part. */
-static void forces_on(const jump_state &s, double slope, Part &part)
+static void forces_on(const jump_state &s, double slope, ThreadPart &part)
 {
   pair_forces(s, slope, part);
   wall_forces(s, slope, part);
-  if (s.fixed) hold(s, part);
+  if (s.fixed) clear_fixed(s, part);
   if (s.partner && s.memory_step > 0.0) end_contacts(s, part.begin, part.end);
 }
 
 /** What follows the forces on discs. */
-static void end_forces(const jump_state &s, double slope, Crew &crew)
+static void end_forces(const jump_state &s, double slope, ThreadPartition &partition)
 {
-  sum_walls(s, crew.parts);
+  sum_walls(s, partition.parts);
   if (s.corners) body_forces(s, slope);
   if (s.moving) end_walls(s);
   if (s.corners && s.partner && s.memory_step > 0.0) end_contacts(*s.corners, 0, s.corners->n);
 }
 
 /** What goes before them: the slope of the sign law, and what parts read of each other's memory. */
-static double begin_forces(const jump_state &s, Crew &crew)
+static double begin_forces(const jump_state &s, ThreadPartition &partition)
 {
-  const double slope = slope_now(s, crew);
-  if (s.partner && crew.parts.size() > 1) crew.each([&](Part &part) { borrow(s, part); });
+  const double slope = slope_now(s, partition);
+  if (s.partner && partition.parts.size() > 1) partition.each([&](ThreadPart &part) { borrow(s, part); });
   return slope;
 }
 
-static void forces(const jump_state &s, Crew &crew)
+static void forces(const jump_state &s, ThreadPartition &partition)
 {
-  const double slope = begin_forces(s, crew);
-  crew.each([&](Part &part) { forces_on(s, slope, part); });
-  end_forces(s, slope, crew);
+  const double slope = begin_forces(s, partition);
+  partition.each([&](ThreadPart &part) { forces_on(s, slope, part); });
+  end_forces(s, slope, partition);
 }
 
 /** What follows the drift of all discs; the number of those that have gone further than the list allows. */
-static int64_t end_drift(const jump_state &s, const Crew &crew)
+static int64_t end_drift(const jump_state &s, const ThreadPartition &partition)
 {
   int64_t moved = 0;
-  for (const Part &part : crew.parts) moved += part.moved;
-  if (!s.dash_x) return moved;
+  for (const ThreadPart &part : partition.parts) moved += part.moved;
+  if (!s.dashpot_x) return moved;
   Dissipated all{0.0, 0.0, 0.0};
-  for (const Dissipated &taken : crew.taken) {
+  for (const Dissipated &taken : partition.taken) {
     all.dashpots += taken.dashpots;
     all.friction += taken.friction;
     all.turning += taken.turning;
   }
   s.work->whole.dashpots -= s.time_step * all.dashpots;
-  if (!s.slide_x) return moved;
+  if (!s.friction_x) return moved;
   s.work->whole.friction -= s.time_step * all.friction;
   if (s.omega) s.work->whole.friction -= s.time_step * all.turning;
   return moved;
 }
 
-static int64_t drift(const jump_state &s, Crew &crew)
+static int64_t drift(const jump_state &s, ThreadPartition &partition)
 {
-  crew.each([&](Part &part) { part.moved = drift(s, part.begin, part.end, crew.taken.data(), crew.rows()); });
-  return end_drift(s, crew);
+  partition.each([&](ThreadPart &part) { part.moved = drift(s, part.begin, part.end, partition.taken.data(), partition.rows()); });
+  return end_drift(s, partition);
 }
 
 /** Forces, and the drift behind them. Threads meet once: what others read of a disc is written to the other rows. */
-static int64_t forces_and_drift(const jump_state &s, Crew &crew)
+static int64_t forces_and_drift(const jump_state &s, ThreadPartition &partition)
 {
-  if (crew.parts.size() == 1 || s.omega || s.corners) {    // spins have no rows
-    forces(s, crew);
-    return drift(s, crew);
+  if (partition.parts.size() == 1 || s.omega || s.corners) {    // spins have no rows
+    forces(s, partition);
+    return drift(s, partition);
   }
-  const double slope = begin_forces(s, crew);
-  crew.each([&](Part &part) {
+  const double slope = begin_forces(s, partition);
+  partition.each([&](ThreadPart &part) {
     forces_on(s, slope, part);
-    part.moved = drift(s, part.begin, part.end, crew.taken.data(), crew.other_rows());
+    part.moved = drift(s, part.begin, part.end, partition.taken.data(), partition.other_rows());
   });
-  crew.turn_rows();
-  end_forces(s, slope, crew);
-  return end_drift(s, crew);
+  partition.turn_rows();
+  end_forces(s, slope, partition);
+  return end_drift(s, partition);
 }
 
 /** Put the moving walls where they are at a step; true where one has gone over half the skin since it was listed. */
@@ -178,84 +178,84 @@ static bool place_walls(const jump_state &s, double step)
 static bool move_walls(const jump_state &s, double step)
 {
   for (int64_t wall = 0; wall < s.walls; wall++)
-    if (s.moving[wall] >= LID) drift(s.pushed[wall], s.load[wall], s.clock->clock(), step);
+    if (s.moving[wall] >= LOADED) drift(s.pushed[wall], s.load[wall], s.clock->clock(), step);
   return place_walls(s, step);
 }
 
 /** What `advance` leaves to its caller: nothing but forces, lists that are too old, or to look for deep overlaps. */
-enum Left : int64_t { NOTHING, OLD, LOOK };
+enum StopReason : int64_t { DONE, LIST_STALE, CHECK_OVERLAP };
 constexpr int64_t LISTS_A_LOOK = 16;
 
 /** Make the lists anew where that can be done here. */
-static Left relist(jump_state &s, Crew &crew)
+static StopReason relist(jump_state &s, ThreadPartition &partition)
 {
-  if (!s.lists) return OLD;
+  if (!s.lists) return LIST_STALE;
   const auto begun = WallClock::now();
-  if (list_pairs(s, *s.lists, crew) != LISTED || !list_walls(s, *s.lists)) return OLD;
+  if (list_pairs(s, *s.lists, partition) != LISTED || !list_walls(s, *s.lists)) return LIST_STALE;
   s.lists->made[0] += 1.0;
   s.lists->made[1] += std::chrono::duration<double>(WallClock::now() - begun).count();
-  return s.listed_as % LISTS_A_LOOK == 0 ? LOOK : NOTHING;
+  return s.listed_as % LISTS_A_LOOK == 0 ? CHECK_OVERLAP : DONE;
 }
 
-/** Up to `steps` drifts with forces between them, and before them where these are `owed`; without steps these alone.
+/** Up to `steps` drifts with forces between them, and before them where `forces_pending`; without steps these alone.
 
     The forces after the last drift are left to the caller. Returns the drifts done. */
-static int64_t advance(jump_state &s, Crew &crew, int64_t steps, bool owed, Left &left)
+static int64_t advance(jump_state &s, ThreadPartition &partition, int64_t steps, bool forces_pending, StopReason &left)
 {
   int64_t done = 0;
   const auto begin = [&]() {
-    crew.divide(s);
-    if (owed) crew.each([&](Part &part) { show(s, part.begin, part.end, crew.rows()); });
+    partition.divide(s);
+    if (forces_pending) partition.each([&](ThreadPart &part) { show(s, part.begin, part.end, partition.rows()); });
   };
-  left = NOTHING;
+  left = DONE;
   begin();
   while (true) {
-    crew.pace.begin_step((int) s.n);
-    const bool whole = owed && steps > 0;
-    if (owed && s.grid_first && !search_cells(s)) {
-      left = OLD;
+    partition.tuner.begin_step((int) s.n);
+    const bool whole = forces_pending && steps > 0;
+    if (forces_pending && s.grid_first && !search_cells(s)) {
+      left = LIST_STALE;
       return done;
     }
     if (steps == 0) {
-      if (owed) forces(s, crew);
+      if (forces_pending) forces(s, partition);
       return 0;
     }
-    bool old = (owed ? forces_and_drift(s, crew) : drift(s, crew)) > 0;
+    bool old = (forces_pending ? forces_and_drift(s, partition) : drift(s, partition)) > 0;
     done++;
-    owed = true;
+    forces_pending = true;
     if (s.moving && move_walls(s, s.clock->step + (double) done)) old = true;
-    const int threads = crew.pace.threads();
-    crew.pace.end_step(!whole);
-    if (old) left = relist(s, crew);
-    if (left != NOTHING || done == steps) return done;
+    const int threads = partition.tuner.threads();
+    partition.tuner.end_step(!whole);
+    if (old) left = relist(s, partition);
+    if (left != DONE || done == steps) return done;
     if (old) begin();
-    else if (crew.pace.threads() != threads) crew.divide(s);
+    else if (partition.tuner.threads() != threads) partition.divide(s);
   }
 }
 
 }    // namespace jump
 
-using jump::Crew;
+using jump::ThreadPartition;
 
-Crew *jump_crew(const char *threads)
+ThreadPartition *jump_partition(const char *threads)
 {
-  Crew *const crew = new Crew;
-  crew->pace.read(threads);
-  return crew;
+  ThreadPartition *const partition = new ThreadPartition;
+  partition->tuner.read(threads);
+  return partition;
 }
 
-void jump_dismiss(Crew *crew) { delete crew; }
+void jump_free_partition(ThreadPartition *partition) { delete partition; }
 
-int64_t jump_crew_threads(const Crew *crew) { return crew->pace.threads(); }
+int64_t jump_partition_threads(const ThreadPartition *partition) { return partition->tuner.threads(); }
 
-int64_t jump_advance(jump_state *state, Crew *crew, int64_t steps, int64_t owed, int64_t *left)
+int64_t jump_advance(jump_state *state, ThreadPartition *partition, int64_t steps, int64_t forces_pending, int64_t *left)
 {
-  jump::Left found;
-  const int64_t done = jump::advance(*state, *crew, steps, owed != 0, found);
+  jump::StopReason found;
+  const int64_t done = jump::advance(*state, *partition, steps, forces_pending != 0, found);
   *left = found;
   return done;
 }
 
-int64_t jump_list_pairs(jump_state *state, Crew *crew) { return jump::list_pairs(*state, *state->lists, *crew); }
+int64_t jump_list_pairs(jump_state *state, ThreadPartition *partition) { return jump::list_pairs(*state, *state->lists, *partition); }
 
 void jump_place_walls(const jump_state *state, int64_t step) { jump::place_walls(*state, (double) step); }

@@ -37,7 +37,7 @@ struct BodyLaw {
 };
 
 /** Velocities of the discs, m/s, and spins, rad/s (NULL: none). */
-struct Seen {
+struct ContactVelocities {
   const double *vx, *vy, *spin;
 };
 
@@ -54,7 +54,7 @@ struct Work {
 /** What `StationLedger` of engines/native/ledger.py sums; it has the same numbers. */
 enum StationSum { MASS_LEFT, MASS_RIGHT, CARRIED, CONTACTS, WALLS, DASHPOTS, FRICTION, BEGAN, HELD };
 
-class Crew;
+class ThreadPartition;
 
 }    // namespace jump
 
@@ -84,7 +84,7 @@ struct jump_state {
   // discs
   int64_t n;
   const int64_t *ids;
-  double *x, *y, *vx, *vy, *fx, *fy, *x0, *y0, *ux, *uy, *omega, *torque, *uomega, *dash_x, *dash_y, *slide_x, *slide_y,
+  double *x, *y, *vx, *vy, *fx, *fy, *x0, *y0, *ux, *uy, *omega, *torque, *uomega, *dashpot_x, *dashpot_y, *friction_x, *friction_y,
       *radius;
   const int64_t *fixed;
   // pairs: rows in use, those first of them that are sorted, number of the list, disc of each row (NULL: its number), what a row adds to x
@@ -118,7 +118,7 @@ struct jump_state {
   const double *far;
   const jump::Load *load;
   jump::Pushed *pushed;
-  jump::WallTaken *taken;
+  jump::WallLoads *taken;
   const jump::StepClock *clock;
   // law of two discs; its friction is NaN where nothing rubs
   double diameter;
@@ -150,18 +150,18 @@ struct jump_stations {
 
 }
 
-/** Threads of a simulation, by the words of `Pace::read`; how many there are now. */
-JUMP_API jump::Crew *jump_crew(const char *threads);
-JUMP_API void jump_dismiss(jump::Crew *crew);
-JUMP_API int64_t jump_crew_threads(const jump::Crew *crew);
+/** Threads of a simulation, by the words of `ThreadTuner::read`; how many there are now. */
+JUMP_API jump::ThreadPartition *jump_partition(const char *threads);
+JUMP_API void jump_free_partition(jump::ThreadPartition *partition);
+JUMP_API int64_t jump_partition_threads(const jump::ThreadPartition *partition);
 
 /** Step: see `advance` in native.cpp. */
-JUMP_API int64_t jump_advance(jump_state *state, jump::Crew *crew, int64_t steps, int64_t owed, int64_t *left);
+JUMP_API int64_t jump_advance(jump_state *state, jump::ThreadPartition *partition, int64_t steps, int64_t forces_pending, int64_t *left);
 JUMP_API void jump_place_walls(const jump_state *state, int64_t step);
 
 /** Lists: see lists.cpp. */
 JUMP_API int64_t jump_outside(int64_t n, const double *x, const double *y, const double *domain);
-JUMP_API int64_t jump_list_pairs(jump_state *state, jump::Crew *crew);
+JUMP_API int64_t jump_list_pairs(jump_state *state, jump::ThreadPartition *partition);
 JUMP_API double jump_closest(int64_t n, const double *x, const double *y, double px, double py);
 JUMP_API int64_t jump_append_row(int64_t i, const double *x, const double *y, const double *radius, double reach,
                                  int64_t *start, int32_t *neighbours, int64_t room);
@@ -174,8 +174,8 @@ JUMP_API double jump_foot_at(const jump::Face *face, double px, double py);
 JUMP_API void jump_mark_cells(const jump_grid *grid, int64_t begin, int64_t end, int64_t *start, int64_t *listed);
 
 /** Sums: see sums.cpp. */
-JUMP_API double jump_elastic(const jump_state *state, jump::Crew *crew, const int8_t *mask, double *worst, int64_t *where);
-JUMP_API int64_t jump_contacts(const jump_state *state, const jump::Seen *at_step, const jump::Seen *seen, int64_t (*who)[2],
+JUMP_API double jump_elastic(const jump_state *state, jump::ThreadPartition *partition, const int8_t *mask, double *worst, int64_t *where);
+JUMP_API int64_t jump_contacts(const jump_state *state, const jump::ContactVelocities *at_step, const jump::ContactVelocities *seen, int64_t (*who)[2],
                                double (*found)[5], int64_t room);
 JUMP_API double jump_give_sizes(const jump_state *state, int64_t known, const double *radii);
 JUMP_API void jump_between(const jump_state *state, const jump_stations *stations, double *sums);

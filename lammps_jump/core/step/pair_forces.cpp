@@ -2,7 +2,7 @@
 /* Forces of touching pairs, in batches: pairs that touch are gathered without a branch, which would be guessed wrong often,
    their contacts are computed in vectors, and the forces are added in the order of the list. */
 
-#include "contact/lanes.h"    // before the core: its templates take vectors
+#include "contact/simd.h"    // before the core: its templates take vectors
 
 #include "step/forces.h"
 #include "step/kinds.h"
@@ -25,7 +25,7 @@ struct Batch {
   int64_t row[BATCH];
   alignas(64) double between[BATCH][4];    // from the second disc to the first: x, y, vx, vy
   alignas(64) Column radius_i, radius_j, bulk_i, bulk_j, spin_i, spin_j, slide, roll;
-  alignas(64) Column fx, fy, dash_x, dash_y, on_i, on_j, slid_x, slid_y;
+  alignas(64) Column fx, fy, dashpot_x, dashpot_y, on_i, on_j, rubbed_x, rubbed_y;
   alignas(64) double given[BATCH][4];      // force and its lost part
   int64_t slot[BATCH];    // of the springs; FULL: none, or another part's
   double way[BATCH];      // of rolling, from the disc that remembers to the first of the pair
@@ -35,9 +35,9 @@ struct Batch {
 inline Four square_of(const Four &a, const Four &b, const Four &c, const Four &d)
 {
   const Four aa = a * a, bb = b * b, cc = c * c, dd = d * d;
-  const Four ab = JUMP_PICK(aa, bb, 0, 4, 2, 6) + JUMP_PICK(aa, bb, 1, 5, 3, 7);
-  const Four cd = JUMP_PICK(cc, dd, 0, 4, 2, 6) + JUMP_PICK(cc, dd, 1, 5, 3, 7);
-  return JUMP_PICK(ab, cd, 0, 1, 4, 5);
+  const Four ab = JUMP_SHUFFLE(aa, bb, 0, 4, 2, 6) + JUMP_SHUFFLE(aa, bb, 1, 5, 3, 7);
+  const Four cd = JUMP_SHUFFLE(cc, dd, 0, 4, 2, 6) + JUMP_SHUFFLE(cc, dd, 1, 5, 3, 7);
+  return JUMP_SHUFFLE(ab, cd, 0, 1, 4, 5);
 }
 
 inline Four square(const Four &a) { return a * a; }
@@ -49,13 +49,13 @@ struct PairGiven {
 
 /** With friction: its part of the force, and the torque. */
 struct Rubbed : PairGiven {
-  double slid_x = 0.0, slid_y = 0.0, torque = 0.0;
+  double rubbed_x = 0.0, rubbed_y = 0.0, torque = 0.0;
 };
 
 /** Calls run(row, i, j, apart) for the pairs of some rows that touch and have a disc of the part, in their order; `apart` has
     their differences of place and velocity. It reads `at` alone: each line of memory of another part costs. */
 template <class Run>
-void each_across(const jump_state &s, const Part &part, int64_t from, int64_t to, const Run &run)
+void each_across(const jump_state &s, const ThreadPart &part, int64_t from, int64_t to, const Run &run)
 {
   for (int64_t row = from; row < to; row++) {
     const int64_t i = s.owner ? s.owner[row] : row;
@@ -76,21 +76,21 @@ void each_across(const jump_state &s, const Part &part, int64_t from, int64_t to
 /** Calls rows(from, to) for the rows of a part that may have pairs across its ends, in the order of the list; between them
     inside() for the blocks of those that have none. */
 template <class Rows, class Inside>
-void each_stretch(const jump_state &s, const Part &part, const Rows &rows, const Inside &inside)
+void each_stretch(const jump_state &s, const ThreadPart &part, const Rows &rows, const Inside &inside)
 {
-  rows(part.before, part.blocks.front());
+  rows(part.first_row, part.blocks.front());
   inside();
-  rows(part.blocks.back(), part.behind);
+  rows(part.blocks.back(), part.end_row);
   rows(part.sorted, s.rows);
 }
 
 /** Sums the forces of pairs on the discs of a part. */
 template <bool SIZES, bool SPIN, class Law> class PairSums {
-  static constexpr bool RUBS = Law::Friction::RUBS, MEMORY = Law::Friction::REMEMBERS;
-  using Added = std::conditional_t<RUBS, Rubbed, PairGiven>;
+  static constexpr bool HAS_FRICTION = Law::Friction::HAS_FRICTION, MEMORY = Law::Friction::HAS_HISTORY;
+  using Added = std::conditional_t<HAS_FRICTION, Rubbed, PairGiven>;
 
  public:
-  PairSums(const jump_state &s, const Law &law, const Part &part)
+  PairSums(const jump_state &s, const Law &law, const ThreadPart &part)
       : s(s), law(law), part(part), seen(seen_by(s)), at(part.at)
   {
   }
@@ -107,7 +107,7 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
       find(begin, end);
       for (int c = 0; c < b.n; c++) difference(c) = disc(b.i[c]) - disc(b.j[c]);
       compute();
-      if (s.dash_x) add_batch<true>(first);
+      if (s.dashpot_x) add_batch<true>(first);
       else add_batch<false>(first);
       add_rows(first, (int) (behind - first));
     }
@@ -151,10 +151,10 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
  private:
   const jump_state &s;
   const Law &law;
-  const Part &part;
-  const Seen seen;
+  const ThreadPart &part;
+  const ContactVelocities seen;
   const double (*const at)[4];
-  size_t lent = 0;    // of the part's, those that are read
+  size_t remote_history = 0;    // of the part's, those that are read
   Batch b;
   Added rows[BATCH];
 
@@ -190,7 +190,7 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
   Pair<Lanes> pairs_from(int c, const Lanes &half)
   {
     Lanes between[4];
-    columns(b.between + c, between);
+    deinterleave(b.between + c, between);
     Pair<Lanes> two;
     two.dx = between[0];
     two.dy = between[1];
@@ -226,11 +226,11 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
       const PairForce<Lanes> out = pair_contact<SIZES, SPIN>(law, of, two, held);
       lanes(b.fx + c) = out.fx;
       lanes(b.fy + c) = out.fy;
-      lanes(b.dash_x + c) = out.dashpot * out.nx;
-      lanes(b.dash_y + c) = out.dashpot * out.ny;
-      if constexpr (RUBS) {
-        lanes(b.slid_x + c) = out.rub * out.ny;
-        lanes(b.slid_y + c) = out.rub * out.nx;
+      lanes(b.dashpot_x + c) = out.dashpot * out.nx;
+      lanes(b.dashpot_y + c) = out.dashpot * out.ny;
+      if constexpr (HAS_FRICTION) {
+        lanes(b.rubbed_x + c) = out.tangential * out.ny;
+        lanes(b.rubbed_y + c) = out.tangential * out.nx;
       }
       if constexpr (SPIN) {
         lanes(b.on_i + c) = out.on_a;
@@ -242,7 +242,7 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
       }
     }
     for (int c = 0; c < b.n; c += 4)
-      rows_of_four(four(b.fx + c), four(b.fy + c), four(b.dash_x + c), four(b.dash_y + c), b.given + c);
+      rows_of_four(four(b.fx + c), four(b.fy + c), four(b.dashpot_x + c), four(b.dashpot_y + c), b.given + c);
     if constexpr (MEMORY) remember();
   }
 
@@ -256,8 +256,8 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
         b.radius_i[c] = radius[i];
         b.radius_j[c] = radius[j];
         if (s.fixed) {
-          b.bulk_i[c] = bulk_of(s, i);
-          b.bulk_j[c] = bulk_of(s, j);
+          b.bulk_i[c] = mass_radius(s, i);
+          b.bulk_j[c] = mass_radius(s, j);
         }
       }
       if constexpr (SPIN) {
@@ -275,15 +275,15 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
 
   void recall(int c, int64_t i, int64_t j)
   {
-    const PairMemory memory(s, i, j);
+    const PairHistory memory(s, i, j);
     Stretch<double> held;
     if (part.owns(memory.disc)) {
-      const ContactMemory found = memory.take(s);
+      const ContactHistory found = memory.take(s);
       b.slot[c] = found.place();
       held = found.begin(memory.way);
     } else {
       b.slot[c] = FULL;
-      held = part.lent[lent++];
+      held = part.remote_history[remote_history++];
     }
     b.way[c] = memory.way;
     b.slide[c] = held.slide;
@@ -307,11 +307,11 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
     s.fy[j] -= b.given[c][1];
     if constexpr (SPIN) s.torque[j] += b.on_j[c];
     if constexpr (LEDGER) {
-      s.dash_x[j] -= b.given[c][2];
-      s.dash_y[j] -= b.given[c][3];
-      if constexpr (RUBS) {
-        s.slide_x[j] += b.slid_x[c];
-        s.slide_y[j] -= b.slid_y[c];
+      s.dashpot_x[j] -= b.given[c][2];
+      s.dashpot_y[j] -= b.given[c][3];
+      if constexpr (HAS_FRICTION) {
+        s.friction_x[j] += b.rubbed_x[c];
+        s.friction_y[j] -= b.rubbed_y[c];
       }
     }
   }
@@ -321,9 +321,9 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
   {
     sum.given += *reinterpret_cast<const Four *>(b.given[c]);
     if constexpr (SPIN) sum.torque += b.on_i[c];
-    if constexpr (LEDGER && RUBS) {
-      sum.slid_x -= b.slid_x[c];
-      sum.slid_y += b.slid_y[c];
+    if constexpr (LEDGER && HAS_FRICTION) {
+      sum.rubbed_x -= b.rubbed_x[c];
+      sum.rubbed_y += b.rubbed_y[c];
     }
   }
 
@@ -333,10 +333,10 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
     int k = 0;
     for (; k + 4 <= count; k += 4) {
       Four part[4];
-      turn(rows[k].given, rows[k + 1].given, rows[k + 2].given, rows[k + 3].given, part);
-      double *const to[] = {s.fx, s.fy, s.dash_x, s.dash_y};
-      for (int of = 0; of < (s.dash_x ? 4 : 2); of++) *reinterpret_cast<AnyFour *>(to[of] + first + k) += part[of];
-      for (int c = 0; RUBS && c < 4; c++) add_rubbing(first + k + c, rows[k + c]);
+      transpose4(rows[k].given, rows[k + 1].given, rows[k + 2].given, rows[k + 3].given, part);
+      double *const to[] = {s.fx, s.fy, s.dashpot_x, s.dashpot_y};
+      for (int of = 0; of < (s.dashpot_x ? 4 : 2); of++) *reinterpret_cast<AnyFour *>(to[of] + first + k) += part[of];
+      for (int c = 0; HAS_FRICTION && c < 4; c++) add_rubbing(first + k + c, rows[k + c]);
     }
     for (; k < count; k++) add(first + k, rows[k]);
     std::fill_n(rows, count, Added{});
@@ -346,9 +346,9 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
   {
     s.fx[i] += sum.given[0];
     s.fy[i] += sum.given[1];
-    if (s.dash_x) {
-      s.dash_x[i] += sum.given[2];
-      s.dash_y[i] += sum.given[3];
+    if (s.dashpot_x) {
+      s.dashpot_x[i] += sum.given[2];
+      s.dashpot_y[i] += sum.given[3];
     }
     add_rubbing(i, sum);
   }
@@ -356,20 +356,20 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
   void add_rubbing(int64_t i, const Added &sum) const
   {
     if constexpr (SPIN) s.torque[i] += sum.torque;
-    if constexpr (RUBS) {
-      if (!s.dash_x) return;
-      s.slide_x[i] += sum.slid_x;
-      s.slide_y[i] += sum.slid_y;
+    if constexpr (HAS_FRICTION) {
+      if (!s.dashpot_x) return;
+      s.friction_x[i] += sum.rubbed_x;
+      s.friction_y[i] += sum.rubbed_y;
     }
   }
 
   /** Add a contact to those of its discs that the part has. */
   void add_pair(int c, Added &sum) const
   {
-    if (s.dash_x) put_on<true>(c, sum);
+    if (s.dashpot_x) put_on<true>(c, sum);
     else put_on<false>(c, sum);
     if (!part.owns(b.j[c])) return;
-    if (s.dash_x) take_off<true>(c, b.j[c]);
+    if (s.dashpot_x) take_off<true>(c, b.j[c]);
     else take_off<false>(c, b.j[c]);
   }
 
@@ -386,13 +386,13 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
 }    // namespace
 
 /** Ask for what the part reads of others, all at once: it was written by other cores a moment ago. */
-static void fetch_others(const Part &part)
+static void fetch_others(const ThreadPart &part)
 {
-  for (int64_t i = part.before; i < part.begin; i += 2) __builtin_prefetch(part.at[i]);
-  for (int64_t i = part.end; i < part.beyond; i += 2) __builtin_prefetch(part.at[i]);
+  for (int64_t i = part.first_row; i < part.begin; i += 2) __builtin_prefetch(part.at[i]);
+  for (int64_t i = part.end; i < part.end_neighbour; i += 2) __builtin_prefetch(part.at[i]);
 }
 
-void pair_forces(const jump_state &s, double slope, Part &part)
+void pair_forces(const jump_state &s, double slope, ThreadPart &part)
 {
   fetch_others(part);
   with_law(s, slope, [&](const auto &law, auto sizes, auto spin) {
@@ -402,13 +402,13 @@ void pair_forces(const jump_state &s, double slope, Part &part)
   });
 }
 
-void borrow(const jump_state &s, Part &part)
+void borrow(const jump_state &s, ThreadPart &part)
 {
-  part.lent.clear();
+  part.remote_history.clear();
   const auto take = [&](int64_t from, int64_t to) {
     each_across(s, part, from, to, [&](int64_t, int64_t i, int64_t j, const Four &) {
-      const PairMemory memory(s, i, j);
-      if (!part.owns(memory.disc)) part.lent.push_back(memory.look(s).begin(memory.way));
+      const PairHistory memory(s, i, j);
+      if (!part.owns(memory.disc)) part.remote_history.push_back(memory.look(s).begin(memory.way));
     });
   };
   each_stretch(s, part, take, []() {});

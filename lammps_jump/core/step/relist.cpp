@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Lists of the native engine made anew, shared among threads: the lists are the same for any number of them.
 
-#include "contact/lanes.h"    // before the core: its templates take vectors
+#include "contact/simd.h"    // before the core: its templates take vectors
 
 #include "step/relist.h"
 #include "walls/wall.h"
@@ -155,13 +155,13 @@ void sort_column(uint64_t *from, uint64_t *to)
 }
 
 /** Cells of the discs in their order, and where each disc was. */
-void sort_discs(const jump_state &s, const SearchCells &cells, Crew &crew)
+void sort_discs(const jump_state &s, const SearchCells &cells, ThreadPartition &partition)
 {
-  ListRoom &work = crew.lists;
+  ListRoom &work = partition.lists;
   work.cells.resize((size_t) s.n);
   work.columns.resize((size_t) s.n);
   work.sorted.resize((size_t) s.n);
-  crew.stretches(s.n, [&](int, int64_t from, int64_t to) {
+  partition.stretches(s.n, [&](int, int64_t from, int64_t to) {
     for (int64_t i = from; i < to; i++) {
       const auto [column, cell] = cells.of(s.x[i], s.y[i]);
       work.columns[(size_t) i] = (int32_t) column;
@@ -175,7 +175,7 @@ void sort_discs(const jump_state &s, const SearchCells &cells, Crew &crew)
   for (int64_t i = 0; i < s.n; i++)    // ends[c] runs from the first disc of column c to the first of the next one
     work.sorted[(size_t) ends[work.columns[(size_t) i]]++] = (uint64_t) work.cells[(size_t) i] << 32 | (uint64_t) i;
   uint64_t *const sorted = work.sorted.data();
-  crew.stretches(cells.columns, [&](int, int64_t from, int64_t to) {
+  partition.stretches(cells.columns, [&](int, int64_t from, int64_t to) {
     for (int64_t c = from; c < to; c++) sort_column(sorted + ends[c], sorted + ends[c + 1]);
   });
 }
@@ -190,33 +190,33 @@ void gather(const std::vector<uint64_t> &sorted, const int64_t *from, int64_t *t
 }
 
 /** Sort all arrays of the discs. Each thread has a stretch of all of them, so that its discs stay in its cache. */
-void move_discs(const jump_state &s, const jump_lists &l, Crew &crew)
+void move_discs(const jump_state &s, const jump_lists &l, ThreadPartition &partition)
 {
-  std::vector<std::vector<int64_t>> &copy = crew.lists.copy;
+  std::vector<std::vector<int64_t>> &copy = partition.lists.copy;
   copy.resize((size_t) l.columns);
   for (int64_t k = 0; k < l.columns; k++) copy[(size_t) k].resize((size_t) (s.n * l.width[k]));
-  crew.stretches(s.n, [&](int, int64_t from, int64_t to) {
+  partition.stretches(s.n, [&](int, int64_t from, int64_t to) {
     for (int64_t k = 0; k < l.columns; k++)
       std::copy(l.column[k] + from * l.width[k], l.column[k] + to * l.width[k], copy[(size_t) k].data() + from * l.width[k]);
   });
-  crew.stretches(s.n, [&](int, int64_t from, int64_t to) {
+  partition.stretches(s.n, [&](int, int64_t from, int64_t to) {
     for (int64_t k = 0; k < l.columns; k++)
-      gather(crew.lists.sorted, copy[(size_t) k].data(), l.column[k], l.width[k], from, to);
+      gather(partition.lists.sorted, copy[(size_t) k].data(), l.column[k], l.width[k], from, to);
     std::copy(s.x + from, s.x + to, s.x0 + from);
     std::copy(s.y + from, s.y + to, s.y0 + from);
   });
 }
 
 /** List the rows of the sorted discs; false where there is no room. */
-bool list_rows(jump_state &s, const RowsOf &rows, Crew &crew)
+bool list_rows(jump_state &s, const RowsOf &rows, ThreadPartition &partition)
 {
-  const int count = crew.shares();
+  const int count = partition.shares();
   s.start[0] = 0;
   if (count == 1) return rows.list(0, s.n, s.neighbours, s.room) >= 0;
-  std::vector<std::vector<int32_t>> &own = crew.lists.rows;
+  std::vector<std::vector<int32_t>> &own = partition.lists.rows;
   std::vector<int64_t> length((size_t) count), before((size_t) count + 1);
   own.resize((size_t) count);
-  crew.stretches(s.n, [&](int k, int64_t from, int64_t to) {
+  partition.stretches(s.n, [&](int k, int64_t from, int64_t to) {
     own[(size_t) k].resize((size_t) (2 * s.room / count + 64));
     length[(size_t) k] = rows.list(from, to, own[(size_t) k].data(), (int64_t) own[(size_t) k].size());
   });
@@ -225,7 +225,7 @@ bool list_rows(jump_state &s, const RowsOf &rows, Crew &crew)
     before[(size_t) k + 1] = before[(size_t) k] + length[(size_t) k];
   }
   if (before.back() > s.room) return false;
-  crew.stretches(s.n, [&](int k, int64_t from, int64_t to) {
+  partition.stretches(s.n, [&](int k, int64_t from, int64_t to) {
     std::copy_n(own[(size_t) k].data(), length[(size_t) k], s.neighbours + before[(size_t) k]);
     for (int64_t i = from; i < to; i++) s.start[i + 1] += before[(size_t) k];
   });
@@ -234,22 +234,22 @@ bool list_rows(jump_state &s, const RowsOf &rows, Crew &crew)
 
 }    // namespace
 
-int64_t list_pairs(jump_state &s, const jump_lists &l, Crew &crew)
+int64_t list_pairs(jump_state &s, const jump_lists &l, ThreadPartition &partition)
 {
   BoxOfDiscs box(l);
-  std::vector<BoxOfDiscs> parts((size_t) crew.shares(), box);
-  crew.stretches(s.n, [&](int k, int64_t from, int64_t to) { parts[(size_t) k].see(s, l, from, to); });
+  std::vector<BoxOfDiscs> parts((size_t) partition.shares(), box);
+  partition.stretches(s.n, [&](int k, int64_t from, int64_t to) { parts[(size_t) k].see(s, l, from, to); });
   for (const BoxOfDiscs &part : parts) box.join(part);
   if (box.lost >= 0) return box.lost;
   s.rows = s.sorted = s.n;
-  s.listed_as = crew.next_list();
+  s.listed_as = partition.next_list();
   s.start[0] = 0;
   if (s.n == 0) return LISTED;
   const double reach = l.widest + l.skin;
   const SearchCells cells(box, reach, s.n);
-  sort_discs(s, cells, crew);
-  move_discs(s, l, crew);
-  return list_rows(s, RowsOf(s, crew.lists, s.radius ? l.skin : reach, cells.height()), crew) ? LISTED : NO_ROOM;
+  sort_discs(s, cells, partition);
+  move_discs(s, l, partition);
+  return list_rows(s, RowsOf(s, partition.lists, s.radius ? l.skin : reach, cells.height()), partition) ? LISTED : NO_ROOM;
 }
 
 }    // namespace jump

@@ -7,7 +7,7 @@
 #ifndef JUMP_CORE_RELIST_H
 #define JUMP_CORE_RELIST_H
 
-#include "step/crew.h"
+#include "step/thread_partition.h"
 
 namespace jump {
 
@@ -16,7 +16,7 @@ enum : int64_t { LISTED = -1, NO_ROOM = -2 };
 
 /** Sort the discs by cell and list all pairs closer than the reach, sorted rows alone; the index of a disc outside the
     domain, or LISTED or NO_ROOM. A NaN is outside; then nothing is changed. */
-int64_t list_pairs(jump_state &s, const jump_lists &lists, Crew &crew);
+int64_t list_pairs(jump_state &s, const jump_lists &lists, ThreadPartition &partition);
 
 /** List the discs near each wall, from where they were when their pairs were listed; false where there is no room. */
 bool list_walls(jump_state &s, const jump_lists &lists);

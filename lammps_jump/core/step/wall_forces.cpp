@@ -9,7 +9,7 @@
 namespace jump {
 
 /** Rows of the list of one wall whose discs a part has. */
-static std::pair<int64_t, int64_t> rows_of(const jump_state &s, int64_t wall, const Part &part)
+static std::pair<int64_t, int64_t> rows_of(const jump_state &s, int64_t wall, const ThreadPart &part)
 {
   const int32_t *const first = s.near_discs + s.near_rows[wall], *const last = s.near_discs + s.near_rows[wall + 1];
   if (part.begin == 0 && part.end == s.n) return {s.near_rows[wall], s.near_rows[wall + 1]};
@@ -18,12 +18,12 @@ static std::pair<int64_t, int64_t> rows_of(const jump_state &s, int64_t wall, co
 
 /** Forces of one wall on the discs of a part, and of these on it. Fixed discs feel no wall but bodies. */
 template <bool SIZES, bool SPIN, class Law>
-static void forces_of(const jump_state &s, const Law &law, int64_t wall, Part &part)
+static void forces_of(const jump_state &s, const Law &law, int64_t wall, ThreadPart &part)
 {
-  const Seen seen = seen_by(s);
+  const ContactVelocities seen = seen_by(s);
   const WallView view(s, wall);
   const Numbers<double> of = numbers_of(s.at_wall[wall], 0.0);
-  const bool moves = view.placed, ledger = s.dash_x, slides = Law::Friction::RUBS && s.slide_x;
+  const bool moves = view.placed, ledger = s.dashpot_x, slides = Law::Friction::HAS_FRICTION && s.friction_x;
   double x_ref = s.about[wall][0], y_ref = s.about[wall][1];
   if (moves) {
     x_ref += view.placed->now.x;
@@ -41,7 +41,7 @@ static void forces_of(const jump_state &s, const Law &law, int64_t wall, Part &p
     for (int c = 0; c < count; c++) {
       const AtWall<double> at = view.meet<SIZES, SPIN>(s, seen, i, found[c], x, y);
       const WallForce<double> out =
-          wall_contact<SIZES, SPIN>(law, of, at, WallMemory(s, i, found[c].face, px, py, own));
+          wall_contact<SIZES, SPIN>(law, of, at, WallHistory(s, i, found[c].face, px, py, own));
       const double to = view.arm(at.gap, own), to_x = x - to * at.nx, to_y = y - to * at.ny;
       const double rolls = view.bulk > 0.0 ? own * out.resist : 0.0;    // of a body, which feels it too
       const Sum push{out.fx, out.fy, (to_x - x_ref) * out.fy - (to_y - y_ref) * out.fx + rolls};
@@ -50,24 +50,24 @@ static void forces_of(const jump_state &s, const Law &law, int64_t wall, Part &p
       s.fx[i] += out.fx;
       s.fy[i] += out.fy;
       if (!ledger) continue;
-      s.dash_x[i] += out.dashpot * at.nx;
-      s.dash_y[i] += out.dashpot * at.ny;
+      s.dashpot_x[i] += out.dashpot * at.nx;
+      s.dashpot_y[i] += out.dashpot * at.ny;
       if (slides) {
-        s.slide_x[i] -= out.rub * at.ny;
-        s.slide_y[i] += out.rub * at.nx;
+        s.friction_x[i] -= out.tangential * at.ny;
+        s.friction_y[i] += out.tangential * at.nx;
       }
       if (!moves) continue;
       const double arm_x = to_x - view.cx - view.placed->now.x, arm_y = to_y - view.cy - view.placed->now.y;
       part.lost_at_walls.push_back({
           {out.dashpot * at.nx, out.dashpot * at.ny, out.dashpot * (arm_x * at.ny - arm_y * at.nx)},
-          {-out.rub * at.ny, out.rub * at.nx, out.rub * (arm_x * at.nx + arm_y * at.ny) + rolls},
+          {-out.tangential * at.ny, out.tangential * at.nx, out.tangential * (arm_x * at.nx + arm_y * at.ny) + rolls},
       });
     }
   }
   part.walls_end.push_back({part.on_walls.size(), part.lost_at_walls.size()});
 }
 
-void wall_forces(const jump_state &s, double slope, Part &part)
+void wall_forces(const jump_state &s, double slope, ThreadPart &part)
 {
   part.on_walls.clear();
   part.lost_at_walls.clear();
@@ -77,11 +77,11 @@ void wall_forces(const jump_state &s, double slope, Part &part)
   });
 }
 
-void sum_walls(const jump_state &s, const std::vector<Part> &parts)
+void sum_walls(const jump_state &s, const std::vector<ThreadPart> &parts)
 {
   for (int64_t wall = 0; wall < s.walls; wall++) {
     Sum on_wall, lost, slid;
-    for (const Part &part : parts) {
+    for (const ThreadPart &part : parts) {
       const Ends first = wall > 0 ? part.walls_end[wall - 1] : Ends{0, 0}, last = part.walls_end[wall];
       for (size_t c = first.push; c < last.push; c++) on_wall -= part.on_walls[c];
       for (size_t c = first.lost; c < last.lost; c++) {

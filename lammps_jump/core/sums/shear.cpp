@@ -99,11 +99,11 @@ void forces(const Swarm &s, const ShearBox &box, const Control &c, const jump_st
   std::fill(s.fy, s.fy + s.n, 0.0);
   std::fill(s.torque, s.torque + s.n, 0.0);
   const double speed = c.rate * box.ly;
-  const Seen seen{s.vx, s.vy, s.omega};
+  const ContactVelocities seen{s.vx, s.vy, s.omega};
   with_law(state, c.slope, [&](const auto &law, auto sizes, auto spin) {
     using Friction = typename std::decay_t<decltype(law)>::Friction;
     constexpr bool SPIN = decltype(spin)::value;
-    if constexpr (decltype(sizes)::value && SPIN == Friction::RUBS) {
+    if constexpr (decltype(sizes)::value && SPIN == Friction::HAS_FRICTION) {
       for (const ListedPair *p = pairs; p < pairs + count; p++) {
         const int64_t i = p->i, j = p->j;
         const double dx = s.x[i] - s.x[j] - p->level * box.offset - p->column * box.lx;
@@ -113,9 +113,9 @@ void forces(const Swarm &s, const ShearBox &box, const Control &c, const jump_st
         pair.vx -= p->level * speed;
         Stretch<double> held{};
         PairForce<double> out;
-        if constexpr (Friction::REMEMBERS) {
-          const PairMemory of_pair(state, i, j);
-          const ContactMemory memory = of_pair.take(state);
+        if constexpr (Friction::HAS_HISTORY) {
+          const PairHistory of_pair(state, i, j);
+          const ContactHistory memory = of_pair.take(state);
           held = memory.begin(of_pair.way);
           out = pair_contact<true, SPIN>(law, numbers_of(state.pair, 0.0), pair, held);
           memory.end(held, of_pair.way);

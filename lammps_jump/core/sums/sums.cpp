@@ -2,7 +2,7 @@
 /* What the native engine sums over contacts: elastic energy, the list of contacts, energy between two stations; and what
    discs that get their own size change. */
 
-#include "step/crew.h"
+#include "step/thread_partition.h"
 #include "step/kinds.h"
 
 #include <cstring>
@@ -110,19 +110,19 @@ class ContactRows {
 
 /** The contact of two discs of a row, with what it remembers. */
 template <bool SIZES, bool SPIN, class Law>
-static PairForce<double> contact_of(const jump_state &s, const Law &law, const Seen &seen, int64_t i, int64_t j,
+static PairForce<double> contact_of(const jump_state &s, const Law &law, const ContactVelocities &seen, int64_t i, int64_t j,
                                     const Between &way, double a, double b)
 {
   Stretch<double> held{};
-  if constexpr (Law::Friction::REMEMBERS) {
-    const PairMemory memory(s, i, j);
+  if constexpr (Law::Friction::HAS_HISTORY) {
+    const PairHistory memory(s, i, j);
     held = memory.take(s).begin(memory.way);
   }
   return pair_contact<SIZES, SPIN>(law, numbers_of(s.pair, 0.0), pair_of<SIZES, SPIN>(s, seen, i, j, way, a, b), held);
 }
 
 template <bool SIZES, bool SPIN, class Law>
-static void list_contacts(const jump_state &s, const Law &law, const Seen &at_step, const Seen &seen, ContactRows &record)
+static void list_contacts(const jump_state &s, const Law &law, const ContactVelocities &at_step, const ContactVelocities &seen, ContactRows &record)
 {
   each_pair(s, {}, [&](double xi, int64_t i, int64_t j, double dx, double dy, double r2, double a, double b) {
     const PairForce<double> out = contact_of<SIZES, SPIN>(s, law, seen, i, j, {dx, dy, r2}, a, b);
@@ -135,7 +135,7 @@ static void list_contacts(const jump_state &s, const Law &law, const Seen &at_st
     const double own = radius_of(s, i), x = s.x[i], y = s.y[i];
     const AtWall<double> at = view.meet<SIZES, SPIN>(s, seen, i, found, x, y);
     const WallForce<double> out = wall_contact<SIZES, SPIN>(law, numbers_of(s.at_wall[wall], 0.0), at,
-                                                            WallMemory(s, i, found.face, px, py, own));
+                                                            WallHistory(s, i, found.face, px, py, own));
     const double at_x = x - at.gap * at.nx, at_y = y - at.gap * at.ny;
     const Pose wall_v = view.placed ? view.velocity(view.placed->centred, at_x, at_y) : Pose{0.0, 0.0, 0.0};
     const double sx = at_step.vx[i] - wall_v.x, sy = at_step.vy[i] - wall_v.y;
@@ -169,9 +169,9 @@ static void between_discs(const jump_state &s, const jump_stations &at, double *
     held += energy;
     const double hx = s.vx[i] + half / mass * s.fx[i], hy = s.vy[i] + half / mass * s.fy[i];
     push += s.fx[i] - s.weight_x * square;
-    lost += s.dash_x[i] * hx + s.dash_y[i] * hy;
-    if (!s.slide_x) continue;
-    slid += s.slide_x[i] * hx + s.slide_y[i] * hy;
+    lost += s.dashpot_x[i] * hx + s.dashpot_y[i] * hy;
+    if (!s.friction_x) continue;
+    slid += s.friction_x[i] * hx + s.friction_y[i] * hy;
     if (s.omega) slid += s.torque[i] * (s.omega[i] + half / inertia * s.torque[i]);
   }
   sums[HELD] = held;
@@ -201,7 +201,7 @@ static void between(const jump_state &s, const jump_stations &at, double *sums)
   double handed = 0.0, push = 0.0, lost = 0.0, slid = 0.0;
   between_discs(s, at, sums, push, lost, slid);
   if (!at.pushed) return;
-  const Seen seen = seen_by(s);
+  const ContactVelocities seen = seen_by(s);
   with_law(s, slope_of(s, seen), [&](const auto &law, auto sizes, auto spin) {
     constexpr bool SIZES = decltype(sizes)::value, SPIN = decltype(spin)::value;
     each_pair(s, {}, [&](double, int64_t i, int64_t j, double, double, double r2, double, double) {
@@ -216,7 +216,7 @@ static void between(const jump_state &s, const jump_stations &at, double *sums)
       const double mx = 0.5 * (one.vx + two.vx), my = 0.5 * (one.vy + two.vy);
       double turn = 0.0;
       if constexpr (SPIN) turn = 0.5 * (out.on_a * two.spin - out.on_b * one.spin);
-      slid -= way * (out.rub * (out.nx * my - out.ny * mx) + turn);
+      slid -= way * (out.tangential * (out.nx * my - out.ny * mx) + turn);
       handed += way * (out.fx * (mx - at.speed) + out.fy * my + turn);
       push -= way * out.fx;
       lost -= way * out.dashpot * (out.nx * mx + out.ny * my);
@@ -251,8 +251,8 @@ static double give_sizes(const jump_state &s, int64_t known, const double *radii
     const double late_x = push_x / own + dt * s.weight_x, late_y = push_y / own + dt * s.weight_y;
     gained += push_x * (wx + after * fx - 0.5 * late_x / s.mass);
     gained += push_y * (wy + after * fy - 0.5 * late_y / s.mass);
-    if (s.dash_x) gained -= 0.25 * dt * (before - after) * (s.dash_x[i] * fx + s.dash_y[i] * fy);
-    if (s.slide_x) gained -= 0.25 * dt * (before - after) * (s.slide_x[i] * fx + s.slide_y[i] * fy);
+    if (s.dashpot_x) gained -= 0.25 * dt * (before - after) * (s.dashpot_x[i] * fx + s.dashpot_y[i] * fy);
+    if (s.friction_x) gained -= 0.25 * dt * (before - after) * (s.friction_x[i] * fx + s.friction_y[i] * fy);
     if (!s.omega) continue;
     const double slow = 0.5 * dt / (s.inertia * old * old), fast = 0.5 * dt / (s.inertia * own * own);
     const double torque = s.torque[i], turn = s.omega[i] + slow * torque;
@@ -271,16 +271,16 @@ JUMP_SIZE(jump_state)
 JUMP_SIZE(jump_grid)
 JUMP_SIZE(jump_lists)
 JUMP_SIZE(jump_stations)
-using jump_seen = Seen;
-JUMP_SIZE(jump_seen)
+using jump_velocities = ContactVelocities;
+JUMP_SIZE(jump_velocities)
 
 /** Elastic energy, J per m of width; the largest overlap, m, its disc and wall (-1: of two discs).
 
     With a mask, those of the contacts of these discs alone. Contacts of bodies with walls and each other count where all
     contacts do. */
-double jump_elastic(const jump_state *state, Crew *crew, const int8_t *mask, double *worst, int64_t *where)
+double jump_elastic(const jump_state *state, ThreadPartition *partition, const int8_t *mask, double *worst, int64_t *where)
 {
-  const Chosen chosen{mask, crew->reach_of(*state)};
+  const Chosen chosen{mask, partition->reach_of(*state)};
   *worst = 0.0;
   where[0] = where[1] = -1;
   double energy = 0.0;
@@ -293,7 +293,7 @@ double jump_elastic(const jump_state *state, Crew *crew, const int8_t *mask, dou
 
     The power that dashpots and friction take is with the velocities at the step: dt times the sum over contacts is what the
     energy balance books for the kick. */
-int64_t jump_contacts(const jump_state *state, const Seen *at_step, const Seen *seen, int64_t (*who)[2], double (*found)[5],
+int64_t jump_contacts(const jump_state *state, const ContactVelocities *at_step, const ContactVelocities *seen, int64_t (*who)[2], double (*found)[5],
                       int64_t room)
 {
   ContactRows record(who, found, room);

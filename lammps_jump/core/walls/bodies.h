@@ -15,7 +15,7 @@ namespace jump {
 /** What a wall gives way to a force of 1 N at (ax, ay) from its point of turning, along (nx, ny), 1/kg: 0 of one that does not. */
 inline double yielding(const jump_state &s, int64_t wall, double ax, double ay, double nx, double ny)
 {
-  if (!s.moving || s.moving[wall] < LID || s.pushed[wall].phase == IS_HELD) return 0.0;
+  if (!s.moving || s.moving[wall] < LOADED || s.pushed[wall].phase == IS_HELD) return 0.0;
   const Load &load = s.load[wall];
   const double turn = ax * ny - ay * nx;
   return (load.free[0] * nx * nx + load.free[1] * ny * ny) / load.mass + load.free[2] * turn * turn / load.inertia;
@@ -82,13 +82,13 @@ template <class Force>
 inline void add_to_wall(const jump_state &s, int64_t wall, const BodyContact &contact, const Force &out, double sense)
 {
   const double *const arm = contact.arm[sense < 0.0];
-  const double fx = sense * out.fx, fy = sense * out.fy, dashpot = sense * out.dashpot, rub = sense * out.rub;
+  const double fx = sense * out.fx, fy = sense * out.fy, dashpot = sense * out.dashpot, tangential = sense * out.tangential;
   if (s.moving && s.moving[wall] != STANDS) {
-    WallTaken &taken = s.taken[wall];
+    WallLoads &taken = s.taken[wall];
     taken.all.add(fx, fy, arm[0], arm[1]);
     // the ledger has these as they act on discs
-    taken.lost.add(-dashpot * contact.at.nx, -dashpot * contact.at.ny, arm[0], arm[1]);
-    taken.slid.add(rub * contact.at.ny, -rub * contact.at.nx, arm[0], arm[1]);
+    taken.dashpots.add(-dashpot * contact.at.nx, -dashpot * contact.at.ny, arm[0], arm[1]);
+    taken.friction.add(tangential * contact.at.ny, -tangential * contact.at.nx, arm[0], arm[1]);
   }
   if (s.bulk[wall] > 0.0) return;    // a probe of a body is of discs alone
   const bool moves = s.moving && s.moving[wall] != STANDS;
@@ -110,7 +110,7 @@ inline void push_bodies(const jump_state &s, double slope)
       const Numbers<double> numbers{of.law, most(of.law.damping * size - of.lag, 0.0), of.law.tangential * size};
       const WallForce<double> out = wall_contact<false, SPIN>(
           law, numbers, contact.at,
-          WallMemory(c, contact.corner, contact.face, contact.px, contact.py, corner.radius));
+          WallHistory(c, contact.corner, contact.face, contact.px, contact.py, corner.radius));
       add_to_wall(s, corner.wall, contact, out, 1.0);
       add_to_wall(s, contact.wall, contact, out, -1.0);
       if (overlap > s.deepest[0]) {

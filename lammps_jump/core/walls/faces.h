@@ -7,7 +7,7 @@
 #ifndef JUMP_CORE_FACES_H
 #define JUMP_CORE_FACES_H
 
-#include "contact/number.h"
+#include "contact/scalar_ops.h"
 
 #include <cstdint>
 

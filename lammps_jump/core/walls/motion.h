@@ -6,7 +6,7 @@
 #ifndef JUMP_CORE_MOTION_H
 #define JUMP_CORE_MOTION_H
 
-#include "contact/number.h"
+#include "contact/scalar_ops.h"
 
 #include <cstdint>
 
@@ -15,7 +15,7 @@ namespace jump {
 /** How a wall moves: it follows a track; a lid and a body are pushed by what touches them; a tailgate goes at the speed that
     its `Pushed` has, as its mass is infinite. A body is felt with its mass, and by walls too (bodies.cpp). core/columns.py
     has the same numbers. */
-enum WallMotion : int64_t { STANDS, FOLLOWS, LID, TAILGATE, BODY };
+enum WallMotion : int64_t { STANDS, FOLLOWS, LOADED, TAILGATE, BODY };
 
 /** Displacement (m) and turn (rad) of a wall from where the case has it, or their rates. */
 struct Pose {
@@ -51,9 +51,9 @@ struct Sum {
 };
 
 /** What a wall that moves takes in a step, its moments about the point of turning: force of the discs, of the discs and of
-    bodies, and the parts of the latter that dashpots and friction take as their own. */
-struct WallTaken {
-  Sum of_discs, all, lost, slid;
+    bodies, and the parts of the latter that dashpots and friction take. */
+struct WallLoads {
+  Sum of_discs, all, dashpots, friction;
 };
 
 /** Sums over steps of what a wall feels, its moment about `about`: force of the discs, and its power on them. */

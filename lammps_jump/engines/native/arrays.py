@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Arrays and numbers as the loops of the native engine take them, those of the core (`bound`) and of the twin.
 
-What a scene lacks is None: `omega` (no spin), `dash_x` (no energy ledger), `ux` (damping with the half-step velocity
+What a scene lacks is None: `omega` (no spin), `dashpot_x` (no energy ledger), `ux` (damping with the half-step velocity
 rather than the extrapolated one), `grid` and `owner` (neighbour list rather than the thesis' cells), `radius` (equal
 discs), `shift` (no periodic x), `fixed` (all discs move).
 
@@ -121,7 +121,7 @@ class Moves(NamedTuple):
     pushed : ndarray, shape (walls, 13)
         `PushedColumns`, of pushed walls.
     taken : ndarray, shape (walls, 12)
-        `WallTakenColumns`.
+        `WallLoadsColumns`.
     clock : ndarray, shape (5,)
         `StepClockColumns`.
     """
@@ -235,7 +235,7 @@ class State(NamedTuple):
     constants : Constants
     memory : Memory or None
     work : ndarray, shape (6,)
-        `Books.work`.
+        `EnergyBalance.work`.
     grid : Grid or None
         Pairs are then searched anew every step.
     bodies : BodyState or None
@@ -267,11 +267,11 @@ class StationStep(NamedTuple):
     pushed: bool
 
 
-Seen = tuple[np.ndarray, np.ndarray, np.ndarray | None]
+ContactVelocities = tuple[np.ndarray, np.ndarray, np.ndarray | None]
 """Velocities of discs (m/s) and spins (rad/s)."""
 
 
-NOTHING, OLD, LOOK = range(3)
+DONE, LIST_STALE, CHECK_OVERLAP = range(3)
 """What `Loops.advance` leaves to its caller: forces alone, a list that is too old, or to look for deep overlaps."""
 LISTED, NO_ROOM = -1, -2
 """What `Loops.list_pairs` returns in place of a disc outside the domain."""
@@ -284,12 +284,12 @@ class Loops(Protocol):
     def threads(self) -> int:
         """Threads that take part now; they change no bit of what the loops do."""
 
-    def advance(self, state: State, steps: int, owed: bool) -> tuple[int, int]:
-        """Up to `steps` drifts with forces between them, and before them where these are `owed`; without steps these.
+    def advance(self, state: State, steps: int, forces_pending: bool) -> tuple[int, int]:
+        """Up to `steps` drifts with forces between them, and before them where `forces_pending`; without steps these.
 
         The forces after the last drift are left to the caller: what happens at a step happens between its drift and its
-        forces. Returns the drifts done and what is left (`NOTHING`, `OLD`, `LOOK`). With a `grid` the list is too old
-        where a disc is outside the grid or there is no room for neighbours.
+        forces. Returns the drifts done and why it stopped (`DONE`, `LIST_STALE`, `CHECK_OVERLAP`). With a `grid` the
+        list is too old where a disc is outside the grid or there is no room for neighbours.
         """
 
     def place_walls(self, moves: Moves, step: int) -> None:
@@ -301,7 +301,9 @@ class Loops(Protocol):
         With `chosen`, a mask of shape (n,), it is that of the contacts of these discs alone.
         """
 
-    def contacts(self, state: State, at_step: Seen, seen: Seen, who: np.ndarray, found: np.ndarray) -> int:
+    def contacts(
+        self, state: State, at_step: ContactVelocities, seen: ContactVelocities, who: np.ndarray, found: np.ndarray
+    ) -> int:
         """List the contacts with the forces of the velocities that they have `seen`; -1 where the arrays are too short.
 
         ``who[k]`` takes the id of the disc that the force acts on and that of the other, or -1 - wall; ``found[k]`` the

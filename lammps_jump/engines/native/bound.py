@@ -14,10 +14,10 @@ from lammps_jump.core.library import INTEGER, INTEGERS, REAL, REALS, Struct, ent
 from lammps_jump.scene.chains import Faces, records_of
 from lammps_jump.scene.near import FaceGrid
 
-from .arrays import BodyState, Constants, Lists, Memory, Moves, Near, Seen, State, StationStep
+from .arrays import BodyState, Constants, ContactVelocities, Lists, Memory, Moves, Near, State, StationStep
 
 ARRAY = c_void_p
-DISCS = "ids x y vx vy fx fy x0 y0 ux uy omega torque uomega dash_x dash_y slide_x slide_y radius fixed"
+DISCS = "ids x y vx vy fx fy x0 y0 ux uy omega torque uomega dashpot_x dashpot_y friction_x friction_y radius fixed"
 MOVES = "track first moving centre now listed far load pushed taken clock"
 MEMORY = "chain around full"
 
@@ -80,22 +80,22 @@ class jump_stations(Struct):
     _fields_: ClassVar = [*fields(c_double, "left width speed"), *fields(c_int64, "moved pushed")]
 
 
-class jump_seen(Struct):
+class jump_velocities(Struct):
     """Velocities and spins."""
 
     _fields_: ClassVar = fields(c_void_p, "vx vy spin")
 
 
 STATE, GRID = POINTER(jump_state), POINTER(jump_grid)
-_crew = function("jump_crew", c_char_p, result=c_void_p)
-_dismiss = function("jump_dismiss", c_void_p)
-_threads = function("jump_crew_threads", c_void_p, result=INTEGER)
+_partition = function("jump_partition", c_char_p, result=c_void_p)
+_free_partition = function("jump_free_partition", c_void_p)
+_threads = function("jump_partition_threads", c_void_p, result=INTEGER)
 _advance = function("jump_advance", STATE, c_void_p, INTEGER, INTEGER, POINTER(c_int64), result=INTEGER)
 _place_walls = function("jump_place_walls", STATE, INTEGER)
 _search_cells = function("jump_search_cells", STATE, result=INTEGER)
 _elastic = function("jump_elastic", STATE, c_void_p, ARRAY, POINTER(c_double), ARRAY, result=REAL)
 _contacts = function(
-    "jump_contacts", STATE, POINTER(jump_seen), POINTER(jump_seen), ARRAY, ARRAY, INTEGER, result=INTEGER
+    "jump_contacts", STATE, POINTER(jump_velocities), POINTER(jump_velocities), ARRAY, ARRAY, INTEGER, result=INTEGER
 )
 _give_sizes = function("jump_give_sizes", STATE, INTEGER, REALS, result=REAL)
 _between = function("jump_between", STATE, POINTER(jump_stations), REALS)
@@ -133,8 +133,8 @@ class Core:
     """
 
     def __init__(self, threads: str = "1") -> None:
-        self._crew = _crew(threads.encode())
-        weakref.finalize(self, _dismiss, self._crew)
+        self._partition = _partition(threads.encode())
+        weakref.finalize(self, _free_partition, self._partition)
         self._state, self._lists = jump_state(), jump_lists()
         self._held: dict[str, Any] = {}
         self._faces: tuple[Faces, np.ndarray] | None = None
@@ -256,11 +256,11 @@ class Core:
 
     # --- steps ------------------------------------------------------------------------------------------------------
 
-    def advance(self, state: State, steps: int, owed: bool) -> tuple[int, int]:
+    def advance(self, state: State, steps: int, forces_pending: bool) -> tuple[int, int]:
         """As `Loops.advance`."""
         left, bound = c_int64(), self._bind(state)
         self._state.lists = addressof(self._lists) if state.lists and state.lists.inside else None
-        done = _advance(bound, self._crew, steps, bool(owed), byref(left))
+        done = _advance(bound, self._partition, steps, bool(forces_pending), byref(left))
         self._take_list(state.discs)
         return done, left.value
 
@@ -271,7 +271,7 @@ class Core:
     @property
     def threads(self) -> int:
         """Threads that take part now."""
-        return _threads(self._crew)
+        return _threads(self._partition)
 
     def place_walls(self, moves: Moves, step: int) -> None:
         """As `Loops.place_walls`."""
@@ -286,12 +286,14 @@ class Core:
     def elastic(self, state: State, chosen: np.ndarray | None = None) -> tuple[float, float, int, int]:
         """As `Loops.elastic`."""
         worst, where = c_double(), (c_int64 * 2)()
-        energy = _elastic(self._bind(state), self._crew, address(chosen), byref(worst), where)
+        energy = _elastic(self._bind(state), self._partition, address(chosen), byref(worst), where)
         return energy, worst.value, where[0], where[1]
 
-    def contacts(self, state: State, at_step: Seen, seen: Seen, who: np.ndarray, found: np.ndarray) -> int:
+    def contacts(
+        self, state: State, at_step: ContactVelocities, seen: ContactVelocities, who: np.ndarray, found: np.ndarray
+    ) -> int:
         """As `Loops.contacts`."""
-        velocities = (jump_seen(*map(address, one)) for one in (at_step, seen))
+        velocities = (jump_velocities(*map(address, one)) for one in (at_step, seen))
         return _contacts(self._bind(state), *map(byref, velocities), address(who), address(found), len(who))
 
     def give_sizes(self, state: State, known: int, own: np.ndarray) -> float:
@@ -319,7 +321,7 @@ class Core:
         """As `Loops.list_pairs`."""
         bound = self._bind(state)
         self._state.lists = addressof(self._lists)
-        found = _list_pairs(bound, self._crew)
+        found = _list_pairs(bound, self._partition)
         self._take_list(state.discs)
         return found
 

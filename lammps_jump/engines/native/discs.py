@@ -50,8 +50,8 @@ def columns_of(scene: Scene, *, ledger: bool) -> dict[str, DiscArray | None]:
         ("omega", moved, scene.rotation),
         ("torque", left, scene.rotation),
         ("uomega", moved, scene.rotation and extrapolated),
-        ("dash_x dash_y", left, ledger),
-        ("slide_x slide_y", left, ledger and scene.rubs),
+        ("dashpot_x dashpot_y", left, ledger),
+        ("friction_x friction_y", left, ledger and scene.rubs),
         ("radius", moved, sized),
         ("partner", DiscArray(np.int64, width=slots), slots > 0),
         ("sigma spring roll", DiscArray(width=slots), slots > 0),
@@ -89,7 +89,7 @@ class DiscArrays:
         Extrapolated velocities of the thesis' leap-frog.
     omega, torque : ndarray or None
         Spin (rad/s) and torque where discs spin.
-    dash_x … slide_y : ndarray or None
+    dashpot_x … friction_y : ndarray or None
         Dashpot and friction force on each disc, for the energy ledger.
     radius : ndarray or None
         m, where discs are not equal.
@@ -120,16 +120,16 @@ class DiscArrays:
     y0: np.ndarray
     ux: np.ndarray | None
     omega: np.ndarray | None
-    dash_x: np.ndarray | None
-    slide_x: np.ndarray | None
+    dashpot_x: np.ndarray | None
+    friction_x: np.ndarray | None
     radius: np.ndarray | None
     partner: np.ndarray | None
     fixed: np.ndarray | None
     uy: Any  # from here on an array where the one that it belongs to is there, else None
     uomega: Any
     torque: Any
-    dash_y: Any
-    slide_y: Any
+    dashpot_y: Any
+    friction_y: Any
     sigma: Any
     spring: Any
     roll: Any

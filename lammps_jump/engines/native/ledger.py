@@ -117,18 +117,18 @@ def half_work(scene: Scene, discs: DiscArrays, work: np.ndarray) -> np.ndarray:
     """
     n, (half, half_turn) = discs.n, half_kicks(scene, discs)
     wx, wy = discs.vx[:n] + 0.5 * half * discs.fx[:n], discs.vy[:n] + 0.5 * half * discs.fy[:n]
-    assert discs.dash_x is not None  # the ledger is kept
-    lost = float(discs.dash_x[:n] @ wx + discs.dash_y[:n] @ wy)
+    assert discs.dashpot_x is not None  # the ledger is kept
+    lost = float(discs.dashpot_x[:n] @ wx + discs.dashpot_y[:n] @ wy)
     slid = 0.0
-    if discs.slide_x is not None:
-        slid = float(discs.slide_x[:n] @ wx + discs.slide_y[:n] @ wy)
+    if discs.friction_x is not None:
+        slid = float(discs.friction_x[:n] @ wx + discs.friction_y[:n] @ wy)
         if discs.omega is not None:
             turn = discs.omega[:n] + 0.5 * half_turn * discs.torque[:n]
             slid += float(discs.torque[:n] @ turn)
     return -0.5 * scene.time_step * np.array([lost, slid, 0.0]) - 0.5 * work[WorkColumns.OF_WALLS]
 
 
-class Books:
+class EnergyBalance:
     """The energy balance of a run, J per m of width.
 
     Present energy (kinetic, gravitational, elastic), the energy at the start (`initial`), `brought_in`, `carried_out`,

@@ -25,13 +25,13 @@ from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.scene.motion import PUSHED_THERE
 from lammps_jump.scene.scene import Scene
 
-from .arrays import LOOK, OLD, Grid, Loops, Pairs, State
+from .arrays import CHECK_OVERLAP, LIST_STALE, Grid, Loops, Pairs, State
 from .bound import Core
 from .constants import Memories, constants_of, lists_of
 from .discs import DiscArrays, starting
 from .events import Event, EventList, OpenBoundaries, Tailgates, WindowForce, Windows
 from .ledger import (
-    Books,
+    EnergyBalance,
     EnergyNow,
     StationLedger,
     energy_of,
@@ -80,7 +80,7 @@ class NativeSimulation:
         Sum over steps of the discs in play.
     windows : Windows
         Mean forces on the probed walls.
-    books : Books
+    books : EnergyBalance
     stations : StationLedger
     rebuilds : int
         Neighbour lists made, in `rebuild_seconds` of wall time.
@@ -114,7 +114,7 @@ class NativeSimulation:
         self.boundaries = OpenBoundaries(scene)
         self.windows = Windows(scene)
         self.gates = Tailgates(scene)
-        self.books = Books(periodic=scene.period is not None)
+        self.books = EnergyBalance(periodic=scene.period is not None)
         self.stations = StationLedger(scene, self.loops, ledger)
         self._between = EventList(  # drift and forces
             Event(self.boundaries.next_leaving, self._let_leave),
@@ -207,9 +207,9 @@ class NativeSimulation:
             done, left = self._advance(stop - self.step, left != 0)
             self.step += done
             self.disc_steps += done * self.discs.n
-            if left == OLD:
+            if left == LIST_STALE:
                 self._rebuild()
-            elif left == LOOK:
+            elif left == CHECK_OVERLAP:
                 self._check_overlap()
 
     def _forces(self) -> None:
@@ -226,9 +226,9 @@ class NativeSimulation:
             self._lists,
         )  # fmt: skip
 
-    def _advance(self, steps: int, owed: bool) -> tuple[int, int]:
+    def _advance(self, steps: int, forces_pending: bool) -> tuple[int, int]:
         self.walls.place(self.step)
-        found = self.loops.advance(self._state(self.scene.time_step if self._started else 0.0), steps, owed)
+        found = self.loops.advance(self._state(self.scene.time_step if self._started else 0.0), steps, forces_pending)
         lists, seconds = self._lists.made.tolist()
         self._lists.made[:] = 0.0
         self.rebuilds += int(lists)
@@ -436,7 +436,7 @@ class NativeSimulation:
 
     @property
     def ledger(self) -> dict[str, float] | None:
-        """Energy ledger since the start, J per m of width (see `Books`); None if it is not kept."""
+        """Energy ledger since the start, J per m of width (see `EnergyBalance`); None if it is not kept."""
         if not self._ledger_on:
             return None
         moves = self.walls.moves is not None

@@ -17,8 +17,8 @@ from lammps_jump.core.columns import (
     PushedColumns,
     StepClockColumns,
     SumsOnWallColumns,
+    WallLoadsColumns,
     WallMotion,
-    WallTakenColumns,
 )
 from lammps_jump.scene.bodies.meeting import law_at
 from lammps_jump.scene.chains import BEFORE, LENGTH, Faces, boxes, lay
@@ -40,7 +40,7 @@ def _way_of(motion: Motion) -> WallMotion:
         return WallMotion.STANDS
     if motion.holding:
         return WallMotion.TAILGATE
-    return WallMotion.LID if motion.load else WallMotion.BODY if motion.free else WallMotion.FOLLOWS
+    return WallMotion.LOADED if motion.load else WallMotion.BODY if motion.free else WallMotion.FOLLOWS
 
 
 def _load(
@@ -80,7 +80,7 @@ def _moves(walls: list[MovingWall], faces: Faces, scene: Scene, skin: float) -> 
         np.concatenate(track), np.cumsum([0, *map(len, track)]), np.array(moving), centre,
         now, np.zeros((count, 3)),
         np.array([_far(faces, wall, *centre[wall]) for wall in range(count)]), rows, pushed,
-        np.zeros((count, WallTakenColumns.width())), clock,
+        np.zeros((count, WallLoadsColumns.width())), clock,
     )  # fmt: skip
 
 
@@ -191,7 +191,7 @@ class Walls:
             return {}
         walls = zip(self.names, self.moves.moving, self.moves.pushed, strict=True)
         return {
-            name: Pose(*row[PushedColumns.PLACE].tolist()) for name, moving, row in walls if moving >= WallMotion.LID
+            name: Pose(*row[PushedColumns.PLACE].tolist()) for name, moving, row in walls if moving >= WallMotion.LOADED
         }
 
     def centre_of(self, wall: int) -> tuple[float, float]:
@@ -254,7 +254,7 @@ class Walls:
             return kinetic, place
         dt, now = self.moves.clock[StepClockColumns.DT], self.moves.now
         for wall, (row, load) in enumerate(zip(self.moves.pushed, self.moves.load, strict=True)):
-            if self.moves.moving[wall] not in (WallMotion.LID, WallMotion.BODY):
+            if self.moves.moving[wall] not in (WallMotion.LOADED, WallMotion.BODY):
                 continue
             mass, inertia, force = load[LoadColumns.MASS], load[LoadColumns.INERTIA], load[LoadColumns.FORCE]
             arm, free = load[LoadColumns.ARM], load[LoadColumns.FREE]

@@ -27,19 +27,19 @@ struct DiscLaw {
 
   DiscLaw() = default;
 
-  /** `told`: the dashpots are rates, 1/s; stiffness and dashpot against rolling are over those of nominal discs. `mass` is
+  /** `input`: the dashpots are rates, 1/s; stiffness and dashpot against rolling are over those of nominal discs. `mass` is
       the effective one of nominal discs, `size` their size, or 1 m where discs are equal. */
-  DiscLaw(const LawNumbers &told, double mass, double size, bool sign, bool springs) : of(told)
+  DiscLaw(const LawNumbers &input, double mass, double size, bool sign, bool springs) : of(input)
   {
-    const double gamma = told.damping, gamma_t = told.tangential;
-    const bool rubs = told.friction > 0.0 && (sign || gamma_t > 0.0);
+    const double gamma = input.damping, gamma_t = input.tangential;
+    const bool rubs = input.friction > 0.0 && (sign || gamma_t > 0.0);
     choice.tangential = springs ? Choice::SLIDER : !rubs ? Choice::NONE : sign ? Choice::SIGN : Choice::RAMP;
-    choice.smooth = told.touch > 0.0;
+    choice.smooth = input.touch > 0.0;
     of.damping = mass * gamma / size;
     of.tangential = mass * gamma_t / size;
     of.spring_damping = gamma > 0.0 ? gamma_t / gamma : 0.0;
-    of.rolling = told.rolling * told.stiffness;
-    of.rolling_damping = told.rolling_damping * mass * gamma;
+    of.rolling = input.rolling * input.stiffness;
+    of.rolling_damping = input.rolling_damping * mass * gamma;
   }
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-/* What discs remember of their contacts, in an array of fix jump/step (the rule: core/contact/slots.h).
+/* What discs remember of their contacts, in an array of fix jump/step (the rule: core/contact/history.h).
 
    A row holds COUNT partners (id of a disc, -1 - c for chain c of the walls, 0: empty), then as many arc lengths of the
    foot, elongations of the tangential and of the rolling spring, m. */
@@ -8,7 +8,7 @@
 #define JUMP_DISC_SLOTS_H
 
 #include "contact/law.h"
-#include "contact/slots.h"
+#include "contact/history.h"
 
 #include <atomic>
 #include <cstdint>

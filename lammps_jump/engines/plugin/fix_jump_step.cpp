@@ -143,11 +143,11 @@ void FixJumpStep::init()
   for (auto &wall : walls) {
     wall.near.prepare(wall.in_place().faces, (int) wall.faces.size(), 0.5 * pair->largest, near_margin, pair->diameter);
     if (!wall.own) wall.numbers[0] = k, wall.numbers[1] = gamma, wall.numbers[2] = gamma_t, wall.numbers[3] = mu;
-    jump::LawNumbers told = pair->told;
-    told.stiffness = wall.numbers[0], told.damping = wall.numbers[1], told.tangential = wall.numbers[2];
-    told.friction = wall.numbers[3];
-    if (!(wall.rolling < 0.0)) told.rolling_friction = wall.rolling;
-    wall.law = {told, pair->mass, pair->sizes ? 0.5 * pair->diameter : 1.0, pair->sign, pair->springs};
+    jump::LawNumbers input = pair->input_law;
+    input.stiffness = wall.numbers[0], input.damping = wall.numbers[1], input.tangential = wall.numbers[2];
+    input.friction = wall.numbers[3];
+    if (!(wall.rolling < 0.0)) input.rolling_friction = wall.rolling;
+    wall.law = {input, pair->mass, pair->sizes ? 0.5 * pair->diameter : 1.0, pair->sign, pair->springs};
   }
   if (pair->springs && !array_atom) error->all(FLERR, "fix jump/step needs slots for the law history");
   prepare_bodies();
@@ -175,7 +175,7 @@ void FixJumpStep::watch_others()
 void FixJumpStep::setup(int vflag)
 {
   starts = true;
-  own = false;
+  lammps_is_stale = false;
   post_force(vflag);
 }
 
@@ -280,10 +280,10 @@ void FixJumpStep::initial_integrate(int)
   for (auto &wall : walls)
     if (auto &motion = wall.motion; motion.is_lid)
       jump::drift(motion.pushed, motion.load, {motion.start, update->dt}, (double) update->ntimestep);
-  pair->pace.begin_step(atom->nlocal);
+  pair->tuner.begin_step(atom->nlocal);
   if (others_push && starts) pair->take_forces();
   starts = false;
-  if (pair->team.size() != pair->pace.threads()) pair->team.resize(pair->pace.threads());
+  if (pair->pool.size() != pair->tuner.threads()) pair->pool.resize(pair->tuner.threads());
   if (atom->nlocal == 0) {
     pair->range_lo[0] = pair->range_lo[1] = 1e300;    // discs of other ranks may widen it
     pair->range_hi[0] = pair->range_hi[1] = -1e300;
@@ -291,7 +291,7 @@ void FixJumpStep::initial_integrate(int)
   }
   const bool seen = is_seen_before_forces();
   if (!seen && !is_seen_at_end()) pair->keep_uncleared();
-  const auto move = drift_of(own, seen);
+  const auto move = drift_of(lammps_is_stale, seen);
   SpeedRange ranges[jump::MOST_THREADS];
   int parts = pair->in_parts_of_list([&](const int *discs, int count, int part) {
     (this->*move)(discs, 0, count, ranges[part]);
@@ -314,17 +314,17 @@ void FixJumpStep::initial_integrate(int)
 void FixJumpStep::final_integrate()
 {
   if (others_push) pair->take_forces();
-  own = !is_seen_at_end();
-  if (!own) end_steps();
-  pair->pace.end_step(paced_order != pair->order);
+  lammps_is_stale = !is_seen_at_end();
+  if (!lammps_is_stale) end_steps();
+  pair->tuner.end_step(paced_order != pair->order);
   paced_order = pair->order;
 }
 
 /** LAMMPS ends a run at any step where its time is over. */
 void FixJumpStep::post_run()
 {
-  if (own) end_steps();
-  own = false;
+  if (lammps_is_stale) end_steps();
+  lammps_is_stale = false;
 }
 
 /** Second half kick; LAMMPS' arrays are up to date then. */

@@ -22,7 +22,7 @@
      A wall with a `law` has its own in place of that of the other walls, one with `roll` its own friction of rolling, one with `seam` crosses that of a periodic x. One with `until STEP` is felt by the forces of
      the steps before STEP. One with `move` follows N rows of 25 numbers (core/walls/motion.h), turning about (CX, CY); one with
      `lid` is pushed by the discs and by a force, and free along x and y (1) or not (0). t = 0 is at the step START.
-     One with `hold` is a tailgate (core/walls/hold.h): from the step FIRST on it looks every EVERY steps at the discs between
+     One with `hold` is a tailgate (core/walls/tailgate_controller.h): from the step FIRST on it looks every EVERY steps at the discs between
      LOW and HIGH, and goes along y at a speed up to SPEED, within its way from LOWEST to HIGHEST.
      One with `body` is pushed by what touches it, with a weight that acts at (AX, AY) from the point (CX, CY), free along x and
      y and to turn, released at BEGIN with these velocities; BULK is the radius of a disc of its mass.
@@ -46,9 +46,9 @@
 
 #include "disc_law.h"
 #include "fix.h"
-#include "walls/hold.h"
+#include "walls/tailgate_controller.h"
 #include "near_faces.h"
-#include "contact/slots.h"
+#include "contact/history.h"
 #include "step_bodies.h"
 #include "walls/wall.h"
 
@@ -117,7 +117,7 @@ class FixJumpStep : public Fix {
     bool deep = false;      // pushes from any depth behind its faces
     jump::NearFaces near;   // discs that can touch it before they have moved by the margin
     double low = 0.0, high = 0.0;    // ends along x of one that discs push, where the case has it, m
-    jump::Hold hold{};
+    jump::TailgateController hold{};
 
     jump::WallInPlace in_place() const
     {
@@ -125,9 +125,9 @@ class FixJumpStep : public Fix {
     }
   };
   /** What disc i remembers of its contact with a face; (x, y): its place in the wall's own frame, m. */
-  class AtomWallMemory {
+  class AtomWallHistory {
    public:
-    AtomWallMemory(const FixJumpStep &fix, const Wall &wall, int i, int face, double x, double y)
+    AtomWallHistory(const FixJumpStep &fix, const Wall &wall, int i, int face, double x, double y)
         : fix(fix), wall(wall), i(i), face(face), x(x), y(y)
     {
     }
@@ -160,7 +160,7 @@ class FixJumpStep : public Fix {
   bool others_push = false;     // other fixes add forces: fix gravity, which pours need
   bool others_look = false;     // other fixes act on the discs in each step
   std::vector<Fix *> renewing, ending;    // fixes that ask for sorted discs; that act at the end of some steps
-  bool own = false;             // LAMMPS' arrays are out of date: the discs are as the pair style has packed them
+  bool lammps_is_stale = false;    // its arrays are out of date: the discs are as the pair style has packed them
   bool starts = false;          // the next step is the first of a run
   bigint paced_order = -1;    // of the discs in the step before
   double near_margin = 0.0;    // way of a disc in x or y that lists of near discs allow

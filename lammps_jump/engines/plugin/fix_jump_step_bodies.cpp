@@ -112,7 +112,7 @@ void FixJumpStep::prepare_bodies()
     }
     b.first.push_back(first);
     b.deep.push_back(wall.deep);
-    b.moving.push_back(motion.is_body ? jump::BODY : motion.is_lid ? jump::LID : motion.moves ? jump::FOLLOWS : jump::STANDS);
+    b.moving.push_back(motion.is_body ? jump::BODY : motion.is_lid ? jump::LOADED : motion.moves ? jump::FOLLOWS : jump::STANDS);
     for (const double chain : wall.chain) b.chain.push_back((int64_t) chain);
     b.around.insert(b.around.end(), wall.around.begin(), wall.around.end());
     b.bulk.push_back(motion.bulk);
@@ -124,8 +124,8 @@ void FixJumpStep::prepare_bodies()
                       std::max(pair->diameter, 2.0 * largest));
   }
   for (auto &law : b.between) {    // attraction and rolling are of discs
-    law.law.touch = pair->told.touch;
-    law.law.spring_ratio = pair->told.spring_ratio;
+    law.law.touch = pair->input_law.touch;
+    law.law.spring_ratio = pair->input_law.spring_ratio;
     law.law.spring_damping = b.damping_ratio;
   }
   b.placed.resize(walls.size());
@@ -177,7 +177,7 @@ void FixJumpStep::push_bodies()
   bool rubs = false;
   for (const auto &law : b.between) rubs |= law.law.friction > 0.0;
   jump_state &s = b.of_walls;
-  s.pair.touch = pair->told.touch;
+  s.pair.touch = pair->input_law.touch;
   s.pair.friction = rubs ? 1.0 : none;
   s.pair.sign_ramp = pair->sign ? jump::SIGN_RAMP : 0.0;
   s.partner = pair->springs ? b.partner.data() : nullptr;

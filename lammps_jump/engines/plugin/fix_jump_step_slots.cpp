@@ -49,7 +49,7 @@ void FixJumpStep::number_chains(Wall &wall)
   }
 }
 
-jump::Stretch<double> FixJumpStep::AtomWallMemory::begin(double slip)
+jump::Stretch<double> FixJumpStep::AtomWallHistory::begin(double slip)
 {
   auto &slots = fix.pair->slots;
   const double foot = jump::foot_of(wall.faces[face], x, y);
@@ -62,7 +62,7 @@ jump::Stretch<double> FixJumpStep::AtomWallMemory::begin(double slip)
   return {0.0, 0.0};
 }
 
-void FixJumpStep::AtomWallMemory::end(const jump::Stretch<double> &held) const
+void FixJumpStep::AtomWallHistory::end(const jump::Stretch<double> &held) const
 {
   if (slot == jump::FULL || !(wall.law.choice.time_step > 0.0)) return;
   *fix.pair->slots.spring(i, slot) = held.slide;

@@ -210,14 +210,14 @@ void FixJumpStep::touch(const Wall &wall, const Law &law, int i, const jump::Fac
                         double *on_wall)
 {
   const auto &a = pair->disc[i];
-  const bool spins = Law::Friction::RUBS && pair->spin;
+  const bool spins = Law::Friction::HAS_FRICTION && pair->spin;
   auto at = wall.in_place().at(where, a.x, a.y, pair->radius_of(i), a.vx, a.vy, spins ? pair->spins[i] : 0.0);
   if (!spins) at.turns = 0.0;
   if (!pair->sizes) at.size = 1.0;    // the dashpot is that of equal discs
   else if (wall.motion.bulk > 0.0)
     at.size = jump::pair_size(pair->is_fixed(i) ? jump::HUGE_RADIUS : at.radius, wall.motion.bulk);
   const jump::WallForce<double> out = jump::wall_contact<true, true>(law, jump::numbers_of(wall.law.of, 0.0), at,
-                                                                     AtomWallMemory(*this, wall, i, (int) where.face, x, y));
+                                                                     AtomWallHistory(*this, wall, i, (int) where.face, x, y));
   const double to = wall.in_place().arm(at.gap, at.radius), to_x = to * at.nx, to_y = to * at.ny;
   if (pair->record) {
     pair->record->push_back({(int32_t) pair->tags[i], (int32_t) (-1 - (&wall - walls.data())), (float) (a.x - to_x),
@@ -274,10 +274,10 @@ template <class Law> void FixJumpStep::push(Wall &wall, const Law &law)
 {
   double on_wall[4] = {0.0, 0.0, 0.0, 0.0};
   const bool sums = wall.probe >= 0 || wall.motion.is_lid || pair->record;    // in the order of the discs
-  const bool alone = sums || Law::Friction::REMEMBERS || wall.near.discs.size() < FEW_NEAR;
+  const bool alone = sums || Law::Friction::HAS_HISTORY || wall.near.discs.size() < FEW_NEAR;
   const int parts = alone ? 0 : pair->number_of_parts();
   if (parts > 0) {
-    pair->team.run(parts, [&](int part) {
+    pair->pool.run(parts, [&](int part) {
       double of_part[4] = {0.0, 0.0, 0.0, 0.0};
       push(wall, law, part, of_part);
     });

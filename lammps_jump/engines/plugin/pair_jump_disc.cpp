@@ -28,8 +28,8 @@ PairJumpDisc::PairJumpDisc(LAMMPS *lmp) : Pair(lmp), ring(lmp)
   single_enable = 0;
   restartinfo = 0;
   no_virial_fdotr_compute = 1;
-  pace.read(std::getenv("LAMMPS_JUMP_THREADS"));
-  team.resize(pace.threads());
+  tuner.read(std::getenv("LAMMPS_JUMP_THREADS"));
+  pool.resize(tuner.threads());
 }
 
 PairJumpDisc::~PairJumpDisc()
@@ -43,12 +43,12 @@ PairJumpDisc::~PairJumpDisc()
 void PairJumpDisc::settings(int narg, char **arg)
 {
   std::map<std::string, double *> numbers = {
-      {"k", &told.stiffness}, {"gamma", &told.damping}, {"gammat", &told.tangential}, {"mu", &told.friction},
-      {"smooth", &told.touch}, {"springs", &told.spring_ratio}, {"mass", &mass}, {"diameter", &diameter}, {"skin", &skin}};
+      {"k", &input_law.stiffness}, {"gamma", &input_law.damping}, {"gammat", &input_law.tangential}, {"mu", &input_law.friction},
+      {"smooth", &input_law.touch}, {"springs", &input_law.spring_ratio}, {"mass", &mass}, {"diameter", &diameter}, {"skin", &skin}};
   const std::set<const double *> worded = {
-      &told.stiffness, &told.damping, &told.tangential, &told.friction, &told.sign_ramp, &told.touch, &told.spring_ratio,
-      &told.spring_damping, &told.rolling, &told.rolling_damping, &told.rolling_friction};
-#define JUMP_WORD(name) if (!worded.count(&told.name)) numbers.emplace(#name, &told.name);    // others go by their names
+      &input_law.stiffness, &input_law.damping, &input_law.tangential, &input_law.friction, &input_law.sign_ramp, &input_law.touch, &input_law.spring_ratio,
+      &input_law.spring_damping, &input_law.rolling, &input_law.rolling_damping, &input_law.rolling_friction};
+#define JUMP_WORD(name) if (!worded.count(&input_law.name)) numbers.emplace(#name, &input_law.name);    // others go by their names
   JUMP_LAW(JUMP_WORD)
 #undef JUMP_WORD
   auto value = [&](int at) -> double {
@@ -63,9 +63,9 @@ void PairJumpDisc::settings(int narg, char **arg)
       sign = name == "sign";
       springs = name == "history";
     } else if (key == "rolling") {
-      told.rolling = value(a + 1);
-      told.rolling_damping = value(a + 2);
-      told.rolling_friction = value(a + 3);
+      input_law.rolling = value(a + 1);
+      input_law.rolling_damping = value(a + 2);
+      input_law.rolling_friction = value(a + 3);
       a += 2;
     } else if (key == "fixed") {
       fixed[0] = (tagint) value(a + 1);
@@ -78,7 +78,7 @@ void PairJumpDisc::settings(int narg, char **arg)
       largest = value(a++ + 2);
     } else if (auto number = numbers.find(key); number != numbers.end()) {
       *number->second = value(a + 1);
-      if (key == "smooth" && !(told.touch > 0.0))
+      if (key == "smooth" && !(input_law.touch > 0.0))
         error->all(FLERR, "pair_style jump/disc: the width of a smooth touch must be above 0");
     } else {
       error->all(FLERR,
@@ -88,21 +88,21 @@ void PairJumpDisc::settings(int narg, char **arg)
   }
   require_sound_settings();
   if (!sizes) smallest = largest = diameter;
-  law = {told, 0.5 * mass, sizes ? jump::pair_size(0.5 * diameter, 0.5 * diameter) : 1.0, sign, springs};
+  law = {input_law, 0.5 * mass, sizes ? jump::pair_size(0.5 * diameter, 0.5 * diameter) : 1.0, sign, springs};
 }
 
 /** Refuse numbers of the words that do not go together. */
 void PairJumpDisc::require_sound_settings() const
 {
-  if (!(told.stiffness > 0.0) || !(mass > 0.0) || !(diameter > 0.0) || !(skin > 0.0))
+  if (!(input_law.stiffness > 0.0) || !(mass > 0.0) || !(diameter > 0.0) || !(skin > 0.0))
     error->all(FLERR, "pair_style jump/disc needs k, mass, diameter and skin, and they must be above 0");
-#define JUMP_CHECK(name) if (told.name < 0.0) error->all(FLERR, "pair_style jump/disc: " #name " must not be negative");
+#define JUMP_CHECK(name) if (input_law.name < 0.0) error->all(FLERR, "pair_style jump/disc: " #name " must not be negative");
   JUMP_LAW(JUMP_CHECK)
 #undef JUMP_CHECK
   if (sizes && !(0.0 < smallest && smallest <= largest))
     error->all(FLERR, "pair_style jump/disc: sizes are the smallest and the largest diameter, both above 0");
   if (any_fixed() && !sizes) error->all(FLERR, "pair_style jump/disc: fixed needs sizes");
-  if (springs && told.touch > 0.0) error->all(FLERR, "pair_style jump/disc: the law history has no smooth touch");
+  if (springs && input_law.touch > 0.0) error->all(FLERR, "pair_style jump/disc: the law history has no smooth touch");
 }
 
 void PairJumpDisc::coeff(int narg, char **arg)
@@ -142,7 +142,7 @@ double PairJumpDisc::halo_cut() const
 {
   double most = largest_squared_speed();
   MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE, MPI_MAX, world);
-  const double speed = 2.0 * std::sqrt(most) + 0.05 * diameter * std::sqrt(2.0 * told.stiffness / mass);
+  const double speed = 2.0 * std::sqrt(most) + 0.05 * diameter * std::sqrt(2.0 * input_law.stiffness / mass);
   const int steps = std::max(neighbor->every, neighbor->delay);
   return largest + neighbor->skin + 2.0 * steps * update->dt * speed;
 }

@@ -30,7 +30,7 @@
 #include "halo.h"
 #include "pair.h"
 #include "record.h"
-#include "step/pace.h"
+#include "step/thread_tuner.h"
 
 #include <atomic>
 
@@ -54,9 +54,9 @@ class PairJumpDisc : public Pair {
 
   // shared with fix jump/step
 
-  jump::Team team;
-  jump::Pace pace;
-  jump::LawNumbers told;                  // the law as the words tell it (disc_law.h)
+  jump::ThreadPool pool;
+  jump::ThreadTuner tuner;
+  jump::LawNumbers input_law;                  // the law as the words tell it (disc_law.h)
   double mass = 0.0, diameter = 0.0;      // of nominal discs, with sizes
   double skin = 0.0, smallest = 0.0, largest = 0.0;  // diameters from smallest to largest
   bool sign = false, sizes = false, spin = false, springs = false;
@@ -84,7 +84,7 @@ class PairJumpDisc : public Pair {
   double largest_overlap() const;
   template <class Run> int in_parts(int, const Run &);
   template <class Run> int in_parts_of_list(const Run &);
-  int number_of_parts() const { return divided == team.size() && divided > 1 ? (int) parts.size() : 0; }
+  int number_of_parts() const { return divided == pool.size() && divided > 1 ? (int) parts.size() : 0; }
   int part_of(int i) const { return home[i]; }
   void keep_uncleared();
   void hand_over_forces();
@@ -180,9 +180,9 @@ class PairJumpDisc : public Pair {
 /** Call run(from, to, part) for parts of the numbers below n, shared out among the threads; returns how many. */
 template <class Run> int PairJumpDisc::in_parts(int n, const Run &run)
 {
-  const int count = n < 64 * team.size() ? 1 : team.size();
+  const int count = n < 64 * pool.size() ? 1 : pool.size();
   const auto begin = [&](int part) { return (int) ((int64_t) n * part / count); };
-  team.run(count, [&](int part) { run(begin(part), begin(part + 1), part); });
+  pool.run(count, [&](int part) { run(begin(part), begin(part + 1), part); });
   return count;
 }
 
@@ -193,7 +193,7 @@ template <class Run> int PairJumpDisc::in_parts_of_list(const Run &run)
 {
   const int count = number_of_parts();
   if (count == 0) return 0;
-  team.run(count, [&](int part) {
+  pool.run(count, [&](int part) {
     for (const int i : parts[part].edge) {    // other threads have read them: ask for all at once
       __builtin_prefetch(&disc[i], 1);
       __builtin_prefetch(&pushes[2 * i], 1);

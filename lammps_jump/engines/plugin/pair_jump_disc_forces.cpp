@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /* The forces of pair_style jump/disc, and what is summed over its pairs (what it is: pair_jump_disc.h). */
 
-#include "contact/lanes.h"    // before the core: its templates take vectors
+#include "contact/simd.h"    // before the core: its templates take vectors
 
 #include "pair_jump_disc.h"
 
@@ -61,10 +61,10 @@ inline void PairJumpDisc::ContactBatch::find(const PackedDisc *__restrict at, co
   for (; jump::HAS_FOUR && p + 4 <= to; p += 4) {
     Four a = apart(p), b = apart(p + 1), c = apart(p + 2), d = apart(p + 3);
     a *= a, b *= b, c *= c, d *= d;
-    const Four ab = JUMP_PICK(a, b, 0, 4, 2, 6) + JUMP_PICK(a, b, 1, 5, 3, 7);
-    const Four cd = JUMP_PICK(c, d, 0, 4, 2, 6) + JUMP_PICK(c, d, 1, 5, 3, 7);
+    const Four ab = JUMP_SHUFFLE(a, b, 0, 4, 2, 6) + JUMP_SHUFFLE(a, b, 1, 5, 3, 7);
+    const Four cd = JUMP_SHUFFLE(c, d, 0, 4, 2, 6) + JUMP_SHUFFLE(c, d, 1, 5, 3, 7);
     const Four reaches = {reach(p), reach(p + 1), reach(p + 2), reach(p + 3)};
-    const int mask = jump::bits(JUMP_PICK(ab, cd, 0, 1, 4, 5) < reaches * reaches);
+    const int mask = jump::bits(JUMP_SHUFFLE(ab, cd, 0, 1, 4, 5) < reaches * reaches);
     *reinterpret_cast<FourInts *>(one + found) = jump::first_of(four(first + p), mask);
     *reinterpret_cast<FourInts *>(two + found) = jump::first_of(four(second + p), mask);
     found += __builtin_popcount(mask);
@@ -82,12 +82,12 @@ inline void PairJumpDisc::ContactBatch::find(const PackedDisc *__restrict at, co
 template <bool SIZES, bool SPIN, class Law>
 __attribute__((noinline)) void PairJumpDisc::ContactBatch::evaluate(const Law &rule, const jump::Numbers<Lanes> &of)
 {
-  constexpr bool SPRINGS = Law::Friction::REMEMBERS;
+  constexpr bool SPRINGS = Law::Friction::HAS_HISTORY;
   const int count = n;
   const bool heavy = stays;
   for (int c = 0; c < count; c += LANES) {
     Lanes gap[4];
-    jump::columns(between + c, gap);
+    jump::deinterleave(between + c, gap);
     jump::Pair<Lanes> pair;
     pair.dx = gap[0];
     pair.dy = gap[1];
@@ -335,7 +335,7 @@ template <bool SIZES, bool SPIN, bool MEMORY> void PairJumpDisc::evaluate_list(s
     gather<SIZES, SPIN, MEMORY>(batch, part);
     jump::with_slots(law.choice, [&](const auto &rule) {
       using Law = std::decay_t<decltype(rule)>;
-      if constexpr (jump::IS_KIND<Law, SPIN> && Law::Friction::REMEMBERS == MEMORY) batch.evaluate<SIZES, SPIN>(rule, of);
+      if constexpr (jump::IS_KIND<Law, SPIN> && Law::Friction::HAS_HISTORY == MEMORY) batch.evaluate<SIZES, SPIN>(rule, of);
     });
     if constexpr (MEMORY)
       if (law.choice.time_step > 0.0) remember<SPIN>(batch);
@@ -397,10 +397,10 @@ void PairJumpDisc::widen_range()
 
 void PairJumpDisc::evaluate(size_t from, size_t to)
 {
-  const int count = team.size();
+  const int count = pool.size();
   if (count > 1 && !record && from == 0 && to >= built && built >= FEW_PAIRS * (size_t) count) {
     divide(count);
-    team.run((int) parts.size(), [&](int c) {
+    pool.run((int) parts.size(), [&](int c) {
       PairPart &part = parts[c];
       take_copies(part);
       for (auto &late : part.late) late.clear();

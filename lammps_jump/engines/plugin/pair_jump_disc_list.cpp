@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /* The neighbour list of pair_style jump/disc (what it is: pair_jump_disc.h). */
 
-#include "contact/lanes.h"
+#include "contact/simd.h"
 #include "pair_jump_disc.h"
 
 #include "atom.h"
@@ -129,18 +129,18 @@ size_t PairJumpDisc::find_pairs(int n, int nx)
   const auto find = [&](int from, int to, std::vector<int> &one, std::vector<int> &two) {
     return sizes ? find_pairs<true>(from, to, nx, one, two) : find_pairs<false>(from, to, nx, one, two);
   };
-  const int count = n < 64 * team.size() ? 1 : team.size();
+  const int count = n < 64 * pool.size() ? 1 : pool.size();
   if (count == 1) return find(0, n, first, second);
   found_first.resize(count);
   found_second.resize(count);
   std::vector<size_t> begin(count + 1, 0);
-  team.run(count, [&](int part) {
+  pool.run(count, [&](int part) {
     const int from = (int) ((int64_t) n * part / count), to = (int) ((int64_t) n * (part + 1) / count);
     begin[part + 1] = find(from, to, found_first[part], found_second[part]);
   });
   for (int part = 0; part < count; part++) begin[part + 1] += begin[part];
   make_room(begin[count] + 4, first, second);
-  team.run(count, [&](int part) {
+  pool.run(count, [&](int part) {
     std::copy_n(found_first[part].begin(), begin[part + 1] - begin[part], first.begin() + begin[part]);
     std::copy_n(found_second[part].begin(), begin[part + 1] - begin[part], second.begin() + begin[part]);
   });
@@ -235,7 +235,7 @@ void PairJumpDisc::divide(int most)
   }
   parts.resize(count);
   if (springs) beside.assign(disc.size(), 0);
-  team.run(count, [&](int c) { fill(parts[c], c); });
+  pool.run(count, [&](int c) { fill(parts[c], c); });
   int copies = nlocal + ring.count() + ROOM_FOR_NEW;
   room = copies;
   for (auto &part : parts) {

@@ -37,7 +37,7 @@ struct StepBodies {
   std::vector<Placed> placed;
   std::vector<Load> load;
   std::vector<Pushed> pushed;
-  std::vector<WallTaken> taken;
+  std::vector<WallLoads> taken;
   std::vector<SumsOnWall> sums;
   std::vector<Sum> window;    // force of discs on each wall since the last row
   int64_t window_steps = 0;

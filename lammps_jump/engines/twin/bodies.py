@@ -15,8 +15,8 @@ from lammps_jump.core.columns import (
     PlacedColumns,
     PushedColumns,
     SumsOnWallColumns,
+    WallLoadsColumns,
     WallMotion,
-    WallTakenColumns,
 )
 from lammps_jump.core.law import LawNumbers
 from lammps_jump.engines.native.arrays import State
@@ -77,7 +77,7 @@ def _about(state: State, wall: int) -> np.ndarray:
 def _yields(state: State, wall: int, point: Vector, normal: Vector) -> float:
     """What a wall gives way to a force of 1 N at a point along a normal, 1/kg."""
     moves = state.walls.moves
-    if moves.moving[wall] < WallMotion.LID or moves.pushed[wall, PushedColumns.PHASE] == Phase.IS_HELD:
+    if moves.moving[wall] < WallMotion.LOADED or moves.pushed[wall, PushedColumns.PHASE] == Phase.IS_HELD:
         return 0.0
     turn = wrench(normal, point, _about(state, wall))[2]
     load = moves.load[wall]
@@ -161,7 +161,7 @@ def _add(state: State, wall: int, point: Vector, parts: Sequence[np.ndarray]) ->
     walls, moves = state.walls, state.walls.moves
     moving = contact.is_moving(moves, wall)
     if moving:
-        columns = WallTakenColumns.ALL, WallTakenColumns.LOST, WallTakenColumns.SLID
+        columns = WallLoadsColumns.ALL, WallLoadsColumns.DASHPOTS, WallLoadsColumns.FRICTION
         for there, part in zip(columns, parts, strict=True):
             moves.taken[wall, there] += wrench(part, point, _about(state, wall))
     if not contact.is_body(state, wall):

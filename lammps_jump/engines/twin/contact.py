@@ -14,7 +14,7 @@ import numpy as np
 
 from lammps_jump.core.columns import PlacedColumns, StepClockColumns, WallMotion
 from lammps_jump.core.law import LawNumbers
-from lammps_jump.engines.native.arrays import Memory, Moves, Seen, State
+from lammps_jump.engines.native.arrays import ContactVelocities, Memory, Moves, State
 from lammps_jump.physics.law import Pair, contact_force, pressing, slider
 from lammps_jump.physics.slots import FULL, held, slot_of
 from lammps_jump.scene.faces import foot_at, touching
@@ -55,13 +55,13 @@ class ActingContact(NamedTuple):
     torques: tuple[float, float]
 
 
-def seen_by(state: State) -> Seen:
+def seen_by(state: State) -> ContactVelocities:
     """Velocities that dashpots and friction see: of the half step, or extrapolated."""
     d = state.discs
     return (d.vx, d.vy, d.omega) if d.ux is None else (d.ux, d.uy, d.uomega)
 
 
-def slope_of(state: State, seen: Seen) -> float | None:
+def slope_of(state: State, seen: ContactVelocities) -> float | None:
     """1 / eps of the thesis' friction, eps = 0.01 v_max (4.20) of this step; None for another law."""
     sign, n = state.constants.law.sign_ramp, state.discs.n
     if not sign:
@@ -127,7 +127,9 @@ def _with_friction(force: Pair, normal: Pair, rub: float) -> Pair:
     return fx - rub * ny, fy + rub * nx
 
 
-def pair_contact(state: State, i: int, j: int, shift: float, seen: Seen, slope: float | None) -> ActingContact | None:
+def pair_contact(
+    state: State, i: int, j: int, shift: float, seen: ContactVelocities, slope: float | None
+) -> ActingContact | None:
     """The contact of disc i, `shift` (m) further along x, with disc j; None where they do not touch.
 
     `seen` are the velocities that dashpots and friction see. The lever of friction is R of equal discs. It is R less
@@ -161,7 +163,9 @@ def pair_contact(state: State, i: int, j: int, shift: float, seen: Seen, slope: 
     return ActingContact((nx, ny), point, overlap, (fx, fy), rub, dashpot, torques)
 
 
-def pair_contacts(state: State, seen: Seen, slope: float | None) -> Iterator[tuple[int, int, ActingContact]]:
+def pair_contacts(
+    state: State, seen: ContactVelocities, slope: float | None
+) -> Iterator[tuple[int, int, ActingContact]]:
     """Two discs and their contact, for all that touch."""
     pairs = state.pairs
     for row in range(pairs.rows):
@@ -263,7 +267,11 @@ def touched_faces(state: State, wall: int) -> Iterator[tuple[int, int, float, tu
 
 
 def wall_contact(
-    state: State, wall: int, touched: tuple[int, int, float, tuple[float, float]], seen: Seen, slope: float | None
+    state: State,
+    wall: int,
+    touched: tuple[int, int, float, tuple[float, float]],
+    seen: ContactVelocities,
+    slope: float | None,
 ) -> ActingContact:
     """The contact of a disc with a wall, of `touched_faces`; the lever of friction is R.
 

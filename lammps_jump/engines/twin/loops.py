@@ -14,7 +14,7 @@ from lammps_jump.core.columns import (
     WorkColumns,
     WorkPartsColumns,
 )
-from lammps_jump.engines.native.arrays import Moves, Seen, State, StepConstants
+from lammps_jump.engines.native.arrays import ContactVelocities, Moves, State, StepConstants
 from lammps_jump.engines.native.discs import DiscArrays
 from lammps_jump.physics.slots import end_step
 from lammps_jump.scene.near import mark_cells
@@ -44,11 +44,11 @@ class Twin:
         """Put the moving walls where they are at a step."""
         contact.place_walls(moves, step)
 
-    def advance(self, state: State, steps: int, owed: bool) -> tuple[int, bool]:
+    def advance(self, state: State, steps: int, forces_pending: bool) -> tuple[int, bool]:
         """Drifts and forces; see `Loops.advance`."""
         done, moves = 0, state.walls.moves
         while True:
-            if owed:
+            if forces_pending:
                 if state.grid is not None:
                     rows = lists.cell_pairs(state)
                     if rows < 0:
@@ -58,7 +58,7 @@ class Twin:
             if steps == 0:
                 return 0, False
             old = kick_drift(state)
-            done, owed = done + 1, True
+            done, forces_pending = done + 1, True
             if moves is not None:
                 step = int(moves.clock[StepClockColumns.STEP]) + done
                 pushed.drift(moves, step)
@@ -84,7 +84,7 @@ def forces(state: State) -> None:
         state.work[WorkColumns.WHOLE] += state.work[WorkColumns.OF_WALLS]
     if d.fixed is not None:  # they stay, and nothing is dissipated on their side
         held = d.fixed[: d.n] != 0
-        for array in (d.fx, d.fy, d.torque, d.dash_x, d.dash_y, d.slide_x, d.slide_y):
+        for array in (d.fx, d.fy, d.torque, d.dashpot_x, d.dashpot_y, d.friction_x, d.friction_y):
             if array is not None:
                 array[: d.n][held] = 0.0
     if memory is not None and memory.time_step > 0.0:
@@ -100,21 +100,21 @@ def _add(d: DiscArrays, i: int, found: contact.ActingContact, sense: float, torq
     d.fy[i] += sense * fy
     if d.torque is not None:
         d.torque[i] += torque
-    if d.dash_x is not None:
-        d.dash_x[i] += sense * found.dashpot * nx
-        d.dash_y[i] += sense * found.dashpot * ny
-    if d.slide_x is not None:
-        d.slide_x[i] -= sense * found.rub * ny
-        d.slide_y[i] += sense * found.rub * nx
+    if d.dashpot_x is not None:
+        d.dashpot_x[i] += sense * found.dashpot * nx
+        d.dashpot_y[i] += sense * found.dashpot * ny
+    if d.friction_x is not None:
+        d.friction_x[i] -= sense * found.rub * ny
+        d.friction_y[i] += sense * found.rub * nx
 
 
-def _pair_forces(state: State, seen: Seen, slope: float | None) -> None:
+def _pair_forces(state: State, seen: ContactVelocities, slope: float | None) -> None:
     for i, j, found in contact.pair_contacts(state, seen, slope):
         _add(state.discs, i, found, 1.0, found.torques[0])
         _add(state.discs, j, found, -1.0, found.torques[1])
 
 
-def _wall_forces(state: State, wall: int, seen: Seen, slope: float | None) -> None:
+def _wall_forces(state: State, wall: int, seen: ContactVelocities, slope: float | None) -> None:
     """Forces of one wall; `Walls.sums` takes the force on it and its moment, `Moves.taken` those and what is lost."""
     walls, moves = state.walls, state.walls.moves
     moving = contact.is_moving(moves, wall)
@@ -149,14 +149,14 @@ def _end_walls(state: State) -> None:
     for wall in np.flatnonzero(moves.moving).tolist():
         of_discs, push, lost, slid = moves.taken[wall].reshape(4, 3)
         moves.pushed[wall, PushedColumns.FORCE] = push
-        if moves.moving[wall] >= WallMotion.LID:
+        if moves.moving[wall] >= WallMotion.LOADED:
             pushed.centre(moves, wall)
         rate = moves.now[wall, PlacedColumns.CENTRED]
         walls.sums[wall, SumsOnWallColumns.POWER] -= of_discs @ rate
-        if state.discs.dash_x is not None:
+        if state.discs.dashpot_x is not None:
             work[WorkPartsColumns.DASHPOTS] += dt * lost @ rate
             work[WorkPartsColumns.FRICTION] += dt * slid @ rate
-        if moves.moving[wall] not in (WallMotion.LID, WallMotion.BODY):  # their energy is part of the whole
+        if moves.moving[wall] not in (WallMotion.LOADED, WallMotion.BODY):  # their energy is part of the whole
             work[WorkPartsColumns.WALLS] -= dt * push @ rate
 
 
@@ -175,12 +175,12 @@ def _book(state: State, motion: StepConstants) -> None:
     half = 0.5 * dt / motion.mass / square
     at_step = d.vx[:n] + half * d.fx[:n], d.vy[:n] + half * d.fy[:n]
     work = state.work[WorkColumns.WHOLE]
-    work[WorkPartsColumns.DASHPOTS] -= dt * (d.dash_x[:n] @ at_step[0] + d.dash_y[:n] @ at_step[1])
-    d.dash_x[:n] = d.dash_y[:n] = 0.0
-    if d.slide_x is None:
+    work[WorkPartsColumns.DASHPOTS] -= dt * (d.dashpot_x[:n] @ at_step[0] + d.dashpot_y[:n] @ at_step[1])
+    d.dashpot_x[:n] = d.dashpot_y[:n] = 0.0
+    if d.friction_x is None:
         return
-    work[WorkPartsColumns.FRICTION] -= dt * (d.slide_x[:n] @ at_step[0] + d.slide_y[:n] @ at_step[1])
-    d.slide_x[:n] = d.slide_y[:n] = 0.0
+    work[WorkPartsColumns.FRICTION] -= dt * (d.friction_x[:n] @ at_step[0] + d.friction_y[:n] @ at_step[1])
+    d.friction_x[:n] = d.friction_y[:n] = 0.0
     if d.omega is not None:
         turn = d.omega[:n] + 0.5 * dt / motion.inertia / square**2 * d.torque[:n]
         work[WorkPartsColumns.FRICTION] -= dt * (d.torque[:n] @ turn)
@@ -190,7 +190,7 @@ def kick_drift(state: State) -> bool:
     """v += dt F/m, x += dt v, F = weight; whether a disc has gone over half the skin, or is nowhere, since its list."""
     d, n, motion, square = state.discs, state.discs.n, state.constants.motion, _square_of(state)
     dt = motion.time_step
-    if d.dash_x is not None:
+    if d.dashpot_x is not None:
         _book(state, motion)
     if d.omega is not None:
         old = d.omega[:n].copy()

@@ -37,7 +37,7 @@ def _whole_force(moves: Moves, wall: int) -> np.ndarray:
 def drift(moves: Moves, step: int) -> None:
     """Kick and drift of the walls that are pushed, as of discs, to a step; a first kick is half a step long."""
     start, dt = moves.clock[StepClockColumns.START], moves.clock[StepClockColumns.DT]
-    for wall in np.flatnonzero(moves.moving >= WallMotion.LID).tolist():
+    for wall in np.flatnonzero(moves.moving >= WallMotion.LOADED).tolist():
         begin = moves.load[wall, LoadColumns.BEGIN]
         if not (step - start) * dt > begin:
             continue

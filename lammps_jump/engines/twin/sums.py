@@ -8,7 +8,7 @@ from math import nan
 import numpy as np
 
 from lammps_jump.core.columns import PlacedColumns
-from lammps_jump.engines.native.arrays import Seen, State, StationStep
+from lammps_jump.engines.native.arrays import ContactVelocities, State, StationStep
 from lammps_jump.engines.native.ledger import CARRIED, CONTACTS, DASHPOTS, FRICTION, HELD, MASS_LEFT, MASS_RIGHT, WALLS
 from lammps_jump.physics.law import contact_energy
 
@@ -43,7 +43,9 @@ def _stored(state: State) -> State:
     return state._replace(memory=None, constants=constants._replace(law=constants.law._replace(friction=nan)))
 
 
-def contacts(state: State, at_step: Seen, seen: Seen, who: np.ndarray, found: np.ndarray) -> int:
+def contacts(
+    state: State, at_step: ContactVelocities, seen: ContactVelocities, who: np.ndarray, found: np.ndarray
+) -> int:
     """List the contacts with their forces; see `Loops.contacts`."""
     slope, (vx, vy, spins), ids = contact.slope_of(state, seen), at_step, state.discs.ids
     rows = []
@@ -88,10 +90,10 @@ def give_sizes(state: State, known: int, own: np.ndarray) -> float:
         push = 0.5 * dt * (old - new) * weight
         late = push / new + dt * weight
         gained += push @ (speed + after * force - 0.5 * late / motion.mass)
-        if d.dash_x is not None:
-            gained -= 0.25 * dt * (before - after) * (d.dash_x[i] * force[0] + d.dash_y[i] * force[1])
-        if d.slide_x is not None:
-            gained -= 0.25 * dt * (before - after) * (d.slide_x[i] * force[0] + d.slide_y[i] * force[1])
+        if d.dashpot_x is not None:
+            gained -= 0.25 * dt * (before - after) * (d.dashpot_x[i] * force[0] + d.dashpot_y[i] * force[1])
+        if d.friction_x is not None:
+            gained -= 0.25 * dt * (before - after) * (d.friction_x[i] * force[0] + d.friction_y[i] * force[1])
         if d.omega is not None:
             slow, fast = (0.5 * dt / (motion.inertia * mass**2) for mass in (old, new))
             turn = d.omega[i] + slow * d.torque[i]
@@ -171,9 +173,9 @@ def _between_discs(state: State, stations: StationStep, sums: np.ndarray) -> tup
             vx, vy, spin = _at_step(state, i)
             held += energy
             push += d.fx[i] - motion.weight_x * square
-            lost += d.dash_x[i] * vx + d.dash_y[i] * vy
-            if d.slide_x is not None:
-                slid += d.slide_x[i] * vx + d.slide_y[i] * vy
+            lost += d.dashpot_x[i] * vx + d.dashpot_y[i] * vy
+            if d.friction_x is not None:
+                slid += d.friction_x[i] * vx + d.friction_y[i] * vy
                 if d.omega is not None:
                     slid += d.torque[i] * spin
     sums[HELD] = held

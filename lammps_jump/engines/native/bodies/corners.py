@@ -29,7 +29,8 @@ class CornerDiscs:
         self.sigma, self.spring, self.roll = (np.zeros((self.n, SLOTS)) for _ in range(3))
         self.touched = np.zeros((self.n, SLOTS), np.int8)
 
-    vx = vy = fx = fy = x0 = y0 = ux = uy = omega = torque = uomega = dash_x = dash_y = slide_x = slide_y = fixed = None
+    vx = vy = fx = fy = x0 = y0 = ux = uy = omega = torque = uomega = fixed = None
+    dashpot_x = dashpot_y = friction_x = friction_y = None
 
 
 class CornersBeside(NamedTuple):

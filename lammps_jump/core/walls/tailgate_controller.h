@@ -3,8 +3,8 @@
 
    lammps_jump/physics/devices.py (Holding, gate_sees, gate_speed) states the same; tests compare the two. */
 
-#ifndef JUMP_CORE_HOLD_H
-#define JUMP_CORE_HOLD_H
+#ifndef JUMP_CORE_TAILGATE_CONTROLLER_H
+#define JUMP_CORE_TAILGATE_CONTROLLER_H
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +15,7 @@
 namespace jump {
 
 /** As Holding; `area`: what it saw last, m^2, NaN before its first look. */
-struct Hold {
+struct TailgateController {
   int64_t first = 0, every = 0;    // every 0: the wall holds nothing
   double low = 0.0, high = 0.0;
   int64_t bins = 1;

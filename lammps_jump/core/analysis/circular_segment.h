@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 
-#ifndef JUMP_CORE_SHARES_H
-#define JUMP_CORE_SHARES_H
+#ifndef JUMP_CORE_CIRCULAR_SEGMENT_H
+#define JUMP_CORE_CIRCULAR_SEGMENT_H
 
 #include <cmath>
 
 namespace jump {
 
 // Share of a unit disc's area left of x = a, exact: 1/2 + (a sqrt(1 - a^2) + asin a) / pi.
-inline double left_share(double a)
+inline double circular_segment_area(double a)
 {
   if (a <= -1.0) return 0.0;
   if (a >= 1.0) return 1.0;

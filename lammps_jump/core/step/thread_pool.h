@@ -5,8 +5,8 @@
    stay in its cache, and goes on with parts that nobody has begun: a helper that the system does not run holds nobody
    up. Which thread does a part never changes a result: a part writes only what is its own. */
 
-#ifndef JUMP_CORE_TEAM_H
-#define JUMP_CORE_TEAM_H
+#ifndef JUMP_CORE_THREAD_POOL_H
+#define JUMP_CORE_THREAD_POOL_H
 
 #include <algorithm>
 #include <atomic>
@@ -51,10 +51,10 @@ template <class T> struct LineAllocator {
   friend bool operator!=(const LineAllocator &, const LineAllocator &) { return false; }
 };
 
-class Team {
+class ThreadPool {
  public:
-  Team() = default;
-  ~Team();
+  ThreadPool() = default;
+  ~ThreadPool();
 
   /** Threads that take part from now on, the caller among them; helpers are made when they are first needed. */
   void resize(int threads);
@@ -85,40 +85,40 @@ class Team {
   Call call = nullptr;
   const void *context = nullptr;
   PartTaken marks[MOST_THREADS];
-  alignas(64) std::atomic<int> inside{0};      // helpers that may touch the job
+  alignas(64) std::atomic<int> active{0};      // helpers that may touch the job
   alignas(64) std::atomic<int> wanted{1};      // threads that take part
   std::atomic<int> asleep{0};
   std::atomic<bool> quits{false};
-  std::mutex door;
-  std::condition_variable bell;
+  std::mutex mutex;
+  std::condition_variable wake;
 
   void share(int, Call, const void *);
   void take_parts(int);
   void help(int);
-  void wake();
+  void wake_helpers();
 };
 
-inline Team::~Team()
+inline ThreadPool::~ThreadPool()
 {
   quits = true;
-  wake();
+  wake_helpers();
   for (auto &helper : helpers) helper.join();
 }
 
-inline void Team::wake()
+inline void ThreadPool::wake_helpers()
 {
-  { const std::lock_guard<std::mutex> lock(door); }
-  bell.notify_all();
+  { const std::lock_guard<std::mutex> lock(mutex); }
+  wake.notify_all();
 }
 
-inline void Team::resize(int count)
+inline void ThreadPool::resize(int count)
 {
   threads = std::clamp(count, 1, MOST_THREADS);
   wanted = threads_now = threads;
-  while ((int) helpers.size() < threads - 1) helpers.emplace_back(&Team::help, this, (int) helpers.size() + 1);
+  while ((int) helpers.size() < threads - 1) helpers.emplace_back(&ThreadPool::help, this, (int) helpers.size() + 1);
 }
 
-inline void Team::take_parts(int own)
+inline void ThreadPool::take_parts(int own)
 {
   const int first = own * parts / threads;
   for (int n = 0; n < parts; n++) {
@@ -128,7 +128,7 @@ inline void Team::take_parts(int own)
   }
 }
 
-inline void Team::share(int count, Call what, const void *with)
+inline void ThreadPool::share(int count, Call what, const void *with)
 {
   call = what;
   context = with;
@@ -136,11 +136,11 @@ inline void Team::share(int count, Call what, const void *with)
   for (int part = 0; part < parts; part++) marks[part].taken.store(false, std::memory_order_relaxed);
   open = true;
   job++;
-  if (asleep > (int) helpers.size() - (threads - 1)) wake();    // those that take no part sleep on
+  if (asleep > (int) helpers.size() - (threads - 1)) wake_helpers();    // those that take no part sleep on
   take_parts(0);
   open = false;    // who comes now finds nothing; who is inside ends its part
   auto since = WallClock::time_point();
-  for (int look = 1; inside > 0; look++) {
+  for (int look = 1; active > 0; look++) {
     pause();
     if (look % LOOKS != 0) continue;
     const auto now = WallClock::now();
@@ -149,7 +149,7 @@ inline void Team::share(int count, Call what, const void *with)
   }
 }
 
-inline void Team::help(int own)
+inline void ThreadPool::help(int own)
 {
   uint64_t seen = 0;
   const auto called = [&]() { return quits || (job != seen && own < wanted); };
@@ -162,9 +162,9 @@ inline void Team::help(int own)
       if (since == WallClock::time_point()) since = now;
       else if (now - since > PATIENCE && now - since <= AWAKE && own < wanted) std::this_thread::yield();
       else if (now - since > AWAKE || own >= wanted) {
-        std::unique_lock<std::mutex> lock(door);
+        std::unique_lock<std::mutex> lock(mutex);
         asleep++;
-        bell.wait(lock, called);
+        wake.wait(lock, called);
         asleep--;
         break;
       }
@@ -172,9 +172,9 @@ inline void Team::help(int own)
     if (quits) return;
     seen = job;
     __builtin_prefetch(&marks[own], 1);    // comes while the next one is waited for
-    inside++;
+    active++;
     if (open) take_parts(own);
-    inside--;
+    active--;
   }
 }
 

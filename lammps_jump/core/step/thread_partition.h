@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /* The threads of a simulation of the native engine, and the discs that each has. */
 
-#ifndef JUMP_CORE_CREW_H
-#define JUMP_CORE_CREW_H
+#ifndef JUMP_CORE_THREAD_PARTITION_H
+#define JUMP_CORE_THREAD_PARTITION_H
 
-#include "step/drift.h"
-#include "step/pace.h"
-#include "step/parts.h"
+#include "step/integrate.h"
+#include "step/thread_tuner.h"
+#include "step/thread_part.h"
 
 namespace jump {
 
@@ -19,48 +19,48 @@ struct ListRoom {
   std::vector<std::vector<int64_t>> copy;       // of each array that is sorted
 };
 
-class Crew {
+class ThreadPartition {
  public:
-  Pace pace;
+  ThreadTuner tuner;
   ListRoom lists;
-  std::vector<Part> parts;
+  std::vector<ThreadPart> parts;
   std::vector<Dissipated> taken;    // of each block of discs
 
   /** Give each thread its part of the discs and of their list, as these are now. */
   void divide(const jump_state &s)
   {
     const int64_t blocks = (s.n + BLOCK - 1) / BLOCK;
-    const int64_t count = std::max<int64_t>(1, std::min<int64_t>(s.grid_first ? 1 : pace.threads(), blocks));
+    const int64_t count = std::max<int64_t>(1, std::min<int64_t>(s.grid_first ? 1 : tuner.threads(), blocks));
     const bool known = s.listed_as == listed_as && s.sorted == sorted;
-    if (known && divided_as == listed_as && s.n == n && count == team.size()) return;
+    if (known && divided_as == listed_as && s.n == n && count == pool.size()) return;
     if (!known) know(s);
     divided_as = listed_as;
     n = s.n;
     taken.resize((size_t) blocks);
     for (auto &rows : at) rows.resize((size_t) n);
-    team.resize((int) count);
+    pool.resize((int) count);
     if ((int64_t) parts.size() == count) learn();
     else past.assign((size_t) count, {n, 1.0});
     parts.resize((size_t) count);
     const double all = work(s, blocks);
     int64_t block = 0;
     for (int64_t k = 0; k < count; k++) {
-      Part &part = parts[(size_t) k];
+      ThreadPart &part = parts[(size_t) k];
       part.begin = std::min(block * BLOCK, n);
       while (block < blocks && work(s, block) * (double) count < all * (double) (k + 1)) block++;
       part.end = k + 1 == count ? n : std::min(block * BLOCK, n);
       part.sorted = sorted;
       part.first = first.data();
       part.at = rows();
-      part.behind = std::min(part.end, sorted);
+      part.end_row = std::min(part.end, sorted);
       part.weight = weight(s, part.end) - weight(s, part.begin);
       part.spent = 0.0;
       const int64_t own = std::min(part.begin, sorted);
-      part.before = reaching(s, own);
-      const int64_t inside = part.end < n ? reaching(s, part.behind) : part.behind;
-      part.beyond = part.end;
-      for (int64_t row = inside; row < part.behind; row++)
-        if (s.start[row + 1] > s.start[row]) part.beyond = most<int64_t>(s.neighbours[s.start[row + 1] - 1] + 1, part.beyond);
+      part.first_row = reaching(s, own);
+      const int64_t inside = part.end < n ? reaching(s, part.end_row) : part.end_row;
+      part.end_neighbour = part.end;
+      for (int64_t row = inside; row < part.end_row; row++)
+        if (s.start[row + 1] > s.start[row]) part.end_neighbour = most<int64_t>(s.neighbours[s.start[row + 1] - 1] + 1, part.end_neighbour);
       cut(s, own, std::max(own, inside), part.blocks);
     }
   }
@@ -69,8 +69,8 @@ class Crew {
   template <class Run> void each(const Run &run)
   {
     if (parts.size() == 1) return run(parts[0]);
-    team.run((int) parts.size(), [&](int k) {
-      Part &part = parts[(size_t) k];
+    pool.run((int) parts.size(), [&](int k) {
+      ThreadPart &part = parts[(size_t) k];
       const auto begun = WallClock::now();
       run(part);
       part.spent += std::chrono::duration<double>(WallClock::now() - begun).count();
@@ -83,7 +83,7 @@ class Crew {
     const int of = shares();
     const bool own = !parts.empty() && parts.back().end == count;
     const auto cut = [&](int k) { return own && k < of ? parts[(size_t) k].begin : count * k / of; };
-    team.run(of, [&](int k) { run(k, cut(k), cut(k + 1)); });
+    pool.run(of, [&](int k) { run(k, cut(k), cut(k + 1)); });
   }
   int shares() const { return most((int) parts.size(), 1); }
 
@@ -105,7 +105,7 @@ class Crew {
   void turn_rows()
   {
     now = 1 - now;
-    for (Part &part : parts) part.at = rows();
+    for (ThreadPart &part : parts) part.at = rows();
   }
 
  private:
@@ -113,7 +113,7 @@ class Crew {
     double numbers[4];
   };
 
-  Team team;
+  ThreadPool pool;
   int64_t number = -1;    // of the list made last
   int64_t listed_as = -1, sorted = -1;            // the list that is known
   int64_t divided_as = -1, n = -1;                // and that by which discs are divided
@@ -188,7 +188,7 @@ class Crew {
   void learn()
   {
     double spent = 0.0, of_all = 0.0;
-    for (const Part &part : parts) {
+    for (const ThreadPart &part : parts) {
       spent += part.spent;
       of_all += part.weight;
     }

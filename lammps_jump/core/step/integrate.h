@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /* Kick and drift of a stretch of discs. */
 
-#ifndef JUMP_CORE_DRIFT_H
-#define JUMP_CORE_DRIFT_H
+#ifndef JUMP_CORE_INTEGRATE_H
+#define JUMP_CORE_INTEGRATE_H
 
 #include "step/native.h"
 
@@ -26,7 +26,7 @@ int64_t drift(const jump_state &s, int64_t begin, int64_t end, Dissipated *taken
 void show(const jump_state &s, int64_t begin, int64_t end, double (*rows)[4]);
 
 /** Largest square of the velocities that contacts see. */
-double fastest(const Seen &seen, int64_t begin, int64_t end);
+double fastest(const ContactVelocities &seen, int64_t begin, int64_t end);
 
 }    // namespace jump
 

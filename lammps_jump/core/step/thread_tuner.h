@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /* How many threads a run takes. */
 
-#ifndef JUMP_CORE_PACE_H
-#define JUMP_CORE_PACE_H
+#ifndef JUMP_CORE_THREAD_TUNER_H
+#define JUMP_CORE_THREAD_TUNER_H
 
-#include "step/team.h"
+#include "step/thread_pool.h"
 
 #include <cstdio>
 #include <cstdlib>
@@ -13,7 +13,7 @@
 namespace jump {
 
 /** How many threads a run takes: the number asked for, or what steps of late have shown to be the quickest. */
-class Pace {
+class ThreadTuner {
  public:
   /** Words as of the variable LAMMPS_JUMP_THREADS: a number, or auto:MOST. */
   void read(const char *words);
@@ -39,7 +39,7 @@ class Pace {
   void start_probe();
 };
 
-inline void Pace::read(const char *words)
+inline void ThreadTuner::read(const char *words)
 {
   fixed = true;
   level = most = 1;
@@ -50,14 +50,14 @@ inline void Pace::read(const char *words)
   fixed |= most == 1;
 }
 
-inline void Pace::begin_step(int count)
+inline void ThreadTuner::begin_step(int count)
 {
   if (fixed) return;
   discs = count;
   begun = WallClock::now();
 }
 
-inline void Pace::end_step(bool odd)
+inline void ThreadTuner::end_step(bool odd)
 {
   if (fixed || odd || discs < FEW_DISCS) return;
   const double took = std::chrono::duration<double>(WallClock::now() - begun).count() / discs;
@@ -77,7 +77,7 @@ inline bool have_cores(int threads, int now)
   return !told || running - now + threads <= (int) std::thread::hardware_concurrency();
 }
 /** Levels are 1, 2, 4, ... and the most: the neighbours of the one in use are tried in turn. */
-inline void Pace::start_probe()
+inline void ThreadTuner::start_probe()
 {
   if (level == 1) up = true;
   else if (level == most) up = false;
@@ -90,7 +90,7 @@ inline void Pace::start_probe()
   probing = true;
 }
 
-inline void Pace::end_window()
+inline void ThreadTuner::end_window()
 {
   const double found = spent / steps;
   spent = 0.0;

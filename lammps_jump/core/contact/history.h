@@ -7,10 +7,10 @@
    Slots are the memory of one disc: `count()`, and of a slot `partner(s)`, `foot(s)`, `used(s)` (whether a contact of this
    step has it), `take(s, partner)` (begins it with springs at 0) and `mark(s, foot)`. */
 
-#ifndef JUMP_CORE_SLOTS_H
-#define JUMP_CORE_SLOTS_H
+#ifndef JUMP_CORE_HISTORY_H
+#define JUMP_CORE_HISTORY_H
 
-#include "contact/number.h"
+#include "contact/scalar_ops.h"
 
 namespace jump {
 

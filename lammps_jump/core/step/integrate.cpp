@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /* Kick and drift of discs, and the work of dashpots and friction over the kick. */
 
-#include "contact/lanes.h"    // before the core: its templates take vectors
+#include "contact/simd.h"    // before the core: its templates take vectors
 
-#include "step/drift.h"
+#include "step/integrate.h"
 
 #include <algorithm>
 
@@ -11,7 +11,7 @@ namespace jump {
 
 constexpr int CHAINS = 4;    // sums and maxima that run beside each other: the ledger's last digits are those of this order
 
-double fastest(const Seen &seen, int64_t begin, int64_t end)
+double fastest(const ContactVelocities &seen, int64_t begin, int64_t end)
 {
   double most_of[CHAINS] = {};
   const double *const __restrict vx = seen.vx, *const __restrict vy = seen.vy;
@@ -65,9 +65,9 @@ template <bool SIZES> static double power_of_torque(const jump_state &s, int64_t
 /** What dashpots and friction take over the whole kick: v_n is the mean of the velocities around it. */
 template <bool SIZES> static Dissipated taken_of(const jump_state &s, int64_t begin, int64_t end, double kick)
 {
-  Dissipated taken{power<SIZES>(s, begin, end, s.dash_x, s.dash_y, 0.5 * kick), 0.0, 0.0};
-  if (!s.slide_x) return taken;
-  taken.friction = power<SIZES>(s, begin, end, s.slide_x, s.slide_y, 0.5 * kick);
+  Dissipated taken{power<SIZES>(s, begin, end, s.dashpot_x, s.dashpot_y, 0.5 * kick), 0.0, 0.0};
+  if (!s.friction_x) return taken;
+  taken.friction = power<SIZES>(s, begin, end, s.friction_x, s.friction_y, 0.5 * kick);
   if (s.omega) taken.turning = power_of_torque<SIZES>(s, begin, end, 0.5 * s.time_step / s.inertia);
   return taken;
 }
@@ -166,7 +166,7 @@ static int64_t drift_kind(const jump_state &s, int64_t begin, int64_t end, Dissi
   int64_t moved = 0;
   for (int64_t from = begin; from < end; from += BLOCK) {    // all that is done with a block, while it is in the cache
     const int64_t to = std::min(from + BLOCK, end);
-    if (s.dash_x) taken[from / BLOCK] = taken_of<SIZES>(s, from, to, kick);
+    if (s.dashpot_x) taken[from / BLOCK] = taken_of<SIZES>(s, from, to, kick);
     if (s.omega) kick_spin<SIZES, EXTRA>(s, from, to);
     moved += kick_drift<SIZES, EXTRA>(s, from, to, kick, rows);
   }

@@ -6,8 +6,8 @@
    discs (images, newcomers) as far as they touch its own. So every sum has the order of one thread, for any number of
    parts, and only pairs across a cut are done twice. */
 
-#ifndef JUMP_CORE_PARTS_H
-#define JUMP_CORE_PARTS_H
+#ifndef JUMP_CORE_THREAD_PART_H
+#define JUMP_CORE_THREAD_PART_H
 
 #include "contact/law.h"
 #include "step/native.h"
@@ -29,16 +29,16 @@ struct Ends {
 /** Candidates of the list that are looked at together: what belongs to them stays in the first-level cache. */
 constexpr int BATCH = 128;
 
-struct alignas(128) Part {
+struct alignas(128) ThreadPart {
   int64_t begin = 0, end = 0;    // its discs
   int64_t sorted = 0;            // rows of the list that are sorted; others stand behind them
-  int64_t before = 0;            // first of the rows that may reach into it
-  int64_t behind = 0;            // where its own sorted rows end
-  int64_t beyond = 0;            // behind the last disc that these reach
+  int64_t first_row = 0;         // first of the rows that may reach into it
+  int64_t end_row = 0;           // where its own sorted rows end
+  int64_t end_neighbour = 0;     // behind the last disc that these reach
   std::vector<int64_t> blocks;   // ends of blocks of those that reach out of it nowhere
   const int32_t *first = nullptr;       // first disc of each pair of the list
   const double (*at)[4] = nullptr;      // place and velocity of each disc, as contacts see them
-  std::vector<Stretch<double>> lent;    // of contacts that discs of other parts remember, as they begin the step
+  std::vector<Stretch<double>> remote_history;    // of contacts that discs of other parts remember, as they begin the step
   std::vector<Sum> on_walls;            // forces of contacts with walls on its discs, wall by wall
   std::vector<Lost> lost_at_walls;      // of those with walls that move
   std::vector<Ends> walls_end;

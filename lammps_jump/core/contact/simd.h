@@ -4,10 +4,10 @@
    Written out, because the compiler's own vectors of the same loop take longer (docs/kernels.md). Sums, products and roots
    are rounded as for single numbers: the width changes no result. */
 
-#ifndef JUMP_CORE_LANES_H
-#define JUMP_CORE_LANES_H
+#ifndef JUMP_CORE_SIMD_H
+#define JUMP_CORE_SIMD_H
 
-#include "contact/number.h"
+#include "contact/scalar_ops.h"
 
 #ifdef __SSE2__
 #include <immintrin.h>
@@ -48,11 +48,11 @@ inline Lanes magnitude(const Lanes &x) { return x < 0.0 ? -x : x; }
 
 #if defined(__has_builtin)
 #if __has_builtin(__builtin_shufflevector)
-#define JUMP_PICK(a, b, ...) __builtin_shufflevector(a, b, __VA_ARGS__)
+#define JUMP_SHUFFLE(a, b, ...) __builtin_shufflevector(a, b, __VA_ARGS__)
 #endif
 #endif
-#ifndef JUMP_PICK    // GCC before 12
-#define JUMP_PICK(a, b, ...) __builtin_shuffle(a, b, (decltype((a) < (b))){__VA_ARGS__})
+#ifndef JUMP_SHUFFLE    // GCC before 12
+#define JUMP_SHUFFLE(a, b, ...) __builtin_shuffle(a, b, (decltype((a) < (b))){__VA_ARGS__})
 #endif
 
 /** Four numbers or indices at a time, to find pairs that are close: the runs of candidates are too short for eight. */
@@ -100,7 +100,7 @@ inline FourInts first_of(const FourInts &four, int mask)
 }
 
 /** Four vectors of four: to[r][c] = column c [r]. */
-inline void turn(const Four &a, const Four &b, const Four &c, const Four &d, Four (&to)[4])
+inline void transpose4(const Four &a, const Four &b, const Four &c, const Four &d, Four (&to)[4])
 {
 #if defined(__SSE2__) && !defined(__AVX__)    // by halves: the compiler takes the shuffles below apart
   const Four *const from[] = {&a, &b, &c, &d};
@@ -112,12 +112,12 @@ inline void turn(const Four &a, const Four &b, const Four &c, const Four &d, Fou
       reinterpret_cast<__m128d *>(&to[2 * half + 1])[pair] = _mm_unpackhi_pd(one, two);
     }
 #else
-  const Four ab0 = JUMP_PICK(a, b, 0, 4, 2, 6), ab1 = JUMP_PICK(a, b, 1, 5, 3, 7);
-  const Four cd0 = JUMP_PICK(c, d, 0, 4, 2, 6), cd1 = JUMP_PICK(c, d, 1, 5, 3, 7);
-  to[0] = JUMP_PICK(ab0, cd0, 0, 1, 4, 5);
-  to[1] = JUMP_PICK(ab1, cd1, 0, 1, 4, 5);
-  to[2] = JUMP_PICK(ab0, cd0, 2, 3, 6, 7);
-  to[3] = JUMP_PICK(ab1, cd1, 2, 3, 6, 7);
+  const Four ab0 = JUMP_SHUFFLE(a, b, 0, 4, 2, 6), ab1 = JUMP_SHUFFLE(a, b, 1, 5, 3, 7);
+  const Four cd0 = JUMP_SHUFFLE(c, d, 0, 4, 2, 6), cd1 = JUMP_SHUFFLE(c, d, 1, 5, 3, 7);
+  to[0] = JUMP_SHUFFLE(ab0, cd0, 0, 1, 4, 5);
+  to[1] = JUMP_SHUFFLE(ab1, cd1, 0, 1, 4, 5);
+  to[2] = JUMP_SHUFFLE(ab0, cd0, 2, 3, 6, 7);
+  to[3] = JUMP_SHUFFLE(ab1, cd1, 2, 3, 6, 7);
 #endif
 }
 
@@ -125,7 +125,7 @@ inline void turn(const Four &a, const Four &b, const Four &c, const Four &d, Fou
 inline void rows_of_four(const Four &a, const Four &b, const Four &c, const Four &d, double (*rows)[4])
 {
   Four turned[4];
-  turn(a, b, c, d, turned);
+  transpose4(a, b, c, d, turned);
   for (int r = 0; r < 4; r++) *reinterpret_cast<AnyFour *>(rows[r]) = turned[r];
 }
 
@@ -133,46 +133,46 @@ inline void rows_of_four(const Four &a, const Four &b, const Four &c, const Four
 
     And rows_of_two: two vectors as rows of two numbers. */
 #if defined(__AVX512F__)
-inline void columns(const double (*rows)[4], Lanes column[4])
+inline void deinterleave(const double (*rows)[4], Lanes column[4])
 {
   const Lanes *const two = reinterpret_cast<const Lanes *>(rows);    // two rows each
-  const Lanes xy0 = JUMP_PICK(two[0], two[1], 0, 4, 8, 12, 1, 5, 9, 13);
-  const Lanes xy4 = JUMP_PICK(two[2], two[3], 0, 4, 8, 12, 1, 5, 9, 13);
-  const Lanes uv0 = JUMP_PICK(two[0], two[1], 2, 6, 10, 14, 3, 7, 11, 15);
-  const Lanes uv4 = JUMP_PICK(two[2], two[3], 2, 6, 10, 14, 3, 7, 11, 15);
-  column[0] = JUMP_PICK(xy0, xy4, 0, 1, 2, 3, 8, 9, 10, 11);
-  column[1] = JUMP_PICK(xy0, xy4, 4, 5, 6, 7, 12, 13, 14, 15);
-  column[2] = JUMP_PICK(uv0, uv4, 0, 1, 2, 3, 8, 9, 10, 11);
-  column[3] = JUMP_PICK(uv0, uv4, 4, 5, 6, 7, 12, 13, 14, 15);
+  const Lanes xy0 = JUMP_SHUFFLE(two[0], two[1], 0, 4, 8, 12, 1, 5, 9, 13);
+  const Lanes xy4 = JUMP_SHUFFLE(two[2], two[3], 0, 4, 8, 12, 1, 5, 9, 13);
+  const Lanes uv0 = JUMP_SHUFFLE(two[0], two[1], 2, 6, 10, 14, 3, 7, 11, 15);
+  const Lanes uv4 = JUMP_SHUFFLE(two[2], two[3], 2, 6, 10, 14, 3, 7, 11, 15);
+  column[0] = JUMP_SHUFFLE(xy0, xy4, 0, 1, 2, 3, 8, 9, 10, 11);
+  column[1] = JUMP_SHUFFLE(xy0, xy4, 4, 5, 6, 7, 12, 13, 14, 15);
+  column[2] = JUMP_SHUFFLE(uv0, uv4, 0, 1, 2, 3, 8, 9, 10, 11);
+  column[3] = JUMP_SHUFFLE(uv0, uv4, 4, 5, 6, 7, 12, 13, 14, 15);
 }
 
 inline void rows_of_two(const Lanes &x, const Lanes &y, double (*rows)[2])
 {
   Lanes *const four = reinterpret_cast<Lanes *>(rows);    // four rows each
-  four[0] = JUMP_PICK(x, y, 0, 8, 1, 9, 2, 10, 3, 11);
-  four[1] = JUMP_PICK(x, y, 4, 12, 5, 13, 6, 14, 7, 15);
+  four[0] = JUMP_SHUFFLE(x, y, 0, 8, 1, 9, 2, 10, 3, 11);
+  four[1] = JUMP_SHUFFLE(x, y, 4, 12, 5, 13, 6, 14, 7, 15);
 }
 #elif defined(__AVX__)
-inline void columns(const double (*rows)[4], Lanes column[4])
+inline void deinterleave(const double (*rows)[4], Lanes column[4])
 {
   const Lanes *const row = reinterpret_cast<const Lanes *>(rows);
-  const Lanes xu0 = JUMP_PICK(row[0], row[1], 0, 4, 2, 6), yv0 = JUMP_PICK(row[0], row[1], 1, 5, 3, 7);
-  const Lanes xu2 = JUMP_PICK(row[2], row[3], 0, 4, 2, 6), yv2 = JUMP_PICK(row[2], row[3], 1, 5, 3, 7);
-  column[0] = JUMP_PICK(xu0, xu2, 0, 1, 4, 5);
-  column[1] = JUMP_PICK(yv0, yv2, 0, 1, 4, 5);
-  column[2] = JUMP_PICK(xu0, xu2, 2, 3, 6, 7);
-  column[3] = JUMP_PICK(yv0, yv2, 2, 3, 6, 7);
+  const Lanes xu0 = JUMP_SHUFFLE(row[0], row[1], 0, 4, 2, 6), yv0 = JUMP_SHUFFLE(row[0], row[1], 1, 5, 3, 7);
+  const Lanes xu2 = JUMP_SHUFFLE(row[2], row[3], 0, 4, 2, 6), yv2 = JUMP_SHUFFLE(row[2], row[3], 1, 5, 3, 7);
+  column[0] = JUMP_SHUFFLE(xu0, xu2, 0, 1, 4, 5);
+  column[1] = JUMP_SHUFFLE(yv0, yv2, 0, 1, 4, 5);
+  column[2] = JUMP_SHUFFLE(xu0, xu2, 2, 3, 6, 7);
+  column[3] = JUMP_SHUFFLE(yv0, yv2, 2, 3, 6, 7);
 }
 
 inline void rows_of_two(const Lanes &x, const Lanes &y, double (*rows)[2])
 {
   Lanes *const two = reinterpret_cast<Lanes *>(rows);    // two rows each
-  const Lanes even = JUMP_PICK(x, y, 0, 4, 2, 6), odd = JUMP_PICK(x, y, 1, 5, 3, 7);
-  two[0] = JUMP_PICK(even, odd, 0, 1, 4, 5);
-  two[1] = JUMP_PICK(even, odd, 2, 3, 6, 7);
+  const Lanes even = JUMP_SHUFFLE(x, y, 0, 4, 2, 6), odd = JUMP_SHUFFLE(x, y, 1, 5, 3, 7);
+  two[0] = JUMP_SHUFFLE(even, odd, 0, 1, 4, 5);
+  two[1] = JUMP_SHUFFLE(even, odd, 2, 3, 6, 7);
 }
 #else
-inline void columns(const double (*rows)[4], Lanes column[4])
+inline void deinterleave(const double (*rows)[4], Lanes column[4])
 {
   for (int c = 0; c < 4; c++) column[c] = Lanes{rows[0][c], rows[1][c]};
 }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-/* Operations of a number, by the names that a vector of numbers has too (lanes.h).
+/* Operations of a number, by the names that a vector of numbers has too (simd.h).
 
    All of the core is compiled without contraction and without `fastmath` (build.py): every operation is rounded as it is
    written. */
 
-#ifndef JUMP_CORE_NUMBER_H
-#define JUMP_CORE_NUMBER_H
+#ifndef JUMP_CORE_SCALAR_OPS_H
+#define JUMP_CORE_SCALAR_OPS_H
 
 #include <cmath>
 
