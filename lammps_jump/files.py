@@ -7,18 +7,24 @@ an engine is written whole or not at all. `tests/test_house.py` refuses other wa
 
 from __future__ import annotations
 
+import ctypes
 import errno
+import fcntl
 import hashlib
 import io
 import json
 import os
 import re
+import secrets
 import shutil
+import signal
 import stat
+import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from difflib import SequenceMatcher
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 from pydantic_core import to_jsonable_python
@@ -142,6 +148,14 @@ MOST_TEXT = 2_000_000_000
 """Bytes of a table or log that is read."""
 MOST_TOLD = 10_000_000
 """Bytes of what the system tells, such as its processors."""
+END_OF_LINE = re.compile("\r\n|\r|\n")
+"""Ends of lines of a text; a page of a browser turns each into the last."""
+NO_ROOM_BESIDE = {errno.EACCES, errno.EPERM, errno.EROFS, errno.EBUSY, errno.ENAMETOOLONG, errno.ENOTSUP, errno.EXDEV}
+"""Errors of making a file beside another, or of putting it in the other's place, though that one may be written."""
+_HERE, _EXCHANGE = -100, 2
+"""AT_FDCWD and RENAME_EXCHANGE of Linux."""
+WRITER_PATIENCE = 0.5
+"""Seconds that a program which has a file open for writing gets to close it."""
 
 
 def make_own(path: Path) -> None:
@@ -193,10 +207,7 @@ def write_text(path: Path, text: str) -> Path:
 
 def write_bytes(path: Path, data: bytes | memoryview, mode: int | None = None) -> Path:
     """Write a file whole or not at all, with these permissions whatever the umask; see `whole`."""
-    with (
-        whole(path) as new,
-        open(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, 0o666), "wb") as file,
-    ):
+    with whole(path) as new, _new(new, 0o666) as file:
         file.write(data)
         if mode is not None:
             os.fchmod(file.fileno(), mode)
@@ -349,3 +360,226 @@ def open_regular(path: str, flags: int) -> int:
         kind = errno.EISDIR if os.path.isdir(path) else errno.EINVAL
         raise OSError(kind, os.strerror(kind) if kind == errno.EISDIR else "no regular file")
     return place
+
+
+def real_path(path: Path) -> Path:
+    """The file that a path leads to, through all links; of links in a circle the path itself."""
+    return Path(os.path.realpath(path))
+
+
+def with_ends_of(before: str, after: str) -> str:
+    """A text with the ends (LF, CRLF, CR) that its lines have in the text before; a new line has its neighbour's."""
+    ends = END_OF_LINE.findall(before)
+    lines = END_OF_LINE.split(after)
+    if len(set(ends)) < 2:
+        return (ends[0] if ends else "\n").join(lines)
+    old, found = END_OF_LINE.split(before), [""] * len(lines)
+    for first, here, many in SequenceMatcher(None, old, lines).get_matching_blocks():
+        found[here : here + many] = [*ends, ""][first : first + many]
+    end = next(filter(None, found), ends[0])
+    text = []
+    for line, own in zip(lines, found, strict=True):
+        end = own or end
+        text += [line, end]
+    return "".join(text[:-1])
+
+
+def change_text(path: Path, before: str, after: str) -> str | None:
+    """Put another text into a file of the user, unless it holds another one than `before` by now.
+
+    Mode, owner, hard links and further attributes of the file stay, and so do the ends of its lines
+    (`with_ends_of`). The file is whole before and after: a new one takes its place in one move. Where that would lose
+    hard links or the owner, or another program holds the file open, it is written in its place, with a copy beside it
+    until that is done. What another program writes meanwhile is kept. A link that stands there is not followed.
+
+    Returns
+    -------
+    str or None
+        The text as it was written; None where nothing was.
+
+    Raises
+    ------
+    OSError
+        It is read-only, or cannot be written; it then holds the text before.
+    """
+    old, new = before.encode(), with_ends_of(before, after).encode()
+    with open(path, "rb", opener=_open_no_link) as file:
+        if not _holds(path, file, old):
+            return None
+        if new == old:
+            return before
+        found = os.fstat(file.fileno())
+        if not found.st_mode & 0o222 or not os.access(path, os.W_OK):
+            raise PermissionError(errno.EACCES, "it is read-only", str(path))
+        alone = found.st_nlink == 1 and _lent(file, fcntl.F_RDLCK)
+        done = _put_in_its_place(path, file, old, new) if alone else None
+    if done is None:
+        done = _written_over(path, old, new)
+    return new.decode() if done else None
+
+
+def _holds(path: Path, file: IO[bytes], data: bytes) -> bool:
+    """Whether a path still leads to the file that is open, and the file holds these bytes."""
+    try:
+        same = os.path.samestat(os.stat(path, follow_symlinks=False), os.fstat(file.fileno()))
+    except FileNotFoundError:
+        return False
+    return same and os.pread(file.fileno(), len(data) + 1, 0) == data
+
+
+def _lent(file: IO[bytes], kind: int) -> bool:
+    """Whether no other program has a file open for writing (F_RDLCK), or at all (F_WRLCK).
+
+    With F_WRLCK programs that would open it wait until this one closes it. True where the system does not know.
+    """
+    try:
+        # a program that waits is told by this signal, which is ignored; the usual one would end this process
+        fcntl.fcntl(file, fcntl.F_SETSIG, signal.SIGURG)
+        fcntl.fcntl(file, fcntl.F_SETLEASE, kind)
+        if kind == fcntl.F_RDLCK:
+            fcntl.fcntl(file, fcntl.F_SETLEASE, fcntl.F_UNLCK)
+    except OSError as error:
+        return error.errno != errno.EAGAIN
+    return True
+
+
+def _put_in_its_place(path: Path, file: IO[bytes], old: bytes, new: bytes) -> bool | None:
+    """Put a new file in the place of one that is open; whether that held `old` to the end. None: no new file can be."""
+    beside = path.with_name(f".{path.name}.{secrets.token_hex(4)}.new")
+    try:
+        try:
+            _make(beside, new, like=file)
+            if not _holds(path, file, old):
+                return False
+            exchanged = _exchange(beside, path)
+        except OSError as error:
+            if error.errno in NO_ROOM_BESIDE:
+                return None
+            raise
+        if exchanged and not _came_out(beside, file, old):
+            _exchange(beside, path)
+            _keep_meanwhile(path, beside, new)
+            return False
+    finally:
+        _delete_own(beside, old, new)
+    with suppress(OSError):
+        flush(path.parent)
+    return True
+
+
+def _make(path: Path, data: bytes, like: IO[bytes] | None = None) -> None:
+    """A new file, brought to the disk; with owner, mode and further attributes of one that is open."""
+    with _new(path) as made:
+        try:
+            made.write(data)
+            made.flush()
+            if like is not None:
+                _give_attributes(made.fileno(), like.fileno())
+            os.fsync(made.fileno())
+        except BaseException:
+            delete(path)
+            raise
+
+
+def _give_attributes(place: int, like: int) -> None:
+    """Give an open file owner, mode and further attributes of another."""
+    found, here, names = os.fstat(like), os.fstat(place), []
+    if (here.st_uid, here.st_gid) != (found.st_uid, found.st_gid):
+        os.fchown(place, found.st_uid, found.st_gid)
+    with suppress(OSError):  # a file system without further ones
+        names = os.listxattr(like)
+    for name in names:
+        os.setxattr(place, name, os.getxattr(like, name))
+    os.fchmod(place, stat.S_IMODE(found.st_mode))
+
+
+def _new(path: Path, mode: int = 0o600) -> io.BufferedWriter:
+    """A file that was not there, open for writing."""
+    return open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW, mode), "wb")
+
+
+def _exchange(first: Path, second: Path) -> bool:
+    """Exchange two files in one move; False where the system cannot: the first has taken the place of the second."""
+    rename = getattr(ctypes.CDLL(None, use_errno=True), "renameat2", None)
+    if rename is not None:
+        if rename(_HERE, os.fsencode(first), _HERE, os.fsencode(second), _EXCHANGE) == 0:
+            return True
+        code = ctypes.get_errno()
+        if code not in (errno.EINVAL, errno.ENOSYS, errno.ENOTSUP):
+            raise OSError(code, os.strerror(code), str(second))
+    os.replace(first, second)
+    return False
+
+
+def _came_out(beside: Path, file: IO[bytes], old: bytes) -> bool:
+    """Whether what an exchange has brought out is the open file, and no program has written to it."""
+    return _left(file) and _holds(beside, file, old)
+
+
+def _left(file: IO[bytes]) -> bool:
+    """Wait until no other program has a file open for writing; whether they have closed it in time."""
+    until = time.monotonic() + WRITER_PATIENCE
+    while not (left := _lent(file, fcntl.F_RDLCK)) and time.monotonic() < until:
+        time.sleep(0.002)
+    return left
+
+
+def _keep_meanwhile(path: Path, beside: Path, new: bytes) -> None:
+    """Keep what a program has written to the new file while that was in the place of the other.
+
+    Raises
+    ------
+    OSError
+        It was more than lines at its end; they are kept in a file, which the message names.
+    """
+    with open_to_read(beside) as file:
+        alone, data = _left(file), file.read()
+    if not alone or not data.startswith(new):
+        said = f"other programs write it at once; the text of one of them is in {beside}"
+        raise OSError(errno.EBUSY, said, str(path))
+    if more := data.removeprefix(new):
+        with open_to_write(path, append=True) as end:
+            end.write(more)
+    delete(beside)
+
+
+def _delete_own(path: Path, *texts: bytes) -> None:
+    """Delete a file that holds one of these texts."""
+    with suppress(OSError):
+        if read_file(path, MOST_TEXT) in texts:
+            delete(path)
+
+
+def _written_over(path: Path, old: bytes, new: bytes) -> bool:
+    """Write a file in its place, with a copy beside it meanwhile; False, and nothing is done, where it is another."""
+    copy = path.with_name(f".{path.name}.{secrets.token_hex(4)}.old")
+    with open(path, "r+b", opener=_open_no_link) as file:
+        place = file.fileno()
+        if not _holds(path, file, old):
+            return False
+        try:
+            _make(copy, old)
+        except OSError as error:
+            if error.errno not in NO_ROOM_BESIDE:
+                raise
+        _lent(file, fcntl.F_WRLCK)
+        if same := _holds(path, file, old):
+            try:
+                _overwrite(place, new)
+            except BaseException:
+                _overwrite(place, old)  # if this fails too, the copy stays
+                delete(copy)
+                raise
+        with suppress(OSError):
+            fcntl.fcntl(file, fcntl.F_SETLEASE, fcntl.F_UNLCK)
+        os.fsync(place)
+        delete(copy)
+    return same
+
+
+def _overwrite(place: int, data: bytes) -> None:
+    """Write an open file from its start, and cut it there."""
+    done = 0
+    while done < len(data):
+        done += os.pwrite(place, data[done:], done)
+    os.ftruncate(place, done)

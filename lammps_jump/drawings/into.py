@@ -10,28 +10,37 @@ import yaml
 
 import lammps_jump.case as cases
 from lammps_jump.case.text import read_text
-from lammps_jump.errors import CaseError
-from lammps_jump.files import write_text, writes
+from lammps_jump.errors import CaseError, DumpError
+from lammps_jump.files import change_text, real_path, writes
 
 from .entries import Entry, yaml_text
 
+MOST_TRIES = 5
+"""How often walls are added anew to a case that another program has changed meanwhile."""
+
 
 def write_into(path: Path, found: Sequence[Entry]) -> None:
-    """Add walls to a case file, whole or not at all.
+    """Add walls to a case file, whole or not at all; see `change_text`. Of a link, to the file that it leads to.
+
+    What another program writes into the file meanwhile stays.
 
     Raises
     ------
     CaseError
         A file that is no case, walls that stand in brackets, a name that is taken, a case that is refused with them.
     DumpError
-        The file cannot be written.
+        The file cannot be written, or another program changes it all the time.
     """
-    before = read_text(path)
-    cases.parse_case(before, str(path), folder=path.parent)
-    text = with_walls(before, found, str(path))
-    cases.parse_case(text, str(path), folder=path.parent)
-    with writes(path):
-        write_text(path, text)
+    place = real_path(path)
+    for _ in range(MOST_TRIES):
+        before = read_text(place)
+        cases.parse_case(before, str(path), folder=path.parent)
+        text = with_walls(before, found, str(path))
+        cases.parse_case(text, str(path), folder=path.parent)
+        with writes(path, remedy="correct the permissions of file and folder"):
+            if change_text(place, before, text) is not None:
+                return
+    raise DumpError(f"{path}: another program changes it all the time; nothing was added, import again once that ends")
 
 
 def with_walls(text: str, found: Sequence[Entry], file: str = "<case>") -> str:

@@ -4,14 +4,13 @@
 from __future__ import annotations
 
 import hashlib
-import stat
 from pathlib import Path
 from threading import Lock
 from typing import NamedTuple
 
 from lammps_jump.case.text import read_text
 from lammps_jump.errors import SetupError
-from lammps_jump.files import write_bytes, writes
+from lammps_jump.files import END_OF_LINE, change_text, real_path, writes
 
 
 class HashedText(NamedTuple):
@@ -36,19 +35,19 @@ class CaseFile:
     """
 
     def __init__(self, path: Path):
-        self.shown, self.path = path, path.resolve()
+        self.shown, self.path = path, real_path(path)
         self._lock = Lock()
         self.read()
 
     def read(self) -> HashedText:
-        """The text, with plain ends of lines as a page has them."""
+        """The text, with the ends of lines that a page has."""
         text = read_text(self.path)
-        return HashedText(text.replace("\r\n", "\n"), hashlib.sha256(text.encode()).hexdigest())
+        return HashedText(END_OF_LINE.sub("\n", text), _key(text))
 
     def save(self, text: str, key: str) -> HashedText | None:
         """Write a text over the one with this key; None, and nothing is written, where the file holds another one.
 
-        Ends of lines and permissions stay as they are.
+        See `change_text`.
 
         Raises
         ------
@@ -57,10 +56,12 @@ class CaseFile:
         """
         with self._lock:
             there = read_text(self.path)
-            if hashlib.sha256(there.encode()).hexdigest() != key:
+            if _key(there) != key:
                 return None
-            written = text.replace("\n", "\r\n") if "\r\n" in there else text
-            if written != there:
-                with writes(self.shown, SetupError, "correct the permissions of file and folder"):
-                    write_bytes(self.path, written.encode(), stat.S_IMODE(self.path.stat().st_mode))
-            return self.read()
+            with writes(self.shown, SetupError, "correct the permissions of file and folder"):
+                saved = change_text(self.path, there, text)
+            return HashedText(text, _key(saved)) if saved is not None else None
+
+
+def _key(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()

@@ -121,7 +121,7 @@ class CasePages(Opened):
         """Look at a text, add the walls of a drawing to it, save it, or run what is saved."""
         if path == "look":
             with self._looking:
-                return answer(look(text_of(asked, "text"), self.file.path, number_of(asked, "wide")))
+                return answer(look(text_of(asked, "text"), self.file.shown, number_of(asked, "wide")))
         if path == "drawing":
             return self._drawing(asked)
         if path == "save":
@@ -141,7 +141,7 @@ class CasePages(Opened):
         except ValueError:
             raise Refused(400, "data is not in base64") from None
         try:
-            found = with_drawing(text, self.file.path, DroppedFile(Path(name).name, data, scale.strip() or None))
+            found = with_drawing(text, self.file.shown, DroppedFile(Path(name).name, data, scale.strip() or None))
         except ScaleError as error:
             return answer({"refused": str(error), "scale": True}, 422)
         given = ["--scale", scale.strip()] if scale.strip() else []
@@ -185,7 +185,7 @@ class CasePages(Opened):
             The case cannot be used.
         """
         if self._read[0] != text:
-            self._read = text, ReadCase.parse(text, str(self.file.shown), folder=self.file.path.parent)
+            self._read = text, ReadCase.parse(text, str(self.file.shown), folder=self.file.shown.parent)
         case = self._read[1]
         first = default_folder(case)
         for number in range(1, MOST_RUNS):

@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 from made_up import INPUTS, call, examples
 
 import lammps_jump as lj
-from lammps_jump.drawings import LayerChoice, doubts, entries, read_drawing, with_walls, write_into
+from lammps_jump.drawings import LayerChoice, doubts, entries, into, read_drawing, with_walls, write_into
 from lammps_jump.drawings.strokes import arc, bulged, pieces_of_arc, pieces_of_cubic
-from lammps_jump.errors import CaseError, SetupError
+from lammps_jump.errors import CaseError, DumpError, SetupError
 from lammps_jump.scene.shapes import ArcTo
 from lammps_jump.scene.walls import Line
 
@@ -263,6 +263,61 @@ def test_walls_are_added_to_a_case_and_comments_stay(monkeypatch, capsys, tmp_pa
     assert lj.load_case(case).fields.walls[-1].name == "bed"
     status, _, err = call(monkeypatch, capsys, "import", bed, "--into", case)
     assert status == 2 and "there is a wall 'bed' already" in err and case.read_text() == after
+
+
+@pytest.fixture
+def bed(tmp_path):
+    """Walls of a surveyed bed."""
+    return entries(read_drawing(written(tmp_path, "bed.csv", BED)))
+
+
+def test_a_link_is_followed_and_stays(tmp_path, bed):
+    case = written(tmp_path, "case.yaml", (INPUTS / "dam_break.yaml").read_text())
+    case.chmod(0o600)
+    (tmp_path / "link.yaml").symlink_to("case.yaml")
+    write_into(tmp_path / "link.yaml", bed)
+    assert (tmp_path / "link.yaml").is_symlink() and "name: bed" in case.read_text()
+    assert case.stat().st_mode & 0o777 == 0o600
+
+
+def test_ends_of_lines_stay(tmp_path, bed):
+    rows = (INPUTS / "dam_break.yaml").read_text().splitlines()
+    before = "".join(row + ("\n" if number % 3 else "\r\n") for number, row in enumerate(rows))
+    case = tmp_path / "case.yaml"
+    case.write_bytes(before.encode())
+    write_into(case, bed)
+    after = case.read_bytes().decode().splitlines(keepends=True)
+    assert [row for row in after if "bed" not in row] == before.splitlines(keepends=True)
+
+
+def test_what_another_program_writes_meanwhile_stays(tmp_path, monkeypatch, bed):
+    case = written(tmp_path, "case.yaml", (INPUTS / "dam_break.yaml").read_text())
+    real, times = into.with_walls, []
+
+    def slow(*given):
+        if len(times) < 2:
+            times.append(1)
+            case.write_text(f"{case.read_text()}# mine {len(times)}\n")
+        return real(*given)
+
+    monkeypatch.setattr(into, "with_walls", slow)
+    write_into(case, bed)
+    assert case.read_text().endswith("# mine 1\n# mine 2\n") and "name: bed" in case.read_text()
+
+
+def test_a_case_that_changes_all_the_time_is_left(tmp_path, monkeypatch, bed):
+    case = written(tmp_path, "case.yaml", (INPUTS / "dam_break.yaml").read_text())
+    monkeypatch.setattr(into, "change_text", lambda *_: None)
+    with pytest.raises(DumpError, match="another program changes it all the time; nothing was added"):
+        write_into(case, bed)
+
+
+def test_a_case_that_is_read_only_is_left(monkeypatch, capsys, tmp_path):
+    case = written(tmp_path, "case.yaml", (INPUTS / "dam_break.yaml").read_text())
+    case.chmod(0o444)
+    status, _, err = call(monkeypatch, capsys, "import", written(tmp_path, "bed.csv", BED), "--into", case)
+    assert status == 2 and "case.yaml: cannot be written (it is read-only); correct the permissions" in err
+    assert "name: bed" not in case.read_text() and case.stat().st_mode & 0o777 == 0o444
 
 
 @pytest.mark.parametrize(

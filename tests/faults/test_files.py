@@ -19,7 +19,7 @@ from made_up import INPUTS, troubles, without_analysis
 import lammps_jump as lj
 from lammps_jump.dump.check import force_troubles
 from lammps_jump.errors import DumpError, JumpError
-from lammps_jump.files import write_bytes
+from lammps_jump.files import change_text, write_bytes
 from lammps_jump.runs import start
 
 pytestmark = pytest.mark.usefixtures("blank_pictures")
@@ -107,6 +107,9 @@ class FaultyWriter:
     def __exit__(self, *error):
         self.file.close()
 
+    def __getattr__(self, name):
+        return getattr(self.file, name)
+
     def write(self, data):
         """Write a part of it, then fail where that is asked for."""
         self.file.write(data[: len(data) // 2])
@@ -117,7 +120,12 @@ class FaultyWriter:
 
 @pytest.mark.fault("files that cannot be written")
 @pytest.mark.parametrize("persistent", [False, True], ids=["once", "from then on"])
-def test_a_file_is_old_or_new_whatever_fails(tmp_path, tried, persistent):
+@pytest.mark.parametrize(
+    "change",
+    [lambda path: write_bytes(path, b"a new one"), lambda path: change_text(path, "old", "a new one")],
+    ids=["ours", "of the user"],
+)
+def test_a_file_is_old_or_new_whatever_fails(tmp_path, tried, change, persistent):
     path = tmp_path / "file.json"
     path.write_bytes(b"old")
     for number in range(1, 20):
@@ -125,7 +133,7 @@ def test_a_file_is_old_or_new_whatever_fails(tmp_path, tried, persistent):
         with pytest.MonkeyPatch.context() as patch:
             faults.patched(patch)
             try:
-                write_bytes(path, b"a new one")
+                change(path)
             except OSError as error:
                 assert error.errno == errno.EIO
         if not faults.met:

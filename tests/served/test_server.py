@@ -10,7 +10,7 @@ from serving import asked, send, serving
 
 import lammps_jump.served as served
 from lammps_jump.errors import CaseError
-from lammps_jump.served import look
+from lammps_jump.served import case_file, look
 
 CASE = """\
 # A column before it falls.
@@ -242,12 +242,51 @@ def test_ends_of_lines_stay_as_they_are(tmp_path):
     assert path.read_bytes() == (CASE + "# end\n").replace("\n", "\r\n").encode()
 
 
+def test_what_is_written_in_the_moment_of_saving_is_not_taken_for_the_page_s(server, case, monkeypatch):
+    """The page gets the key of its own text: what another program adds right behind it is seen at the next save."""
+    real = case_file.change_text
+
+    def interrupted(path, before, after):
+        done = real(path, before, after)
+        with path.open("a") as file:
+            file.write("# by another program\n")
+        return done
+
+    monkeypatch.setattr(case_file, "change_text", interrupted)
+    key = asked(server, "file")["key"]
+    saved = asked(server, "save", {"text": CASE + "# one\n", "key": key})
+    status, _, data = send(server, "POST", f"/{server.token}/save", {"text": CASE + "# two\n", "key": saved["key"]})
+    assert status == 409 and json.loads(data)["text"] == CASE + "# one\n# by another program\n"
+
+
+def test_a_link_is_followed_once(tmp_path):
+    real = tmp_path / "real" / "case.yaml"
+    real.parent.mkdir()
+    real.write_text(CASE)
+    (tmp_path / "shown.yaml").symlink_to(real)
+    with serving(tmp_path / "shown.yaml") as server:
+        key = asked(server, "file")["key"]
+        (tmp_path / "shown.yaml").unlink()
+        (tmp_path / "shown.yaml").symlink_to("/etc/hostname")
+        key = asked(server, "save", {"text": CASE + "# one\n", "key": key})["key"]
+        assert real.read_text() == CASE + "# one\n"
+        real.rename(tmp_path / "moved")
+        real.symlink_to(tmp_path / "moved")
+        status, _, data = send(server, "POST", f"/{server.token}/save", {"text": CASE, "key": key})
+        assert status == 422 and "cannot be written" in json.loads(data)["refused"]
+    assert (tmp_path / "moved").read_text() == CASE + "# one\n"
+
+
 def test_a_file_that_is_gone_or_locked_is_spoken_of(server, case):
     key = asked(server, "file")["key"]
     case.unlink()
     status, _, data = send(server, "POST", f"/{server.token}/save", {"text": CASE, "key": key})
     assert status == 422 and "no such case file" in json.loads(data)["refused"]
     assert not case.exists()
+    case.write_text(CASE)
+    case.chmod(0o444)
+    status, _, data = send(server, "POST", f"/{server.token}/save", {"text": CASE + "# one\n", "key": key})
+    assert status == 422 and "it is read-only" in json.loads(data)["refused"] and case.read_text() == CASE
 
 
 def test_no_page_of_what_is_no_case(tmp_path):
@@ -256,3 +295,6 @@ def test_no_page_of_what_is_no_case(tmp_path):
     (tmp_path / "a.yaml").symlink_to("/dev/zero")
     with pytest.raises(CaseError, match="cannot be read"):
         served.pages_of(tmp_path / "a.yaml")
+    (tmp_path / "circle.yaml").symlink_to("circle.yaml")
+    with pytest.raises(CaseError, match="cannot be read"):
+        served.pages_of(tmp_path / "circle.yaml")
