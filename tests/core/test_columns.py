@@ -23,8 +23,8 @@ def test_a_core_with_other_columns_is_refused():
     assert moved != there
     with pytest.raises(SetupError, match=r"not the same in the core and in Python: Pushed place=0\+3 before=3\+3"):
         columns.require_columns(moved)
-    with pytest.raises(SetupError, match="LID=7"):
-        columns.require_columns(there.replace("LID=2", "LID=7"))
+    with pytest.raises(SetupError, match="LOADED=7"):
+        columns.require_columns(there.replace("LOADED=2", "LOADED=7"))
 
 
 def test_columns_know_their_number():
