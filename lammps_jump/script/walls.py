@@ -15,7 +15,7 @@ from lammps_jump.core.law import LawNumbers
 from lammps_jump.files import BODIES
 from lammps_jump.physics.contact import WallLaw, restitution_of
 from lammps_jump.scene import Block, Box, Interval, MovingWall, Plane, Scene, Wall
-from lammps_jump.scene.bodies.meeting import LARGEST_OVERLAP, bulk_of, corners, laws_between, meets, share_of
+from lammps_jump.scene.bodies.meeting import LARGEST_OVERLAP, corners, laws_between, meets
 from lammps_jump.scene.chains import WALL
 
 from .numbers import number as number
@@ -258,19 +258,7 @@ def _plain_gate(moving: MovingWall, law: str, tail: str) -> list[str]:
 
 def plugin_walls(scene: Scene) -> list[str]:
     """Words of the plugin's fix for every wall and gate."""
-    return [
-        plugin_wall(one, _law_beside(scene, one), seam=scene.crosses(one.wall), bulk=bulk_of(scene, one))
-        for one in scene.walls
-    ]
-
-
-def _law_beside(scene: Scene, one: MovingWall) -> WallLaw | None:
-    """Contact of a wall that is not that of the others; of a body its dashpots are those of both masses."""
-    own = scene.own_laws.get(one.wall.name)
-    if one.motion.free is None or scene.sizes:
-        return own
-    law, share = own or scene.coefficients.wall_law, share_of(scene, one)
-    return law._replace(gamma_normal=share * law.gamma_normal, gamma_tangential=share * law.gamma_tangential)
+    return [plugin_wall(one, scene.own_laws.get(one.wall.name), seam=scene.crosses(one.wall)) for one in scene.walls]
 
 
 def plugin_bodies(scene: Scene) -> list[str]:
@@ -295,11 +283,8 @@ def plugin_bodies(scene: Scene) -> list[str]:
     return [JOIN.join([f"{head} {len(lines)}", *lines, f"{len(pairs)}", *pairs])]
 
 
-def plugin_wall(moving: MovingWall, own: WallLaw | None = None, *, seam: bool = False, bulk: float = 0.0) -> str:
-    """Words of one wall: its name, moment point and faces, own law, seam and motion (``fix_jump_step.h``).
-
-    `bulk` is the radius of a disc of the mass of a body, m.
-    """
+def plugin_wall(moving: MovingWall, own: WallLaw | None = None, *, seam: bool = False) -> str:
+    """Words of one wall: its name, moment point and faces, own law, seam and motion (``fix_jump_step.h``)."""
     wall, motion = moving
     codes, shape, _, (deep,) = wall.faces
     kept = [column for column in range(codes.shape[1]) if column != WALL]
@@ -317,7 +302,7 @@ def plugin_wall(moving: MovingWall, own: WallLaw | None = None, *, seam: bool = 
         free = " ".join(str(int(axis)) for axis in body.freedom)
         speeds = (value * axis for value, axis in zip((*body.velocity, body.spin), body.freedom, strict=True))
         weight = numbers(body.mass, body.inertia_there, *body.weight, *body.arm)
-        lines += [f"body {place} {weight} {free} {numbers(body.begin, *speeds, bulk)}"]
+        lines += [f"body {place} {weight} {free} {numbers(body.begin, *speeds)}"]
     elif load := motion.load:
         free = f"{int(load.axis != 'y')} {int(load.axis != 'x')}"
         lines += [f"lid {place} {numbers(load.mass, *load.force)} {free} {number(load.begin)}"]

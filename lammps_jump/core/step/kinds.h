@@ -5,6 +5,7 @@
 #define JUMP_CORE_KINDS_H
 
 #include "contact/contact.h"
+#include "walls/effective.h"
 #include "step/native.h"
 #include "contact/history.h"
 #include "walls/wall.h"
@@ -183,27 +184,26 @@ inline Pair<double> pair_of(const jump_state &s, const ContactVelocities &seen, 
 
 /** A wall of a state as a disc meets it. */
 struct WallView : WallInPlace {
-  WallView(const jump_state &s, int64_t wall) : WallInPlace{{s.faces, s.deep[wall] == 1}, nullptr, 0.0, 0.0}
+  int64_t wall;
+
+  WallView(const jump_state &s, int64_t wall) : WallInPlace{{s.faces, s.deep[wall] == 1}, nullptr, 0.0, 0.0}, wall(wall)
   {
     if (!s.moving || s.moving[wall] == STANDS) return;
     placed = s.placed + wall;
     cx = s.centre[wall][0];
     cy = s.centre[wall][1];
-    if (s.bulk) bulk = s.bulk[wall];
+    body = s.moving[wall] == BODY;
   }
 
   /** The contact of disc i at (x, y). */
-  template <bool SIZES, bool SPIN>
+  template <bool SPIN>
   AtWall<double> meet(const jump_state &s, const ContactVelocities &seen, int64_t i, const FaceContact &found, double x, double y) const
   {
-    const double own = radius_of(s, i);
-    AtWall<double> out = at(found, x, y, own, seen.vx[i], seen.vy[i], SPIN ? seen.spin[i] : 0.0);
-    if (SIZES && bulk > 0.0) out.size = pair_size(mass_radius(s, i), bulk);
-    return out;
+    return at(found, x, y, radius_of(s, i), seen.vx[i], seen.vy[i], SPIN ? seen.spin[i] : 0.0);
   }
 
   /** Whether the wall and a disc that stays feel each other: a body and a rough bed do. */
-  bool passes(const jump_state &s, int64_t i) const { return is_fixed(s, i) && !(bulk > 0.0); }
+  bool passes(const jump_state &s, int64_t i) const { return is_fixed(s, i) && !body; }
 
   /** Contacts of disc i, which is on this row of the list; (px, py): its place in the wall's own frame. */
   int touching(const jump_state &s, int64_t row, double px, double py, double radius, FaceContact *found) const
@@ -214,6 +214,21 @@ struct WallView : WallInPlace {
     return found[0].gap < radius && (faces.deep || found[0].gap > -radius);
   }
 };
+
+/** The force on disc i at (x, y) of its contact with a wall, `of` being the numbers of a disc of nominal size; with a body those of
+    the effective mass of this contact count. */
+template <bool SIZES, bool SPIN, class Law>
+inline WallForce<double> wall_force(const jump_state &s, const Law &law, const Numbers<double> &of, const WallView &view, int64_t i,
+                                    const AtWall<double> &at, WallHistory history)
+{
+  if (!view.body) return wall_contact<SIZES, SPIN>(law, of, at, history);
+  const double arm[2] = {s.x[i] - at.radius * at.nx - view.cx - view.placed->now.x,
+                         s.y[i] - at.radius * at.ny - view.cy - view.placed->now.y};
+  const double square = SIZES ? at.radius * at.radius : 1.0, mass = s.mass * square;
+  const DiscMass disc{mass, 0.5 * mass * at.radius * at.radius, is_fixed(s, i)};
+  const Numbers<double> own = numbers_at_body(of, s.mass, disc, s.load[view.wall], s.pushed[view.wall], arm, at);
+  return wall_contact<false, SPIN>(law, own, at, history);
+}
 
 }    // namespace jump
 

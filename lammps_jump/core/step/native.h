@@ -135,7 +135,6 @@ struct jump_state {
   double memory_step;
   jump::Work *work;    // ledger
   // bodies; corners NULL: there are none
-  const double *bulk;             // of each wall: radius of a disc of its mass, m; 0 of a wall that is no body
   const jump_state *corners;      // corners as discs: the walls near them, and what they remember
   const jump::Corner *corner;
   const jump::BodyLaw *between;   // by the walls of a corner and of a face

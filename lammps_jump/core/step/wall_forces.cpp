@@ -39,11 +39,11 @@ static void forces_of(const jump_state &s, const Law &law, int64_t wall, ThreadP
     view.see(px, py);
     const int count = view.touching(s, row, px, py, own, found);
     for (int c = 0; c < count; c++) {
-      const AtWall<double> at = view.meet<SIZES, SPIN>(s, seen, i, found[c], x, y);
+      const AtWall<double> at = view.meet<SPIN>(s, seen, i, found[c], x, y);
       const WallForce<double> out =
-          wall_contact<SIZES, SPIN>(law, of, at, WallHistory(s, i, found[c].face, px, py, own));
+          wall_force<SIZES, SPIN>(s, law, of, view, i, at, WallHistory(s, i, found[c].face, px, py, own));
       const double to = view.arm(at.gap, own), to_x = x - to * at.nx, to_y = y - to * at.ny;
-      const double rolls = view.bulk > 0.0 ? own * out.resist : 0.0;    // of a body, which feels it too
+      const double rolls = view.body ? own * out.resist : 0.0;    // of a body, which feels it too
       const Sum push{out.fx, out.fy, (to_x - x_ref) * out.fy - (to_y - y_ref) * out.fx + rolls};
       part.on_walls.push_back(push);
       if constexpr (SPIN) s.torque[i] += out.torque;

@@ -14,11 +14,11 @@ struct WallInPlace {
   WallFaces faces;
   const Placed *placed;    // null where it stands
   double cx, cy;           // point of turning where the case has it, m
-  double bulk = 0.0;       // of a body: radius of a disc of its mass, m; 0 of a wall
+  bool body = false;       // whether it is felt with its mass, at the rims of discs
 
   /** Distance from the centre of a disc to the point where both feel their contact, m: of a body the rim of the disc, so that
       what the two feel has no moment. */
-  double arm(double gap, double radius) const { return bulk > 0.0 ? radius : gap; }
+  double arm(double gap, double radius) const { return body ? radius : gap; }
 
   /** The point of a disc in the wall's own frame. */
   void see(double &px, double &py) const
@@ -46,7 +46,7 @@ struct WallInPlace {
       const Pose v = velocity(placed->rate, x - to * out.nx, y - to * out.ny);
       out.vx -= v.x;
       out.vy -= v.y;
-      if (bulk > 0.0) out.turns = v.angle;
+      if (body) out.turns = v.angle;
     }
     return out;
   }

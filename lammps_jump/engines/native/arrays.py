@@ -170,8 +170,6 @@ class BodyState(NamedTuple):
 
     Attributes
     ----------
-    bulk : ndarray, shape (walls,)
-        Radius of a disc of the mass of a body, m; 0 of a wall that is none.
     corner : ndarray, shape (corners,)
         Records `CORNER`, each in the frame in which its wall stands.
     between : ndarray, shape (walls, walls, numbers + 1)
@@ -183,7 +181,6 @@ class BodyState(NamedTuple):
         Corners as discs: the faces near them, and what they remember.
     """
 
-    bulk: np.ndarray
     corner: np.ndarray
     between: np.ndarray
     deepest: np.ndarray

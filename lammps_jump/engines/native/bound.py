@@ -48,7 +48,7 @@ class jump_state(Struct):
         *fields(c_int64, "slots"),
         *fields(c_void_p, "partner sigma spring roll used chain around full"),
         *fields(c_double, "memory_step"),
-        *fields(c_void_p, "work bulk corners corner between deepest lists"),
+        *fields(c_void_p, "work corners corner between deepest lists"),
     ]
 
 
@@ -178,7 +178,7 @@ class Core:
         return byref(bound)
 
     def _bind_bodies(self, bodies: BodyState) -> None:
-        for name in ("bulk", "corner", "between", "deepest"):
+        for name in ("corner", "between", "deepest"):
             self._put(name, getattr(bodies, name))
         if self._corners is None:
             self._corners = Core()

@@ -20,7 +20,6 @@ from lammps_jump.core.columns import (
     WallLoadsColumns,
     WallMotion,
 )
-from lammps_jump.scene.bodies.meeting import law_at
 from lammps_jump.scene.chains import BEFORE, LENGTH, Faces, boxes, lay
 from lammps_jump.scene.faces import MOST
 from lammps_jump.scene.motion import Motion, MovingWall, Pose, at_seam
@@ -160,7 +159,7 @@ class Walls:
         about = [one.motion.about if one.motion.kind else one.wall.moment_point for one in there]
         rows, last = np.zeros(len(walls) + 1, np.int64), np.zeros(1, np.int64)
         self.near = Near(
-            tuple(law_at(scene, one) for one in there), np.array(about, float).reshape(-1, 2), rows,
+            tuple(scene.law_numbers(one.wall.name) for one in there), np.array(about, float).reshape(-1, 2), rows,
             np.empty(0, np.int32), np.empty(0, np.int8), last, np.empty(0, np.int64), np.empty((MOST, 4)),
             np.empty(MOST, np.int64),
         )  # fmt: skip

@@ -3,7 +3,7 @@
                         [wall NAME X0 Y0 DEEP N FACE... [law K GN GT MU] [roll MUR] [seam] [until STEP]
                               [move CX CY START N ROW...] [lid CX CY START MASS FX FY X Y BEGIN]
                               [hold CX CY START FIRST EVERY LOW HIGH BINS TARGET LEVEL P I SPEED LOWEST HIGHEST]
-                              [body CX CY START MASS INERTIA FX FY AX AY X Y TURN BEGIN VX VY SPIN BULK]]...
+                              [body CX CY START MASS INERTIA FX FY AX AY X Y TURN BEGIN VX VY SPIN]]...
                         [bodies EVERY FILE LIMIT DAMPING N [X Y R TX0 TY0 TX1 TY1 WALL]... M [V W K C CT LAG MU]...]
                         [sizes EVERY DENSITY SHIFT TURN N [BEGIN END LOW SLOPE]...] [known ID]
                         [slots S] [contacts EVERY FILE] [poses EVERY FILE]
@@ -25,7 +25,8 @@
      One with `hold` is a tailgate (core/walls/tailgate_controller.h): from the step FIRST on it looks every EVERY steps at the discs between
      LOW and HIGH, and goes along y at a speed up to SPEED, within its way from LOWEST to HIGHEST.
      One with `body` is pushed by what touches it, with a weight that acts at (AX, AY) from the point (CX, CY), free along x and
-     y and to turn, released at BEGIN with these velocities; BULK is the radius of a disc of its mass.
+     y and to turn, released at BEGIN with these velocities. Its law is that of a wall: dashpots are of the
+     effective mass of each contact (core/walls/effective.h).
    - bodies: N corners of walls as discs, and M contacts of a corner of wall V with faces of W (core/walls/bodies.h). Rows of all bodies
      go to FILE every EVERY steps. An overlap beyond LIMIT ends the run.
    - sizes: discs are inserted with the largest diameter. At the end of a step that is a multiple of EVERY new ones get
@@ -45,6 +46,7 @@
 #define LMP_FIX_JUMP_STEP_H
 
 #include "disc_law.h"
+#include "walls/effective.h"
 #include "fix.h"
 #include "walls/tailgate_controller.h"
 #include "near_faces.h"
@@ -95,7 +97,6 @@ class FixJumpStep : public Fix {
     double start = 0.0;           // step of t = 0
     std::vector<jump::TrackRow> track;
     jump::Load load{};
-    double bulk = 0.0;            // of a body: radius of a disc of its mass, m
     jump::Pushed pushed{};        // by the discs of all ranks
     jump::Placed placed{{}, 1.0, 0.0, {}, {}};
     jump::Pose listed{};
@@ -121,7 +122,7 @@ class FixJumpStep : public Fix {
 
     jump::WallInPlace in_place() const
     {
-      return {{faces.data(), deep}, motion.moves ? &motion.placed : nullptr, motion.cx, motion.cy, motion.bulk};
+      return {{faces.data(), deep}, motion.moves ? &motion.placed : nullptr, motion.cx, motion.cy, motion.is_body};
     }
   };
   /** What disc i remembers of its contact with a face; (x, y): its place in the wall's own frame, m. */
@@ -203,6 +204,7 @@ class FixJumpStep : public Fix {
   void push_bodies();
   void require_sound_bodies();
   void centre_of(const Wall &, double *) const;
+  jump::Numbers<double> numbers_at_body(const Wall &, const jump::Numbers<double> &, int, const jump::AtWall<double> &) const;
   void write_bodies(bool);
   void pack_bodies(std::vector<double> &) const;
   const double *unpack_bodies(const double *);

@@ -20,7 +20,7 @@ using namespace LAMMPS_NS;
 /** Mass, weight, freedom and velocities of a body, from its words. */
 int FixJumpStep::add_body(Wall &wall, int a, int narg, char **arg) const
 {
-  if (a + 17 > narg) error->all(FLERR, "fix jump/step: body '{}' needs seventeen numbers", wall.name);
+  if (a + 16 > narg) error->all(FLERR, "fix jump/step: body '{}' needs sixteen numbers", wall.name);
   auto next = [&]() { return utils::numeric(FLERR, arg[a++], false, lmp); };
   auto &motion = wall.motion;
   motion.moves = motion.is_lid = motion.is_body = true;
@@ -34,9 +34,8 @@ int FixJumpStep::add_body(Wall &wall, int a, int narg, char **arg) const
   for (double &free : load.free) free = utils::logical(FLERR, arg[a++], false, lmp);
   load.begin = next();
   for (int axis = 0; axis < 3; axis++) motion.pushed.speed[axis] = motion.pushed.before[axis] = next();
-  motion.bulk = next();
-  if (!(load.mass > 0.0 && load.inertia > 0.0 && motion.bulk > 0.0))
-    error->all(FLERR, "fix jump/step: body '{}' needs MASS, INERTIA and BULK above 0", wall.name);
+  if (!(load.mass > 0.0 && load.inertia > 0.0))
+    error->all(FLERR, "fix jump/step: body '{}' needs MASS and INERTIA above 0", wall.name);
   wall.far = far_of(wall);
   return a;
 }
@@ -96,7 +95,6 @@ void FixJumpStep::prepare_bodies()
   b.faces.clear();
   for (auto *const of : {&b.first, &b.deep, &b.moving, &b.chain}) of->clear();
   b.around.clear();
-  b.bulk.clear();
   b.about.clear();
   b.centre.clear();
   b.load.clear();
@@ -115,7 +113,6 @@ void FixJumpStep::prepare_bodies()
     b.moving.push_back(motion.is_body ? jump::BODY : motion.is_lid ? jump::LOADED : motion.moves ? jump::FOLLOWS : jump::STANDS);
     for (const double chain : wall.chain) b.chain.push_back((int64_t) chain);
     b.around.insert(b.around.end(), wall.around.begin(), wall.around.end());
-    b.bulk.push_back(motion.bulk);
     b.about.push_back(motion.moves ? std::array<double, 2>{motion.cx, motion.cy} : std::array<double, 2>{wall.x0, wall.y0});
     b.centre.push_back({motion.cx, motion.cy});
     b.load.push_back(motion.load);
@@ -215,6 +212,19 @@ void FixJumpStep::require_sound_bodies()
         error->all(FLERR, "fix jump/step: body '{}' has left the domain at ({:.4g}, {:.4g}) m on step {}: widen domain, or "
                    "put a wall there", walls[w].name, at[0], at[1], update->ntimestep);
   }
+}
+
+/** Numbers of the contact of disc i with a body, from those of a nominal disc, or of a radius of 1 m. */
+jump::Numbers<double> FixJumpStep::numbers_at_body(const Wall &wall, const jump::Numbers<double> &of, int i,
+                                                   const jump::AtWall<double> &at) const
+{
+  const auto &motion = wall.motion;
+  const double nominal = 0.5 * pair->diameter, unit = pair->sizes ? pair->mass / (nominal * nominal) : pair->mass;
+  const double square = at.radius * at.radius, mass = pair->sizes ? unit * square : unit;
+  const jump::DiscMass disc{mass, 0.5 * mass * square, pair->is_fixed(i)};
+  const double arm[2] = {pair->disc[i].x - at.radius * at.nx - motion.cx - motion.placed.now.x,
+                         pair->disc[i].y - at.radius * at.ny - motion.cy - motion.placed.now.y};
+  return jump::numbers_at_body(of, unit, disc, motion.load, motion.pushed, arm, at);
 }
 
 /** Centre of mass of a body, m. */

@@ -213,12 +213,12 @@ void FixJumpStep::touch(const Wall &wall, const Law &law, int i, const jump::Fac
   const bool spins = Law::Friction::HAS_FRICTION && pair->spin;
   auto at = wall.in_place().at(where, a.x, a.y, pair->radius_of(i), a.vx, a.vy, spins ? pair->spins[i] : 0.0);
   if (!spins) at.turns = 0.0;
-  if (!pair->sizes) at.size = 1.0;    // the dashpot is that of equal discs
-  else if (wall.motion.bulk > 0.0)
-    at.size = jump::pair_size(pair->is_fixed(i) ? jump::HUGE_RADIUS : at.radius, wall.motion.bulk);
-  const jump::WallForce<double> out = jump::wall_contact<true, true>(law, jump::numbers_of(wall.law.of, 0.0), at,
-                                                                     AtomWallHistory(*this, wall, i, (int) where.face, x, y));
+  if (!pair->sizes || wall.motion.is_body) at.size = 1.0;    // the dashpot is that of equal discs, or of this contact
   const double to = wall.in_place().arm(at.gap, at.radius), to_x = to * at.nx, to_y = to * at.ny;
+  jump::Numbers<double> of = jump::numbers_of(wall.law.of, 0.0);
+  if (wall.motion.is_body) of = numbers_at_body(wall, of, i, at);
+  const jump::WallForce<double> out = jump::wall_contact<true, true>(law, of, at,
+                                                                     AtomWallHistory(*this, wall, i, (int) where.face, x, y));
   if (pair->record) {
     pair->record->push_back({(int32_t) pair->tags[i], (int32_t) (-1 - (&wall - walls.data())), (float) (a.x - to_x),
                              (float) (a.y - to_y), (float) out.fx, (float) out.fy, NAN});
@@ -234,7 +234,7 @@ void FixJumpStep::touch(const Wall &wall, const Law &law, int i, const jump::Fac
   on_wall[0] -= out.fx;
   on_wall[1] -= out.fy;
   on_wall[2] -= (a.x - to_x - x0) * out.fy - (a.y - to_y - y0) * out.fx;
-  if (motion.bulk > 0.0) on_wall[2] -= at.radius * out.resist;    // what rolls turns the body
+  if (motion.is_body) on_wall[2] -= at.radius * out.resist;    // what rolls turns the body
 }
 
 /** Forces of a wall on its discs, or on those of one part (from 0), and the sums on the wall. */

@@ -32,7 +32,7 @@ struct StepBodies {
   // of walls
   std::vector<Face> faces;
   std::vector<int64_t> first, deep, moving, chain;
-  std::vector<double> around, bulk;
+  std::vector<double> around;
   std::vector<std::array<double, 2>> about, centre;
   std::vector<Placed> placed;
   std::vector<Load> load;
@@ -116,7 +116,6 @@ struct StepBodies {
     s.wall_sum = sums.data();
     s.moving = moving.data();
     s.placed = placed.data(), s.load = load.data(), s.pushed = pushed.data(), s.taken = taken.data();
-    s.bulk = bulk.data();
     s.corners = &of_corners;
     s.corner = corners.data();
     s.between = between.data();

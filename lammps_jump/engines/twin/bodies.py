@@ -4,26 +4,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from math import nan, sqrt
+from math import nan
 from typing import NamedTuple
 
 import numpy as np
 
-from lammps_jump.core.columns import (
-    LoadColumns,
-    Phase,
-    PlacedColumns,
-    PushedColumns,
-    SumsOnWallColumns,
-    WallLoadsColumns,
-    WallMotion,
-)
+from lammps_jump.core.columns import PlacedColumns, SumsOnWallColumns, WallLoadsColumns
 from lammps_jump.core.law import LawNumbers
 from lammps_jump.engines.native.arrays import State
 from lammps_jump.physics.law import contact_energy, contact_force, pressing
 from lammps_jump.scene.faces import foot_at, touching
 
-from . import contact
+from . import contact, effective
 from .pushed import Vector, wrench
 
 
@@ -43,8 +35,8 @@ class Touch(NamedTuple):
         Centre of the corner in the frame of the face's wall, m.
     point : (float, float)
         Where both feel the contact, m: on the rim of the corner.
-    mass : float
-        Effective, kg/m.
+    slip : (float, float)
+        Velocity of the corner against the face, m/s.
     """
 
     corner: int
@@ -54,7 +46,7 @@ class Touch(NamedTuple):
     normal: tuple[float, float]
     inner: tuple[float, float]
     point: tuple[float, float]
-    mass: float
+    slip: tuple[float, float]
 
 
 def _shown(state: State, wall: int, x: float, y: float) -> tuple[float, float]:
@@ -66,23 +58,6 @@ def _shown(state: State, wall: int, x: float, y: float) -> tuple[float, float]:
     dx, dy = contact.outward(moves, wall, x - cx, y - cy)
     here_x, here_y, _ = moves.now[wall, PlacedColumns.NOW]
     return cx + here_x + dx, cy + here_y + dy
-
-
-def _about(state: State, wall: int) -> np.ndarray:
-    """Point of turning of a wall, where it is, m."""
-    moves = state.walls.moves
-    return moves.centre[wall] + moves.now[wall, PlacedColumns.NOW][:2]
-
-
-def _yields(state: State, wall: int, point: Vector, normal: Vector) -> float:
-    """What a wall gives way to a force of 1 N at a point along a normal, 1/kg."""
-    moves = state.walls.moves
-    if moves.moving[wall] < WallMotion.LOADED or moves.pushed[wall, PushedColumns.PHASE] == Phase.IS_HELD:
-        return 0.0
-    turn = wrench(normal, point, _about(state, wall))[2]
-    load = moves.load[wall]
-    mass, inertia, free = load[LoadColumns.MASS], load[LoadColumns.INERTIA], load[LoadColumns.FREE]
-    return (free[0] * normal[0] ** 2 + free[1] * normal[1] ** 2) / mass + free[2] * turn**2 / inertia
 
 
 def _is_there(record: np.void, dx: float, dy: float) -> bool:
@@ -112,11 +87,12 @@ def touches(state: State) -> Iterator[Touch]:
                 if not _is_there(record, *_turned_back(state, theirs, -nx, -ny)):
                     continue
                 point = x - radius * nx, y - radius * ny
-                inverse = sum(_yields(state, one, point, (nx, ny)) for one in (theirs, wall))
-                if inverse > 0.0:  # else both are held
-                    yield Touch(
-                        i, int(near.which[k]), (theirs, wall), radius - gap, (nx, ny), inner, point, 1.0 / inverse
-                    )
+                if not sum(effective.yielding_at(moves, one, point, (nx, ny)) for one in (theirs, wall)) > 0.0:
+                    continue  # both are held
+                rate = PlacedColumns.RATE
+                (ax, ay), (bx, by) = (contact.wall_velocity(moves, one, rate, *point) for one in (theirs, wall))
+                where = i, int(near.which[k]), (theirs, wall)
+                yield Touch(*where, radius - gap, (nx, ny), inner, point, (ax - bx, ay - by))
 
 
 def _turned_back(state: State, wall: int, dx: float, dy: float) -> tuple[float, float]:
@@ -128,18 +104,41 @@ def _turned_back(state: State, wall: int, dx: float, dy: float) -> tuple[float, 
     return c * dx + s * dy, c * dy - s * dx
 
 
+def _ways(state: State, found: Touch) -> tuple[effective.SharedContact, effective.SharedContact]:
+    """A contact along its normal and across it."""
+    moves, (nx, ny), (vx, vy) = state.walls.moves, found.normal, found.slip
+    along, across = ((nx, ny), vx * nx + vy * ny), ((-ny, nx), vy * nx - vx * ny)
+
+    def way(direction: tuple[float, float], speed: float) -> effective.SharedContact:
+        alone = sum(effective.yielding_at(moves, wall, found.point, direction) for wall in found.walls)
+        return effective.SharedContact(found.walls, found.point, direction, speed, alone)
+
+    return way(*along), way(*across)
+
+
+def _laws(state: State, found: Sequence[Touch]) -> list[LawNumbers]:
+    """Numbers of each contact; those between the same two share the effective mass."""
+    own, moves = state.bodies, state.walls.moves
+    assert own is not None
+    groups: dict[tuple[int, int], list[int]] = {}
+    for k, one in enumerate(found):
+        groups.setdefault(effective.partners(moves, one.walls), []).append(k)
+    ways, laws = [_ways(state, one) for one in found], [LawNumbers(0, 0, 0, 0)] * len(found)
+    for group in groups.values():
+        both = [effective.shared(moves, [ways[k][side] for k in group]) for side in (0, 1)]
+        for k, along, across in zip(group, *both, strict=True):
+            *numbers, lag = own.between[found[k].walls].tolist()
+            laws[k] = effective.law_between(LawNumbers(*numbers), lag, along, across)
+    return laws
+
+
 def forces(state: State, slope: float | None) -> None:
     """Add the forces of all contacts to the walls that feel them."""
     own = state.bodies
     assert own is not None
-    memory = own.corners.memory
-    for found in touches(state):
-        *numbers, lag = own.between[found.walls].tolist()
-        radius, size, law = float(own.corner["radius"][found.corner]), sqrt(found.mass), LawNumbers(*numbers)
-        of = law._replace(damping=max(law.damping * size - lag, 0.0), tangential=law.tangential * size)
-        rate, moves = PlacedColumns.RATE, state.walls.moves
-        (ax, ay), (bx, by) = (contact.wall_velocity(moves, wall, rate, *found.point) for wall in found.walls)
-        slip, (nx, ny) = (ax - bx, ay - by), found.normal
+    memory, there = own.corners.memory, list(touches(state))
+    for found, of in zip(there, _laws(state, there), strict=True):
+        radius, slip, (nx, ny) = float(own.corner["radius"][found.corner]), found.slip, found.normal
         plain = of if memory is None else of._replace(friction=nan)
         fx, fy, rub, dashpot = contact_force(found.overlap, found.normal, slip, 0.0, plain, slope)
         if memory is not None:
@@ -163,7 +162,7 @@ def _add(state: State, wall: int, point: Vector, parts: Sequence[np.ndarray]) ->
     if moving:
         columns = WallLoadsColumns.ALL, WallLoadsColumns.DASHPOTS, WallLoadsColumns.FRICTION
         for there, part in zip(columns, parts, strict=True):
-            moves.taken[wall, there] += wrench(part, point, _about(state, wall))
+            moves.taken[wall, there] += wrench(part, point, effective.about(moves, wall))
     if not contact.is_body(state, wall):
         about = walls.near.about[wall] + (moves.now[wall, PlacedColumns.NOW][:2] if moving else 0.0)
         walls.sums[wall, SumsOnWallColumns.FORCE] += wrench(parts[0], point, about)

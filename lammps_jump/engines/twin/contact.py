@@ -20,7 +20,7 @@ from lammps_jump.physics.slots import FULL, held, slot_of
 from lammps_jump.scene.faces import foot_at, touching
 from lammps_jump.scene.tracks import pose_py
 
-from . import pushed
+from . import effective, pushed
 
 Three = tuple[float, float, float]
 HUGE = 1e150
@@ -182,15 +182,18 @@ def pair_contacts(
 
 def is_body(state: State, wall: int) -> bool:
     """Whether a wall is a body."""
-    return state.bodies is not None and state.bodies.bulk[wall] > 0.0
+    return state.walls.moves is not None and state.walls.moves.moving[wall] == WallMotion.BODY
 
 
-def wall_size(state: State, i: int, wall: int) -> float:
-    """Root of the effective mass of a disc and a wall over the root of the mass of a radius of 1 m."""
-    if state.bodies is None or not is_body(state, wall):
-        return radius_of(state, i)
-    a, b = HUGE if is_fixed(state, i) else radius_of(state, i), float(state.bodies.bulk[wall])
-    return a * b / sqrt(a * a + b * b)
+def law_at(state: State, i: int, wall: int, point: Pair, normal: Pair) -> LawNumbers:
+    """Numbers of the contact of a disc with a wall; those of a body are of the effective mass at this point (m)."""
+    law, moves, radius = state.walls.near.laws[wall], state.walls.moves, radius_of(state, i)
+    unit, sized = state.constants.motion.mass, state.discs.radius is not None
+    if not is_moving(moves, wall) or not is_body(state, wall):
+        return _of_size(law, radius if sized else 1.0)
+    mass = unit * radius**2 if sized else unit
+    disc = effective.DiscMass(mass, 0.5 * mass * radius**2, is_fixed(state, i))
+    return effective.law_at_body(law, unit, disc, moves, wall, point, normal)
 
 
 def is_moving(moves: Moves | None, wall: int) -> TypeGuard[Moves]:
@@ -280,10 +283,10 @@ def wall_contact(
     d, memory, walls = state.discs, state.memory, state.walls
     i, face, gap, (nx, ny) = touched
     own = radius_of(state, i)
-    of = _of_size(walls.near.laws[wall], 1.0 if d.radius is None else wall_size(state, i, wall))
     body = is_body(state, wall)
     to = own if body else gap
     at = d.x[i] - to * nx, d.y[i] - to * ny
+    of = law_at(state, i, wall, at, (nx, ny))
     wx, wy = wall_velocity(walls.moves, wall, PlacedColumns.RATE, *at)
     vx, vy, spins = seen
     slip, spin = (vx[i] - wx, vy[i] - wy), 0.0 if spins is None else spins[i]

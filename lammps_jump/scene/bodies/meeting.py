@@ -45,28 +45,6 @@ def meets(there: Sequence[MovingWall]) -> np.ndarray:
     return found & ~(is_round[:, None] & is_round[None, :] & np.tril(np.ones((count, count), bool)))
 
 
-def share_of(scene: Scene, one: MovingWall) -> float:
-    """Root of the effective mass of a nominal disc and a wall over that of the disc: sqrt(M/(m + M)); 1 of no body."""
-    free = one.motion.free
-    return 1.0 if free is None else sqrt(free.mass / (scene.mass + free.mass))
-
-
-def law_at(scene: Scene, one: MovingWall) -> LawNumbers:
-    """Numbers of the law of a disc and a wall; of a body with the effective mass, where no contact has its own."""
-    law = scene.law_numbers(one.wall.name)
-    if one.motion.free is None or scene.sizes is not None:
-        return law
-    share = share_of(scene, one)
-    damped = {name: share * getattr(law, name) for name in ("damping", "tangential", "rolling_damping")}
-    return law._replace(**damped)
-
-
-def bulk_of(scene: Scene, one: MovingWall) -> float:
-    """Radius of a disc of the mass of a body, m; 0 of a wall that is none."""
-    free = one.motion.free
-    return 0.0 if free is None else scene.radius * sqrt(free.mass / scene.mass)
-
-
 def laws_between(scene: Scene, walls: Sequence[MovingWall]) -> np.ndarray:
     """Numbers of contacts of each two walls, shape (walls, walls, 5).
 

@@ -10,7 +10,7 @@ import numpy as np
 from lammps_jump.core.law import LawNumbers
 from lammps_jump.engines.native.arrays import CORNER, BodyState, Constants, Loops, Memory, Near, Pairs, State
 from lammps_jump.physics.slots import Slots
-from lammps_jump.scene.bodies.meeting import LARGEST_OVERLAP, SLOTS, bulk_of, corners, laws_between, meets
+from lammps_jump.scene.bodies.meeting import LARGEST_OVERLAP, SLOTS, corners, laws_between, meets
 from lammps_jump.scene.chains import Faces
 from lammps_jump.scene.faces import MOST
 from lammps_jump.scene.motion import MovingWall
@@ -83,7 +83,6 @@ class Bodies:
             (LawNumbers(*[0.0] * 4),) * len(there), np.zeros((len(there), 2)), rows, np.empty(0, np.int32),
             np.empty(0, np.int8), last, empty, np.empty((MOST, 4)), np.empty(MOST, np.int64),
         )  # fmt: skip
-        self.bulk = np.array([bulk_of(scene, one) for one in there])
         self.between, self.deepest = laws_between(scene, there), np.zeros(3)
         self._pairs = Pairs(0, None, np.zeros(1, np.int64), np.empty(0, np.int32))
         self._full, self._sums, self._work = np.zeros(1, np.int64), np.zeros((len(there), 4)), np.zeros(6)
@@ -109,7 +108,7 @@ class Bodies:
                 own = memory._replace(slots=slots, ids=d.ids, full=self._full)
             beside = CornersBeside(self._faces, self.near, walls.moves, walls.chain, walls.around, self._sums)
             corners = State(d, self._pairs, beside, constants, own, self._work)
-            bodies = BodyState(self.bulk, self.corner, self.between, self.deepest, corners)
+            bodies = BodyState(self.corner, self.between, self.deepest, corners)
             self._held = held = constants, memory, self.near, bodies
         return held[3]
 
