@@ -23,6 +23,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from difflib import SequenceMatcher
+from math import prod
 from pathlib import Path
 from typing import IO, Any
 
@@ -30,6 +31,7 @@ import numpy as np
 from pydantic_core import to_jsonable_python
 
 from .errors import DumpError, JumpError
+from .foreign import foreign
 
 DUMP_NAMES = {"text": "dump.lammpstrj", "gz": "dump.lammpstrj.gz", "binary": "dump.lammpsbin"}
 """File of the dump in a run folder, by its format."""
@@ -45,6 +47,7 @@ POSES, POSES_HEADER = "walls.csv", "time,wall,x,y,angle"
 """Where walls are that the discs push, a row a wall and frame, and its first line."""
 BODIES, BODIES_HEADER = "bodies.csv", "time,body,x,y,angle,vx,vy,spin,fx,fy,moment"
 """Where bodies are, how fast, and the force of the discs on them, against time; and its first line."""
+SUMMARY_FILE = "summary.json"
 END_FILE = "end.npz"
 """State of the discs at the end of a run, with all digits."""
 START_FILE = "start-{key}.npz"
@@ -90,7 +93,7 @@ EXPORTS = {
 """Names of the files that an export of each kind writes."""
 RESULT_FILES = (
     "profiles.nc",
-    "summary.json",
+    SUMMARY_FILE,
     CURVES,
     PLAYER,
     "animation.mp4",
@@ -144,6 +147,14 @@ def forces_header(*, power: bool) -> str:
 
 MOST_JSON = 100_000_000
 """Bytes of a JSON file that is read."""
+MOST_ARRAYS = 200
+"""Arrays of a file of `write_arrays`."""
+LONGEST_ENTRY, LONGEST_END = 300, 66_000
+"""Bytes of an array in the table of contents of a zip file, and of the end of that file; both are less."""
+ZIP_END, ZIP_END_64, NOT_HERE = b"PK\5\6", b"PK\6\6", (1 << 32) - 1
+"""Where the ends of a zip file begin, and what the first says where the second tells (APPNOTE.TXT 4.3.14, 4.3.16)."""
+ENCRYPTED = 1
+"""Flag of an encrypted entry of a zip file."""
 MOST_TEXT = 2_000_000_000
 """Bytes of a table or log that is read."""
 MOST_TOLD = 10_000_000
@@ -255,16 +266,52 @@ def write_arrays(path: Path, **arrays: Any) -> None:
 
 
 def read_arrays(path: Path) -> dict[str, np.ndarray]:
-    """The arrays of `write_arrays`; OSError, ValueError or BadZipFile where the file is none."""
+    """The arrays of `write_arrays`, which may not be written to.
+
+    Raises
+    ------
+    OSError, ValueError
+        No such file, no regular file, or one that does not hold such arrays: it is damaged, or made up.
+    """
     from zipfile import ZipFile  # 10 ms, which --help need not wait for
 
-    with open_to_read(path) as file:
+    with open_to_read(path) as file, foreign(ValueError):
+        size = os.fstat(file.fileno()).st_size
+        _require_few(file, size)
         with ZipFile(file) as packed:
-            if any(entry.compress_type for entry in packed.infolist()):
-                raise ValueError("its arrays are compressed")  # and may be of any size
-        file.seek(0)
-        with np.load(file, allow_pickle=False) as stored:
-            return {name: stored[name] for name in stored.files}
+            entries = packed.infolist()
+            if any(entry.compress_type or entry.flag_bits & ENCRYPTED for entry in entries):
+                raise ValueError("its arrays are compressed or encrypted")  # and may be of any size
+            if sum(entry.file_size for entry in entries) > size:
+                raise ValueError("its arrays are larger than the file")
+            if len({entry.filename for entry in entries}) < len(entries):
+                raise ValueError("an array stands there twice")
+            return {entry.filename.removesuffix(".npy"): _array(packed.read(entry)) for entry in entries}
+
+
+def _require_few(file: io.BufferedReader, size: int) -> None:
+    """ValueError where the table of contents at the end of a zip file is longer than `MOST_ARRAYS` need."""
+    file.seek(max(0, size - LONGEST_END))
+    end = file.read()
+    at = end.rfind(ZIP_END)
+    listed = int.from_bytes(end[at + 12 : at + 16], "little") if at >= 0 else 0
+    if (far := end.rfind(ZIP_END_64)) >= 0:  # of files above 4 GB
+        listed = max(listed if listed < NOT_HERE else 0, int.from_bytes(end[far + 40 : far + 48], "little"))
+    if listed > MOST_ARRAYS * LONGEST_ENTRY:
+        raise ValueError(f"its table of contents has {listed} bytes; at most {MOST_ARRAYS} arrays are read")
+
+
+def _array(data: bytes) -> np.ndarray:
+    """An array of an npy file, whose head tells kind and shape; ValueError where its numbers are not as many."""
+    stream = io.BytesIO(data)
+    heads = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
+    shape, turned, kind = heads[np.lib.format.read_magic(stream)](stream)
+    count, left = prod(shape), len(data) - stream.tell()
+    if kind.hasobject or not kind.itemsize or min(shape, default=0) < 0 or count * kind.itemsize != left:
+        raise ValueError(
+            f"an array of shape {shape} and {kind.itemsize} bytes a value is not what its {left} bytes hold"
+        )
+    return np.frombuffer(data, kind, count, stream.tell()).reshape(shape, order="F" if turned else "C")
 
 
 def cut_to(path: Path, size: int) -> None:
@@ -313,12 +360,11 @@ def read_json(path: Path) -> Any:
     Raises
     ------
     OSError, ValueError
-        No such file, no regular file, no JSON, or brackets too deep for the reader.
+        No such file, no regular file, or no JSON.
     """
-    try:
-        return json.loads(read_file(path, MOST_JSON))
-    except RecursionError:
-        raise ValueError("brackets inside brackets, too deep to be read") from None
+    data = read_file(path, MOST_JSON)
+    with foreign(ValueError):
+        return json.loads(data)
 
 
 def read_file(path: Path, most: int) -> bytes:

@@ -22,13 +22,13 @@ from lammps_jump.engines import Progress, ProgressCallback, RunResult, Setting
 from lammps_jump.engines.checkpoint import remove_checkpoint
 from lammps_jump.engines.interrupts import terminate_as_interrupt
 from lammps_jump.errors import DumpError, RunError, RunInterrupted
-from lammps_jump.files import checksum, delete, text_of, write_text
+from lammps_jump.files import END_FILE, checksum, delete, text_of, write_text
 from lammps_jump.folders import clear, publish, read_marker, staging
 from lammps_jump.identity import analysis_key
 
 from .folder import case_text, own_files
 from .live_analysis import Ahead
-from .state import outputs_of
+from .state import OUTPUTS, outputs_of, without
 from .summary import compose, write_summary
 
 log = logging.getLogger(__name__)
@@ -112,8 +112,10 @@ class Conclusion:
             See `conclude`.
         """
         stored, interrupted = self.stored, self.ahead is not None and self.result.status == "interrupted"
-        if not interrupted:
-            self.outputs = outputs_of(self.folder)
+        self.outputs = outputs_of(self.folder, (END_FILE,) if interrupted else OUTPUTS)
+        if stored:  # whoever begins from the end wants the one that the run wrote; the analysis does not read it
+            end = (stored.get("outputs") or {}).get(END_FILE)
+            self.outputs = {**without(self.outputs, END_FILE), **({END_FILE: end} if end else {})}
         if stored.get("status") == "complete" and (changed := self._changed(stored)):
             raise DumpError(
                 f"{self.folder}: is not what the run wrote: {'; '.join(changed)}. Nothing was changed; put the files "

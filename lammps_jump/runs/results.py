@@ -31,13 +31,13 @@ from lammps_jump.dump.exports import load_netcdf
 from lammps_jump.dump.find import find_dump, read_dump, read_forces
 from lammps_jump.dump.read import Dump, open_dump
 from lammps_jump.errors import CaseError, DumpError
-from lammps_jump.files import PLAYER, checksum, read_json, write_json, write_text, writes
+from lammps_jump.files import PLAYER, SUMMARY_FILE, checksum, read_json, write_json, write_text, writes
 from lammps_jump.provenance import versions
 from lammps_jump.quoting import visible
 from lammps_jump.scene.schedule import MOST_BINS
 
 from .folder import require_case
-from .summary import SUMMARY_FILE, results_of, write_summary
+from .summary import results_of, write_summary
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -16,7 +16,7 @@ from lammps_jump.analysis import quantities
 from lammps_jump.case.case import ReadCase
 from lammps_jump.engines import Checkpoint, Job, ProgressCallback, RunResult, Setting
 from lammps_jump.errors import CaseError, RunError, SetupError
-from lammps_jump.files import RANKS_FILE
+from lammps_jump.files import RANKS_FILE, SUMMARY_FILE
 from lammps_jump.folders import MARKER_FILE, clear, locked, read_marker, require_unlocked
 from lammps_jump.script.job import Site, write_job
 
@@ -25,7 +25,7 @@ from .engine import choose_setting, with_header
 from .folder import require_case, result_of, run_folder, write_folder
 from .live_analysis import Ahead
 from .state import difference, has_output, left_to_do, marker_of, resumable
-from .summary import SUMMARY_FILE, read_summary
+from .summary import read_summary
 
 log = logging.getLogger(__name__)
 """Says what is done, and notes; the command line prints it."""

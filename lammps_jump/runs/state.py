@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Literal
 
@@ -12,7 +12,7 @@ from lammps_jump.case.case import ReadCase
 from lammps_jump.engines.checkpoint import ANEW, Checkpoint, has_checkpoint, read_checkpoint
 from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import DumpError, ResumeError, SetupError
-from lammps_jump.files import CONTACTS_FILE, DUMP_NAMES, RUN_FILES, checksum
+from lammps_jump.files import CONTACTS_FILE, DUMP_NAMES, END_FILE, RUN_FILES, checksum
 from lammps_jump.folders import Marker, force_tables, read_marker, require_ours, standing
 from lammps_jump.identity import analysis_key, run_key, scene_key
 
@@ -21,7 +21,7 @@ from .folder import result_of_files
 from .summary import read_summary
 
 ToDo = Literal["run", "analyse", "nothing"]
-OUTPUTS = (*DUMP_NAMES.values(), "forces.csv", CONTACTS_FILE, "log.lammps")
+OUTPUTS = (*DUMP_NAMES.values(), "forces.csv", CONTACTS_FILE, "log.lammps", END_FILE)
 """What an engine leaves of a run."""
 FEWEST = 3
 """Differences that a message names."""
@@ -109,9 +109,14 @@ def has_output(folder: Path) -> bool:
     return has_checkpoint(folder) or any(standing(folder, name) for name in (*OUTPUTS, "forces_*.raw"))
 
 
-def outputs_of(folder: Path) -> dict[str, dict[str, int | str]]:
+def outputs_of(folder: Path, names: Iterable[str] = OUTPUTS) -> dict[str, dict[str, int | str]]:
     """Size and SHA-256 of what the engine has left, by name."""
-    return {name: checksum(folder / name) for name in OUTPUTS if (folder / name).is_file()}
+    return {name: checksum(folder / name) for name in names if (folder / name).is_file()}
+
+
+def without(sums: Mapping[str, Any], name: str) -> dict[str, Any]:
+    """Checksums but that of one file."""
+    return {other: entry for other, entry in sums.items() if other != name}
 
 
 def is_analysed(case: ReadCase, folder: Path, stored: Mapping[str, Any]) -> bool:
@@ -120,7 +125,8 @@ def is_analysed(case: ReadCase, folder: Path, stored: Mapping[str, Any]) -> bool
     if stored.get("status") != "complete" or outputs is None or block is None:
         return False
     try:
-        same_sizes = all((folder / name).stat().st_size == entry["size"] for name, entry in outputs.items())
+        read = without(outputs, END_FILE)  # which a user may delete
+        same_sizes = all((folder / name).stat().st_size == entry["size"] for name, entry in read.items())
         return (
             same_sizes
             and block["key"] == analysis_key(case.rest, outputs)

@@ -30,7 +30,7 @@ from lammps_jump.analysis.quantities import QUANTITIES, result_files
 from lammps_jump.case.case import ReadCase
 from lammps_jump.engines import RunResult, Setting
 from lammps_jump.errors import DumpError
-from lammps_jump.files import MOST_TEXT, plain, read_file, read_json, write_json
+from lammps_jump.files import MOST_TEXT, SUMMARY_FILE, plain, read_file, read_json, write_json
 from lammps_jump.folders import read_marker, standing
 from lammps_jump.identity import run_key, shown_key
 from lammps_jump.provenance import versions
@@ -43,7 +43,6 @@ if TYPE_CHECKING:
 
     from lammps_jump.dump import TextTable
 
-SUMMARY_FILE = "summary.json"
 NO_SUMMARY = (
     "the file is no summary of a run: delete it, and `lammps-jump analyze` makes it again from what the run wrote"
 )

@@ -16,10 +16,10 @@ from lammps_jump.analysis.statistics import student
 from lammps_jump.analysis.tables.markdown import Column, markdown, paragraphs
 from lammps_jump.calibration.measured import FEWEST, curve_of, measured_of, parse_columns
 from lammps_jump.errors import CaseError
-from lammps_jump.files import COMPARED_FILES, write_json, write_text
+from lammps_jump.files import COMPARED_FILES, SUMMARY_FILE, write_json, write_text
 from lammps_jump.folders import Marker, publish, require_no_link, results_folder
 from lammps_jump.quoting import figure_text, visible
-from lammps_jump.runs.summary import SUMMARY_FILE, Results, open_results, status_of
+from lammps_jump.runs.summary import Results, open_results, status_of
 from lammps_jump.sweeps.members import RUNS
 
 if TYPE_CHECKING:

@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Runs that go on from other runs: `initial` of kind `run`."""
 
+import json
+import os
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,9 +15,9 @@ from made_up import analysed_again, call, choose_to_stop_at, plugin_or_skip
 import lammps_jump as lj
 from lammps_jump.case.parts import taken
 from lammps_jump.dump.find import read_dump
-from lammps_jump.dump.side_files.ended import read_ended
-from lammps_jump.errors import CaseError, DumpError, RunInterrupted
-from lammps_jump.files import END_FILE, write_arrays
+from lammps_jump.dump.side_files.ended import read_ended, write_ended
+from lammps_jump.errors import CaseError, RunInterrupted
+from lammps_jump.files import END_FILE, checksum
 from lammps_jump.runs import engine
 
 D = 0.1
@@ -64,6 +67,14 @@ def settled(place):
     return lj.load_case(BED, {"run.duration": 3, "run.output_interval": 0.25}).run(place / "settled")
 
 
+def reseal(folder: Path) -> None:
+    """Give the summary of a run the checksum of the end state that is there."""
+    path = folder / "summary.json"
+    stored = json.loads(path.read_text())
+    stored["outputs"][END_FILE] = checksum(folder / END_FILE)
+    path.write_text(json.dumps(stored))
+
+
 def case_file(folder: Path, **changes) -> Path:
     """A case file that begins from ``bed`` beside it."""
     data = BED | {"initial": [{"kind": "run", "folder": "bed"}]} | changes
@@ -96,8 +107,8 @@ def test_without_the_order_of_sums_it_is_the_same_but_for_round_off(bed, place):
     """What the neutral state holds is enough for the same motion; the lists of the engine are for its bits alone."""
     state = read_ended(bed.folder / END_FILE)
     shutil.copytree(bed.folder, place / "plain")
-    plain = {"of": np.array([state.time, state.density, *state.fixed]), "chains": np.array(state.chains)}
-    write_arrays(place / "plain" / END_FILE, discs=state.discs, contacts=state.contacts, **plain)
+    write_ended(place / "plain" / END_FILE, replace(state, exact={}))
+    reseal(place / "plain")
     ends = [lj.load_case(BED).after(place / name).run(place / f"{name}_on") for name in ("bed", "plain")]
     other = lj.load_case(BED, {"engine.skin": 0.02}).after(bed).run(place / "skin")  # its lists do not suit
     for run in (ends[1], other):
@@ -290,12 +301,25 @@ def test_a_study_reads_the_bed_once(bed, tmp_path, monkeypatch):
     assert all(one.scene().earlier is not None for one in cases)
 
 
-def test_an_older_run_gives_its_last_frame(bed, tmp_path):
+def test_without_its_end_state_a_run_gives_its_last_frame(bed, tmp_path):
     shutil.copytree(bed.folder, tmp_path / "bed")
     (tmp_path / "bed" / END_FILE).unlink()
     scene = lj.load_case(case_file(tmp_path)).scene()
     assert np.array_equal(scene.positions, last(bed))
-    assert "it kept no end state" in scene.earlier.origins[0]
+    assert "(the last frame of its dump: it has no end.npz; key" in scene.earlier.origins[0]
+
+
+def test_a_run_that_was_stopped_says_so(place, tmp_path, monkeypatch):
+    """The begun run tells it too, from its own copy."""
+    with monkeypatch.context() as patch, pytest.raises(RunInterrupted):
+        patch.setattr(engine, "choose", choose_to_stop_at(1000))
+        lj.load_case(BED).run(tmp_path / "bed")
+    short = {"run.duration": 0.02, "run.output_interval": 0.02}
+    run = lj.load_case(case_file(tmp_path)).replace(short).run(tmp_path / "on")
+    assert "(where it was stopped; key" in run.summary["begins"][0]
+    shutil.rmtree(tmp_path / "bed")
+    taken.KNOWN.clear()
+    assert "(where it was stopped; key" in lj.load_case(run.folder).check().begins[0]
 
 
 # --- bad input --------------------------------------------------------------------------------------------------------
@@ -339,17 +363,39 @@ def test_a_run_that_failed_is_refused(bed, tmp_path):
     summary.write_text(summary.read_text().replace('"status": "complete"', '"status": "failed"'))
     with pytest.raises(CaseError, match="the run there failed"):
         lj.load_case(case_file(tmp_path))
-    summary.write_text("{}")
-    (tmp_path / "bed" / END_FILE).write_bytes(b"PK")
-    with pytest.raises(CaseError, match="holds no state of discs"):
+    for text in ("", "{}", '{"status": "well"}', "[]"):
+        summary.write_text(text)
+        with pytest.raises(CaseError, match=r"summary\.json"):
+            lj.load_case(case_file(tmp_path))
+    summary.unlink()
+    with pytest.raises(CaseError, match=r"summary\.json, which tells how the run ended, cannot be read"):
         lj.load_case(case_file(tmp_path))
 
 
-def test_a_state_of_nonsense_is_refused(bed, tmp_path):
-    state = read_ended(bed.folder / END_FILE)
-    discs = state.discs.copy()
-    discs["x"][0] = np.nan
-    of = {"of": np.array([0.0, 1.0, 0, -1]), "chains": np.array(state.chains)}
-    write_arrays(tmp_path / "end.npz", discs=discs, contacts=state.contacts, **of)
-    with pytest.raises(DumpError, match="holds no state"):
-        read_ended(tmp_path / "end.npz")
+def link_to_another(path):
+    shutil.copy(path, path.with_name("other"))
+    path.unlink()
+    path.symlink_to("nowhere")
+
+
+def pipe(path):
+    path.unlink()
+    os.mkfifo(path)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda path: path.write_bytes(path.read_bytes() + b" "), "is not the one that the run wrote"),
+        (pipe, "no regular file"),
+        (link_to_another, "No such file"),
+    ],
+)
+def test_an_end_state_that_is_not_of_this_run_is_refused(bed, tmp_path, change, said):
+    shutil.copytree(bed.folder, tmp_path / "bed")
+    change(tmp_path / "bed" / END_FILE)
+    with pytest.raises(CaseError, match=said):
+        lj.load_case(case_file(tmp_path))
+    assert analysed_again(tmp_path / "bed")["outputs"] == bed.summary["outputs"]  # an analysis does not read it
+    with pytest.raises(CaseError, match=said):
+        lj.load_case(case_file(tmp_path))

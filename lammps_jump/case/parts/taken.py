@@ -9,17 +9,18 @@ from dataclasses import replace
 from functools import lru_cache
 from math import inf
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 from weakref import WeakValueDictionary
 
 import numpy as np
 
 from lammps_jump.case.fields import CaseFields
 from lammps_jump.case.text import Begun, CaseSource, PathKey, Runs, parse_source, read_text
-from lammps_jump.dump.side_files.ended import DISC, NONE, Ended, at_frame, read_ended
+from lammps_jump.dump.side_files.ended import DISC, NONE, STOPPED, Ended, at_frame, read_ended
 from lammps_jump.errors import CaseError, DumpError, FieldError
-from lammps_jump.files import END_FILE, START_FILE, read_json
+from lammps_jump.files import END_FILE, START_FILE, SUMMARY_FILE, checksum, read_json
 from lammps_jump.folders import holder
+from lammps_jump.foreign import foreign
 from lammps_jump.quoting import echoed
 from lammps_jump.scene import MovingWall, Sizes, Wall
 from lammps_jump.scene.scene import CONTACT, Earlier, Fixed, chains_of
@@ -72,7 +73,7 @@ def _own(source: CaseSource, key: object) -> Ended | None:
         return KNOWN.get(key)
     path = source.folder / START_FILE.format(key=key)
     try:
-        found = _read(path) if path.is_file() else None
+        found = _read(path) if os.path.lexists(path) else None
     except DumpError as error:
         raise CaseError(f"{error}; without it the run cannot be read: put the file back") from None
     return found
@@ -117,20 +118,15 @@ def read_state(folder: Path, time: float = inf) -> Ended:
     Raises
     ------
     DumpError
-        The run goes on, or failed; nothing there can be read; a time outside its dump.
+        The run goes on, or failed, or its summary does not tell how it ended; a state other than the summary means; a
+        time outside its dump.
     """
     if writer := holder(folder):
         raise DumpError(f"{writer} writes to this folder; wait until the run has ended")
-    try:
-        status = read_json(folder / "summary.json").get("status")
-    except (OSError, ValueError, AttributeError):
-        status = None
-    if status == "failed":
-        raise DumpError("the run there failed; allowed is one that ended or was stopped")
-    end = folder / END_FILE
-    last = _read(end) if end.is_file() else None
+    stored = _summary(folder)
+    last = _kept(folder, stored)
     if time == inf and last is not None:
-        return last
+        return replace(last, which=STOPPED) if stored["status"] == "interrupted" else last
     try:
         data = parse_source(read_text(folder / "case.yaml"), "case.yaml").data
         density, diameter = float(data["discs"]["density"]), float(data["discs"]["diameter"])
@@ -140,6 +136,34 @@ def read_state(folder: Path, time: float = inf) -> Ended:
     if rough and last is None:
         raise DumpError(f"has rough beds and no {END_FILE}, so that its fixed discs are not known; run it again")
     return at_frame(folder, time, density, diameter, NONE if last is None else last.fixed)
+
+
+def _summary(folder: Path) -> dict[str, Any]:
+    """The summary of a run that has ended or was stopped; DumpError for another one, and where there is none."""
+    path = folder / SUMMARY_FILE
+    with foreign(DumpError, f"{path.name}, which tells how the run ended, cannot be read", "run it again"):
+        stored: dict[str, Any] = read_json(path)
+        status = stored["status"]
+    if status == "failed":
+        raise DumpError("the run there failed; allowed is one that ended or was stopped")
+    if status not in ("complete", "unchecked", "interrupted"):
+        raise DumpError(f"{path.name}: the status {echoed(status)} is that of no run; run it again")
+    return stored
+
+
+def _kept(folder: Path, stored: dict[str, Any]) -> Ended | None:
+    """The state that a run kept of its end, where the folder has one; DumpError where it is not that of the summary."""
+    path = folder / END_FILE
+    if not os.path.lexists(path):
+        return None
+    with foreign(DumpError, f"{END_FILE}: cannot be read"):
+        same = checksum(path) == stored["outputs"].get(END_FILE)
+    if not same:
+        raise DumpError(
+            f"{END_FILE}: is not the one that the run wrote (its SHA-256 is not that of {SUMMARY_FILE}); put the file "
+            "back, or run it again"
+        )
+    return _read(path)
 
 
 def _read(path: Path) -> Ended:
@@ -271,10 +295,7 @@ def _one(
     half = np.column_stack([discs[f"half_{name}"] for name in names])
     contacts, lost = _contacts(state, discs["id"], first)
     unmoved = len(discs) == len(state.discs) and not (any(item.shift) or item.jitter or rest)
-    when = "its end" if item.time is None and len(state.exact) + np.isfinite(half).sum() else "the nearest frame"
-    if item.time is None and when != "its end":
-        when = "the last frame of its dump: it kept no end state"
-    said = f"begins from {item.folder} at t = {state.time:z.6g} s ({when}; key {state.key}): {len(discs)} discs"
+    said = f"begins from {item.folder} at t = {state.time:z.6g} s ({state.which}; key {state.key}): {len(discs)} discs"
     said += f", {dropped} more dropped, deep in a wall" if dropped else ""
     said += f"; the memory of {lost} contacts has lost its disc" if lost else ""
     origin = Earlier(

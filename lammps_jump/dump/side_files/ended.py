@@ -12,14 +12,17 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from math import inf
 from pathlib import Path
-from zipfile import BadZipFile
 
 import numpy as np
 
 from lammps_jump.dump.find import read_dump
+from lammps_jump.dump.frame import LARGEST_VALUE
 from lammps_jump.errors import DumpError
 from lammps_jump.files import read_arrays, write_arrays
+from lammps_jump.foreign import foreign
 from lammps_jump.scene.scene import CONTACT, Scene
+
+from .lists import check_kept
 
 MOVES = ("vx", "vy", "spin", "half_vx", "half_vy", "half_spin")
 DISC = np.dtype([("id", np.int64), *((name, float) for name in ("x", "y", *MOVES, "diameter"))])
@@ -28,6 +31,19 @@ NONE = 0, -1
 """First and last id of no disc."""
 EXACT = "exact_"
 """Begins the names of an engine's own arrays in the file."""
+AT_END, STOPPED, AT_FRAME, NO_END = (
+    "its end",
+    "where it was stopped",
+    "the nearest frame",
+    "the last frame of its dump: it has no end.npz",
+)
+"""Which state of a run it is, in words."""
+MOST_IDS = 1 << 40
+"""Ids are below; what stands for a fixed disc is above (`lammps_jump.case.parts.taken`)."""
+DENSITIES = 1e-3, 1e6
+"""Least and largest density that a case may have, kg/m^3."""
+WIDEST = 16.0
+"""Largest diameter over the smallest: a case lists those from a quarter to four times its nominal one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +66,8 @@ class Ended:
         As there.
     fixed : (int, int)
         First and last id of the discs of rough beds, which are left out.
+    which : str
+        Which state of the run it is, in words: `AT_END`, `STOPPED`, `AT_FRAME` or `NO_END`. It is in no hash.
     """
 
     time: float
@@ -59,6 +77,7 @@ class Ended:
     chains: tuple[str, ...] = ()
     exact: Mapping[str, np.ndarray] = field(default_factory=dict)
     fixed: tuple[int, int] = NONE
+    which: str = AT_END
 
     def __deepcopy__(self, memo: object) -> Ended:
         """Itself: nothing of it is ever changed."""
@@ -121,43 +140,83 @@ def write_ended(path: Path, found: Ended) -> None:
         discs=found.discs,
         contacts=found.contacts,
         chains=np.array(found.chains, str),
+        which=np.array(found.which),
         **{EXACT + name: array for name, array in found.exact.items()},
     )
 
 
 def read_ended(path: Path) -> Ended:
-    """The state that `write_ended` wrote.
+    """The state that `write_ended` wrote, each number held against what it means.
 
     Raises
     ------
     DumpError
         The file cannot be read, or holds something else.
     """
-    try:
+    with foreign(DumpError, f"{path}: holds no state of discs"):
         stored = read_arrays(path)
-        time, density, first, last = map(float, stored["of"])
-        discs, contacts = stored["discs"], stored["contacts"]
-        if discs.dtype != DISC or contacts.dtype != CONTACT or not _is_sound(discs, contacts, len(stored["chains"])):
-            raise ValueError("its columns are not those of a run")
+        time, density, first, last = stored["of"].tolist()
+        if stored["chains"].dtype.kind != "U" or stored["chains"].ndim != 1:
+            raise ValueError("its chains have no names")
         exact = {name.removeprefix(EXACT): array for name, array in stored.items() if name.startswith(EXACT)}
-        chains, fixed = tuple(map(str, stored["chains"])), (int(first), int(last))
-        return Ended(time, density, discs, contacts, chains, exact, fixed)
-    except (OSError, ValueError, LookupError, TypeError, MemoryError, BadZipFile) as error:
-        raise DumpError(f"{path}: holds no state of discs ({getattr(error, 'strerror', None) or error})") from None
+        if not all(float(id).is_integer() for id in (first, last)):
+            raise ValueError(f"its fixed discs have the numbers {first:g} to {last:g}")
+        found = Ended(
+            time, density, stored["discs"], stored["contacts"], tuple(map(str, stored["chains"])), exact,
+            (int(first), int(last)), str(stored["which"]),
+        )  # fmt: skip
+        _check(found)
+        return found
 
 
-def _is_sound(discs: np.ndarray, contacts: np.ndarray, chains: int) -> bool:
-    ids = discs["id"]
-    numbers = [discs[name] for name in ("x", "y", "vx", "vy", "spin", "diameter")]
-    return bool(
-        discs.ndim == contacts.ndim == 1
-        and (np.diff(ids) > 0).all()
-        and all(np.isfinite(values).all() for values in numbers)
-        and (discs["diameter"] > 0).all()
-        and (contacts["disc"] > 0).all()
-        and (contacts["partner"] >= -chains).all()
-        and all(np.isfinite(contacts[name]).all() for name in ("foot", "spring", "roll"))
-    )
+def _check(found: Ended) -> None:
+    """Raise ValueError where a number of a state is none that a run has."""
+    (low, high), (first, last) = DENSITIES, found.fixed
+    if not abs(found.time) <= LARGEST_VALUE or not low <= found.density <= high:
+        raise ValueError(f"its time is {found.time:g} s and its density {found.density:g} kg/m3")
+    if (first, last) != NONE and not 1 <= first <= last < MOST_IDS:
+        raise ValueError(f"its fixed discs have the numbers {first} to {last}")
+    if found.which not in (AT_END, STOPPED, AT_FRAME, NO_END):
+        raise ValueError(f"it says that it is {found.which!r}"[:100])
+    check_discs(found.discs, found.fixed)
+    _check_contacts(found)
+    check_kept(found.exact, found.discs)
+
+
+def check_discs(discs: np.ndarray, fixed: tuple[int, int]) -> None:
+    """Raise ValueError where ids, places, sizes or speeds of discs, beside `fixed` ones, are those of no run."""
+    if discs.dtype != DISC or discs.ndim != 1:
+        raise ValueError("its columns are not those of a run")
+    ids, sizes = discs["id"], discs["diameter"]
+    if (ids < 1).any() or (ids >= MOST_IDS).any() or (np.diff(ids) <= 0).any():
+        raise ValueError("its discs have no numbers that ascend from 1")
+    if ((ids >= fixed[0]) & (ids <= fixed[1])).any():
+        raise ValueError("a disc that moves has the number of a fixed one")
+    least, most = (float(sizes.min()), float(sizes.max())) if len(sizes) else (1.0, 1.0)
+    if not 0.0 < least <= most <= min(WIDEST * least * (1 + 1e-9), LARGEST_VALUE):  # a NaN is neither
+        raise ValueError(f"diameters from {least:g} to {most:g} m are none of one case")
+    for name in ("x", "y", *MOVES):
+        values = discs[name]
+        unknown = np.isnan(values) if name.startswith("half_") else np.zeros(len(values), bool)
+        wrong = ~(np.abs(values) <= LARGEST_VALUE) & ~unknown
+        if wrong.any():
+            at = int(np.argmax(wrong))
+            raise ValueError(f"{name} of disc {ids[at]} is {values[at]:g}")
+
+
+def _check_contacts(found: Ended) -> None:
+    """Raise ValueError where what discs remember is of no disc or chain, or no length."""
+    contacts = found.contacts
+    if contacts.dtype != CONTACT or contacts.ndim != 1:
+        raise ValueError("its contacts are not those of a run")
+    disc, partner = contacts["disc"], contacts["partner"]
+    if (disc < 1).any() or (disc >= MOST_IDS).any() or (partner >= MOST_IDS).any() or (disc == partner).any():
+        raise ValueError("a contact is of no disc")
+    if (partner == 0).any() or (partner < -len(found.chains)).any():
+        raise ValueError("a contact is with no wall")
+    for name in ("foot", "spring", "roll"):
+        if not (np.abs(contacts[name]) <= LARGEST_VALUE).all():
+            raise ValueError(f"{name} of a contact is no length")
 
 
 def at_frame(folder: Path, time: float, density: float, diameter: float, fixed: tuple[int, int] = NONE) -> Ended:
@@ -186,10 +245,19 @@ def at_frame(folder: Path, time: float, density: float, diameter: float, fixed: 
         raise DumpError(f"{time:g} s is outside its dump; allowed is {times[0]:g} to {times[-1]:g} s")
     index = len(times) - 1 if time == inf else int(np.argmin(np.abs(times - time)))
     frame = dump[index].sorted()
-    discs = np.zeros(frame.n, DISC)
-    for name in ("half_vx", "half_vy", "half_spin"):
-        discs[name] = np.nan
-    discs["id"], discs["x"], discs["y"], discs["vx"], discs["vy"] = frame.ids, frame.x, frame.y, frame.vx, frame.vy
-    discs["spin"] = frame.columns.get("omegaz", 0.0)
-    discs["diameter"] = diameter if frame.radii is None else 2.0 * frame.radii
-    return Ended(float(times[index]), density, _without(discs, fixed), fixed=fixed)
+    with foreign(DumpError, f"{dump.path}: no run can begin from its frame at {times[index]:g} s"):
+        numbers = frame.columns.get("id", np.empty(0))
+        if len(numbers) != frame.n or (numbers % 1 != 0).any() or (np.abs(numbers) >= MOST_IDS).any():
+            raise ValueError("its discs have no numbers")
+        discs = np.zeros(frame.n, DISC)
+        for name in ("half_vx", "half_vy", "half_spin"):
+            discs[name] = np.nan
+        discs["id"], discs["x"], discs["y"], discs["vx"], discs["vy"] = frame.ids, frame.x, frame.y, frame.vx, frame.vy
+        discs["spin"] = frame.columns.get("omegaz", 0.0)
+        discs["diameter"] = diameter if frame.radii is None else 2.0 * frame.radii
+        found = Ended(
+            float(times[index]), density, _without(discs, fixed), fixed=fixed,
+            which=AT_FRAME if time < inf else NO_END,
+        )  # fmt: skip
+        _check(found)
+        return found

@@ -8,12 +8,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from lammps_jump.dump.side_files.lists import check_list
 from lammps_jump.scene.scene import Earlier, Scene
 
 from .arrays import LISTED, Loops, Pairs, State
 
-EXACT = ("x0", "y0", "ux", "uy", "uomega", "fx", "fy", "torque")
-"""Arrays that another run needs to go on bit for bit."""
 LISTS = count(1)
 """Numbers of lists, which no two have."""
 NOTHING = np.empty(0, [("order", np.int64)])
@@ -104,7 +103,7 @@ class DiscArrays:
     sorted_rows, listed_as : int
         As `Pairs.sorted` and `Pairs.listed_as`.
     before : ndarray
-        What an earlier run had of `EXACT`, in this order of the discs; empty where its lists were not taken.
+        What an earlier run had of `lists.BITS`, in this order of the discs; empty where its lists were not taken.
     touched : ndarray of int8, shape (room, slots)
         Whether a contact of this step has the slot; 0 between steps.
     """
@@ -192,15 +191,13 @@ class DiscArrays:
     def put_list(
         self, start: np.ndarray, discs: np.ndarray, owner: np.ndarray | None = None, shift: np.ndarray | None = None
     ) -> None:
-        """Take a neighbour list such as `listed` gives."""
+        """Take a neighbour list such as `listed` gives; ValueError where it is none of these discs."""
+        self.sorted_rows = check_list(self.n, self.period or 0.0, start, discs, owner, shift)
         self.owner, self.shift = owner, shift
         self.start[: len(start)] = start
         if self.neighbours.size < discs.size:
             self.neighbours = np.empty(2 * discs.size, np.int32)
         self.neighbours[: discs.size] = discs
-        full = np.flatnonzero(np.diff(start[: self.n + 1]))
-        late = full[discs[start[full]] < full]  # rows of discs that came behind the others
-        self.sorted_rows = int(late[0]) if late.size else self.n
         self.listed_as = next(LISTS)
 
     def take_lists(self, scene: Scene, skin: float) -> bool:
@@ -210,7 +207,10 @@ class DiscArrays:
             return False
         own = exact["discs"]
         moving = self.n - len(exact["fixed"])
-        if ("list_shift" in exact) != (self.period is not None) or (exact["fixed"] != scene.positions[moving:]).any():
+        fixed = scene.diameters(np.arange(moving + 1, self.n + 1))
+        if exact["period"] != (self.period or 0.0) or (exact["fixed"] != scene.positions[moving:]).any():
+            return False
+        if (exact["fixed_diameters"] != fixed).any():
             return False
         for name in self.columns:
             held = getattr(self, name)[: self.n]
@@ -227,19 +227,22 @@ class DiscArrays:
             if name in (self.before.dtype.names or ()) and name in self.columns:
                 getattr(self, name)[: self.n] = self.before[name]
 
-    def keep_bits(self, scene: Scene, earlier: Earlier) -> None:
-        """Where half step and force are those of the run whose lists were taken, but for round-off, take its bits."""
+    def keep_bits(self, scene: Scene, earlier: Earlier, kicks: tuple[Any, Any]) -> None:
+        """Where half step and force are those of the run whose lists were taken, but for round-off, take its bits.
+
+        `kicks` are `half_kicks`, by which a force is held against a velocity.
+        """
         own, small = self.before, ROUND * scene.diameter / scene.time_step
         if not len(own):
             return
         half = earlier.half[self.ids[: self.n] - 1].T
         units = (small, small, small / scene.radius)
-        for name, force, before, limit in zip(("vx", "vy", "omega"), ("fx", "fy", "torque"), half, units, strict=True):
+        moves = ("vx", "vy", "omega"), ("fx", "fy", "torque"), (kicks[0], *kicks), half, units
+        for name, force, kick, before, limit in zip(*moves, strict=True):
             if name in self.columns and force in (own.dtype.names or ()):
-                now = getattr(self, name)[: self.n]
-                same = np.abs(now - before) <= limit
-                now[same] = before[same]
-                getattr(self, force)[: self.n][same] = own[force][same]
+                now, pushed = getattr(self, name)[: self.n], getattr(self, force)[: self.n]
+                same = (np.abs(now - before) <= limit) & (np.abs(kick * (pushed - own[force])) <= limit)
+                now[same], pushed[same] = before[same], own[force][same]
 
     def _make_work_arrays(self) -> None:
         self.touched = np.zeros((self.room, self.slots), np.int8)

@@ -30,7 +30,7 @@ from lammps_jump.engines.result import (
 )
 from lammps_jump.engines.setting import Setting
 from lammps_jump.engines.twin import Twin
-from lammps_jump.errors import RunError
+from lammps_jump.errors import ResumeError, RunError
 from lammps_jump.files import BODIES, CONTACTS_FILE, DUMP_NAMES, END_FILE, POSES, delete
 from lammps_jump.provenance import versions
 from lammps_jump.scene.scene import Scene
@@ -146,9 +146,11 @@ class _EnginePart:
         self.saved: float | None = resume.time if resume else None
         if resume is not None:
             assert self.folder is not None  # that of the checkpoint
-            cut_back(self.folder, resume)
             (name,) = resume.state
             self.simulation = load_state(scene, self.folder / name, ledger=setting.ledger, loops=loops)
+            if self.simulation.step != resume.step:
+                raise ResumeError(f"{self.folder / name}: is the state of another step; start a new run")
+            cut_back(self.folder, resume)
         elif setting.cell_size is None:
             self.simulation = NativeSimulation(scene, ledger=setting.ledger, loops=loops)
         else:

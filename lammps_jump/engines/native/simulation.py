@@ -166,7 +166,7 @@ class NativeSimulation:
             d.set_velocities(starting(self.scene, earlier))
         self._start_half_step_back()
         if earlier is not None:
-            d.keep_bits(self.scene, earlier)
+            d.keep_bits(self.scene, earlier, half_kicks(self.scene, d))
         forces = self.walls.sums[:, SumsOnWallColumns.FORCE]
         self.windows.see_bodies(self.step, self.walls, dict(zip(self.walls.names, forces, strict=True)))
         self.walls.sums[:] = 0.0

@@ -12,21 +12,47 @@ import json
 from collections.abc import Mapping
 from dataclasses import astuple
 from pathlib import Path
-from zipfile import BadZipFile
+from typing import Annotated, Any
 
 import numpy as np
+from pydantic import BaseModel, Field, NonNegativeFloat
 
 from lammps_jump.dump.side_files.ended import Ended, ended
+from lammps_jump.dump.side_files.lists import BITS
 from lammps_jump.errors import ResumeError
 from lammps_jump.files import read_arrays, write_arrays
+from lammps_jump.foreign import foreign
 from lammps_jump.scene.scene import Scene
 
 from .arrays import Loops
-from .discs import EXACT, DiscArrays
+from .discs import DiscArrays
 from .ledger import EnergyNow, spin, velocities
 from .simulation import NativeSimulation
 
 COUNTS = ("step", "disc_steps", "rebuilds", "rebuild_seconds")
+Count = Annotated[int, Field(ge=0, le=1 << 53)]
+
+
+class Plain(BaseModel, strict=True, extra="forbid"):
+    """What a file of a state holds beside its arrays: counts, sums, rows of forces, the random generator."""
+
+    n: Count
+    step: Count
+    disc_steps: Count
+    rebuilds: Count
+    rebuild_seconds: NonNegativeFloat
+    exchanged: dict[str, float]
+    start_energy: Annotated[list[float], Field(min_length=3, max_length=3)]
+    start_fallen: float
+    window_begin: Count
+    forces: list[list[int | str | float]]
+    bodies: list[tuple[Count, str, list[float]]]
+    window_sums: dict[str, Annotated[list[float], Field(min_length=4, max_length=4)]]
+    gates: dict[str, float]
+    rows: list[Count]
+    pours: list[Count]
+    random: dict[str, Any]
+    traffic: Annotated[list[Count], Field(min_length=4, max_length=4)]
 
 
 def save_state(simulation: NativeSimulation, path: Path) -> None:
@@ -96,21 +122,19 @@ def load_state(scene: Scene, path: Path, *, ledger: bool = True, loops: Loops | 
     ResumeError
         The file is no such state: it was damaged, or made up.
     """
-    try:
+    with foreign(ResumeError, f"{path}: is no state that a run has saved", "start a new run"):
         return _loaded(scene, path, ledger, loops)
-    except (OSError, ValueError, LookupError, TypeError, AttributeError, MemoryError, BadZipFile) as error:
-        raise ResumeError(f"{path}: is no state that a run has saved ({error}); start a new run") from None
 
 
 def _loaded(scene: Scene, path: Path, ledger: bool, loops: Loops | None) -> NativeSimulation:
     simulation = NativeSimulation(scene, ledger=ledger, loops=loops)
     stored = read_arrays(path)
-    plain = json.loads(str(stored["plain"]))
-    if not (type(plain["n"]) is int and 0 <= 8 * plain["n"] <= path.stat().st_size):
-        raise ValueError(f"it is too small for {plain['n']} discs")
+    plain = Plain.model_validate_json(str(stored["plain"]))
+    if 8 * plain.n > path.stat().st_size:
+        raise ValueError(f"it is too small for {plain.n} discs")
     for name in COUNTS:
-        setattr(simulation, name, plain[name])
-    _load_discs(simulation.discs, plain["n"], stored)
+        setattr(simulation, name, getattr(plain, name))
+    _load_discs(simulation.discs, plain.n, stored)
     simulation.lay_walls()  # those of this step: gates may have gone
     books, windows = simulation.books, simulation.windows
     books.work[:], books.start_work[:] = stored["work"], stored["start_work"]
@@ -119,20 +143,27 @@ def _loaded(scene: Scene, path: Path, ledger: bool, loops: Loops | None) -> Nati
         array[:] = stored[name]
     simulation.walls.put(**{name: stored[f"near_{name}"] for name in simulation.walls.listed})
     simulation.walls.put_corners({name: stored[f"corners_near_{name}"] for name in simulation.walls.listed_corners})
+    simulation.walls.require_lists(plain.n)
     simulation.stations.sums[:] = stored["stations"]
-    books.exchanged, books.start = plain["exchanged"], EnergyNow(*plain["start_energy"])
-    books.start_fallen = plain["start_fallen"]
-    windows.begin = plain["window_begin"]
-    windows.sums = {name: np.array(row) for name, row in plain["window_sums"].items()}
-    windows.forces = [(step, name, *values) for step, name, *values in plain["forces"]]
-    windows.bodies = [(step, name, tuple(values)) for step, name, values in plain["bodies"]]
-    simulation.gates.areas = plain["gates"]
+    if plain.exchanged.keys() != books.exchanged.keys():
+        raise ValueError("its energy balance has other terms")
+    books.exchanged, books.start = plain.exchanged, EnergyNow(*plain.start_energy)
+    books.start_fallen = plain.start_fallen
+    windows.begin = plain.window_begin
+    windows.sums = {name: np.array(row) for name, row in plain.window_sums.items()}
+    windows.forces = [(step, name, *values) for step, name, *values in plain.forces]  # type: ignore[misc]
+    windows.bodies = [(step, name, tuple(values)) for step, name, values in plain.bodies]
+    simulation.gates.areas = plain.gates
     boundaries = simulation.boundaries
-    for states, counts in ((boundaries.rows, plain["rows"]), (boundaries.pours, plain["pours"])):
+    for states, counts in ((boundaries.rows, plain.rows), (boundaries.pours, plain.pours)):
         for state, count in zip(states, counts, strict=True):
             state.entered = count
-    boundaries.rng.bit_generator.state = plain["random"]
-    boundaries.inserted, boundaries.removed, _, boundaries.sized = plain["traffic"]
+    boundaries.rng.bit_generator.state = plain.random
+    inserted, removed, _, sized = plain.traffic
+    ids = simulation.discs.ids[: plain.n]
+    if not (sized <= inserted == removed + plain.n and (ids >= 1).all() and ids.max(initial=0) <= inserted):
+        raise ValueError(f"it has {plain.n} discs of {inserted}, of which {removed} have left")
+    boundaries.inserted, boundaries.removed, boundaries.sized = inserted, removed, sized
     return simulation
 
 
@@ -142,8 +173,9 @@ def _load_discs(discs: DiscArrays, n: int, stored: Mapping[str, np.ndarray]) -> 
     discs.n = n
     for name in discs.columns:
         held = getattr(discs, name)[:n]
-        if stored[name].shape != held.shape:
-            raise ValueError(f"{name}: {stored[name].shape} in place of {held.shape} numbers")
+        found = stored[name]
+        if found.shape != held.shape or found.dtype != held.dtype:
+            raise ValueError(f"{name}: {found.shape} {found.dtype} in place of {held.shape} {held.dtype} numbers")
         held[:] = stored[name]
     names = ("start", "discs", *(("owner", "shift") if discs.period is not None else ()))
     discs.put_list(**{name: stored[f"list_{name}"] for name in names})
@@ -166,11 +198,12 @@ def ended_of(simulation: NativeSimulation) -> Ended:
     slots = (d.partner[:n], d.sigma[:n], d.spring[:n], d.roll[:n]) if d.partner is not None else None
     bed = np.zeros(n, bool) if scene.fixed is None else scene.fixed.holds(d.ids[:n])
     rows = np.lexsort((d.ids[:n], bed))  # fixed discs come last in another run
-    held = {"order": np.argsort(rows), **{name: getattr(d, name)[:n] for name in EXACT if name in d.columns}}
+    held = {"order": np.argsort(rows), **{name: getattr(d, name)[:n] for name in BITS if name in d.columns}}
     own = np.empty(n, [(name, array.dtype) for name, array in held.items()])  # one array: each costs time in the file
     for name, array in held.items():
         own[name] = array
     exact = {f"list_{name}": array for name, array in d.listed(simulation.listed_pairs()).items()}
-    exact |= {"discs": own, "skin": np.array(simulation.skin)}
-    exact["fixed"] = np.column_stack([d.x[:n], d.y[:n]])[rows[n - int(bed.sum()) :]]
+    exact |= {"discs": own, "skin": np.array(simulation.skin), "period": np.array(d.period or 0.0)}
+    behind = rows[n - int(bed.sum()) :]
+    exact |= {"fixed": np.column_stack([d.x[:n], d.y[:n]])[behind], "fixed_diameters": columns["diameter"][behind]}
     return ended(scene, simulation.step, columns, slots, exact)

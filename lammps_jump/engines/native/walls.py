@@ -320,6 +320,12 @@ class Walls:
         """Take lists such as `listed` gives."""
         self.near = _with_lists(self.near, rows, discs, plain, last, faces)
 
+    def require_lists(self, n: int) -> None:
+        """Raise ValueError where lists name other discs than the first n, other faces than those of their walls."""
+        _require_lists(self.near, self.faces, n)
+        if self.bodies is not None:
+            _require_lists(self.bodies.near, self.faces, self.bodies.discs.n)
+
     @property
     def listed_corners(self) -> dict[str, np.ndarray]:
         """The lists of corners as they stand; empty without bodies."""
@@ -377,3 +383,24 @@ def _with_lists(
         last=np.array(last, np.int64),
         faces=np.array(faces, np.int64),
     )
+
+
+def _require_lists(near: Near, faces: Faces, n: int) -> None:
+    """Raise ValueError where lists of what is near walls would lead the core beyond n discs or the faces."""
+    walls = len(faces.first) - 1
+    rows, discs, plain, last, listed = near.rows, near.discs, near.plain, near.last, near.faces
+    if rows.shape != (walls + 1,) or rows[0] or (np.diff(rows) < 0).any() or not discs.ndim == plain.ndim == 1:
+        raise ValueError("its list of discs near walls is of other walls")
+    count = int(rows[-1])
+    if discs.size != count or plain.size != count or last.shape != (count + 1,) or listed.ndim != 1:
+        raise ValueError("its list of discs near walls has other rows")
+    if last[0] or (np.diff(last) < 1).any() or last[-1] != listed.size:
+        raise ValueError("its list of discs near walls names no faces")
+    wall = np.repeat(np.arange(walls), np.diff(rows))
+    of_face = np.repeat(wall, np.diff(last))
+    if discs.size and not 0 <= discs.min() <= discs.max() < n:
+        raise ValueError(f"its list of discs near walls names disc {discs.max()} of {n}")
+    if ((listed < faces.first[of_face]) | (listed >= faces.first[of_face + 1])).any():
+        raise ValueError("its list of discs near walls names faces of others")
+    if ((np.diff(discs) <= 0) & (np.diff(wall) == 0)).any() or ((plain != 0) & (np.diff(last) > 1)).any():
+        raise ValueError("its list of discs near walls is not in order")

@@ -16,8 +16,7 @@ from pathlib import Path
 from lammps_jump import Case
 from lammps_jump.analysis.tables.markdown import Column, markdown
 from lammps_jump.errors import RunError
-from lammps_jump.files import read_json, write_text
-from lammps_jump.runs.summary import SUMMARY_FILE
+from lammps_jump.files import SUMMARY_FILE, read_json, write_text
 from lammps_jump.studies.runs import middle
 from lammps_jump.sweeps import Results, Say, Store
 

@@ -13,9 +13,8 @@ from lammps_jump.case import ReadCase
 from lammps_jump.case.groups.discs import Column
 from lammps_jump.case.parts.inflow import RowsInflow
 from lammps_jump.errors import CaseError
-from lammps_jump.files import read_json
+from lammps_jump.files import SUMMARY_FILE, read_json
 from lammps_jump.physics import jump
-from lammps_jump.runs.summary import SUMMARY_FILE
 
 
 @dataclass(frozen=True)
