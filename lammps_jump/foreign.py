@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from .errors import JumpError
@@ -11,7 +11,7 @@ from .quoting import shortened
 
 
 @contextmanager
-def foreign(kind: type[Exception], said: str = "", remedy: str = "") -> Iterator[None]:
+def foreign(kind: Callable[[str], Exception], said: str = "", remedy: str = "") -> Iterator[None]:
     """Whatever is raised while the block reads foreign data becomes an error of this `kind`.
 
     A parser (ezdxf, svgelements, json, zipfile, numpy, yaml) answers damaged data with errors of any kind, which no
@@ -19,7 +19,8 @@ def foreign(kind: type[Exception], said: str = "", remedy: str = "") -> Iterator
 
     Parameters
     ----------
-    kind : type of Exception
+    kind : type of Exception, or callable
+        What is made of the sentence.
     said : str
         File and what it is not: ``bed.dxf: is no DXF drawing``. The reason follows in brackets, or is all.
     remedy : str

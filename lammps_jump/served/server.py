@@ -5,15 +5,18 @@ from __future__ import annotations
 
 import hmac
 import json
+import logging
 import secrets
 from collections.abc import Mapping
 from contextlib import suppress
+from functools import partial
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any, NamedTuple, Protocol
 from urllib.parse import parse_qs
 
 from lammps_jump.errors import JumpError
 from lammps_jump.files import plain
+from lammps_jump.foreign import foreign, reason
 
 HOME = "127.0.0.1"
 NAMES = {HOME, "localhost"}
@@ -39,6 +42,11 @@ SAFE = {
     "Cross-Origin-Opener-Policy": "same-origin",
     "Cache-Control": "no-store",
 }
+
+
+BROKEN = "this is a defect of lammps-jump; the terminal where it runs tells more"
+"""Why a request has no answer."""
+log = logging.getLogger(__name__)
 
 
 class Reply(NamedTuple):
@@ -140,6 +148,9 @@ class Handler(BaseHTTPRequestHandler):
             reply = answer({"refused": str(refused)}, refused.status)
         except JumpError as error:
             reply = answer({"refused": str(error)}, 422)
+        except Exception as error:  # a defect of this program: it is told here, and the next request is answered
+            log.exception(f"error: {self.command} {self.path.partition('?')[0].rpartition('/')[2]}")
+            reply = answer({"refused": f"{BROKEN} ({type(error).__name__}: {reason(error)})"}, 500)
         with suppress(OSError):  # the browser has gone
             self.send_response(reply.status)
             headers = {"Content-Type": reply.kind, "Content-Length": str(len(reply.body)), **SAFE}
@@ -184,12 +195,11 @@ class Handler(BaseHTTPRequestHandler):
         if self.headers.get_content_type() != "application/json" or self.headers.get("Transfer-Encoding"):
             raise Refused(415, "only JSON of a known length is taken")
         length = self.headers.get("Content-Length", "")
-        if not (length.isascii() and length.isdigit() and int(length[:12]) <= MOST_ASKED):
+        if not (length.isascii() and length.isdigit() and len(length) < 20 and int(length) <= MOST_ASKED):
             raise Refused(413, f"at most {MOST_ASKED // 1_000_000} MB are taken")
-        try:
-            asked = json.loads(self.rfile.read(int(length)))
-        except (ValueError, RecursionError):
-            raise Refused(400, "this is no JSON") from None
+        body = self.rfile.read(int(length))
+        with foreign(partial(Refused, 400), "this is no JSON"):
+            asked = json.loads(body)
         if not isinstance(asked, dict):
             raise Refused(400, "a JSON object is expected")
         return self.server.pages.post(path, asked)

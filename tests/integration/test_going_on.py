@@ -329,9 +329,13 @@ def test_a_run_that_was_stopped_says_so(place, tmp_path, monkeypatch):
     ("item", "changes", "said"),
     [
         ({"folder": "none"}, {}, "'none' holds no run; name the folder of a run that has ended"),
+        ({"folder": "a\0b"}, {}, "is no folder that can be read (character 2 is U+0000, which cannot be printed"),
+        ({"folder": 300 * "a"}, {}, "is no folder that can be read (File name too long)"),
         ({"folder": "../../../../../usr"}, {}, "lies outside the folder of the case and the working directory"),
         ({"time": 7}, {}, "time: bed: 7 s is outside its dump; allowed is 0 to 0.2 s"),
         ({"time": "soon"}, {}, "time"),
+        ({"time": [1]}, {}, "time"),
+        ({"time": {"a": True}}, {}, "time"),
         ({"within": {"x": [3, 4]}}, {}, "within: holds none of the "),
         ({"velocities": "half"}, {}, "velocities"),
         ({}, {"discs": {**BED["discs"], "density": 900}}, "discs.density: is 900 kg/m3, the discs of bed have 2000"),

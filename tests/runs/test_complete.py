@@ -203,7 +203,7 @@ def test_a_force_record_that_is_gone(case, folder):
 
 def test_the_summary_holds_the_checksums(folder):
     summary = json.loads((folder / "summary.json").read_text())
-    assert set(summary["outputs"]) == {DUMP, FORCES}
+    assert set(summary["outputs"]) == {DUMP, FORCES, "end.npz"}
     assert {"profiles.nc", "report.html", "figures/depth_profile.png"} <= set(summary["analysed"]["files"])
     assert summary["outputs"][DUMP]["size"] == (folder / DUMP).stat().st_size
 

@@ -80,6 +80,7 @@ ATTACKS = {
     "a number for a text": ("POST", "/{token}/look", {"text": 1, "wide": 700}, {}, 400),
     "half of a letter": ("POST", "/{token}/look", {"text": "\ud800", "wide": 700}, {}, 400),
     "too much": ("POST", "/{token}/look", b"{}", {"Content_Length": "99999999999"}, 413),
+    "much behind many zeros": ("POST", "/{token}/look", b"{}", {"Content_Length": "0000000000009999999999999"}, 413),
     "a length below zero": ("POST", "/{token}/look", b"{}", {"Content_Length": "-1"}, 413),
     "a length that is not told": ("POST", "/{token}/look", b"{}", {"Transfer_Encoding": "chunked"}, 415),
     "another method": ("DELETE", "/{token}/file", None, {}, 501),
@@ -127,6 +128,19 @@ def test_a_page_may_run_nothing_but_our_own_scripts(server):
         if name.endswith((".js", ".css")):
             assert send(server, "GET", f"/{server.token}/{name}")[0] == 200
     assert b"http" not in body and b"style=" not in body and b"onclick" not in body
+
+
+def test_a_defect_of_the_program_is_told_and_logged(server, case, monkeypatch, caplog):
+    """The line was cut, and the page said that the program had ended."""
+
+    def broken(*_):
+        raise ZeroDivisionError("a secret of the program")
+
+    monkeypatch.setattr("lammps_jump.served.pages.look", broken)
+    status, _, data = send(server, "POST", f"/{server.token}/look", {"text": CASE, "wide": 700})
+    assert status == 500 and "defect of lammps-jump" in json.loads(data)["refused"]
+    assert "ZeroDivisionError" in caplog.text and "in broken" in caplog.text and server.token not in caplog.text
+    assert asked(server, "file")["text"] == CASE
 
 
 def test_half_a_request_holds_nobody_up(server):

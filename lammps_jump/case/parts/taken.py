@@ -21,7 +21,7 @@ from lammps_jump.errors import CaseError, DumpError, FieldError
 from lammps_jump.files import END_FILE, START_FILE, SUMMARY_FILE, checksum, read_json
 from lammps_jump.folders import holder
 from lammps_jump.foreign import foreign
-from lammps_jump.quoting import echoed
+from lammps_jump.quoting import echoed, one_line
 from lammps_jump.scene import MovingWall, Sizes, Wall
 from lammps_jump.scene.scene import CONTACT, Earlier, Fixed, chains_of
 from lammps_jump.units import to_si
@@ -84,17 +84,21 @@ def _of_folder(source: CaseSource, path: PathKey, name: str, time: object) -> En
     place = source.place((*path, "folder"))
     base = source.folder or Path()
     folder = Path(os.path.normpath(base / name))
-    roots = {base.resolve(), Path.cwd().resolve()}
-    if not any(folder.resolve().is_relative_to(root) for root in roots):
+    try:
+        moment = inf if time in (None, "last") else float(to_si(time, "s"))
+    except (TypeError, ValueError):
+        return Ended(0.0, 1.0, np.empty(0, DISC))  # the field is refused for itself
+    with foreign(CaseError, f"{place}: {echoed(name)} is no folder that can be read"):
+        one_line(name)
+        roots = {base.resolve(), Path.cwd().resolve()}
+        inside = any(folder.resolve().is_relative_to(root) for root in roots)
+        there = inside and (folder / "case.yaml").is_file()
+    if not inside:
         raise CaseError(
             f"{place}: {echoed(name)} lies outside the folder of the case and the working directory; allowed is a run "
             "folder in one of them: copy the run there"
         )
-    try:
-        moment = inf if time in (None, "last") else to_si(time, "s")
-    except ValueError:
-        return Ended(0.0, 1.0, np.empty(0, DISC))  # the field is refused for itself
-    if not (folder / "case.yaml").is_file():
+    if not there:
         raise CaseError(f"{place}: {echoed(name)} holds no run; {_how_to_make(base, folder)}")
     try:
         return read_state(folder, moment)
