@@ -204,8 +204,14 @@ def velocity_range(depth_1: float, gravity: float = GRAVITY) -> tuple[float, flo
 # --- sill -------------------------------------------------------------------------------------------------------
 
 
+def crest_holding_depth(depth: float, discharge: float, gravity: float = GRAVITY) -> float:
+    """Height of a broad crest over the bed that holds a depth (m) before it, m: D = E - 1.5 y_c; discharge in m^2/s.
+
+    Critical flow on the crest, no loss up to it.
+    """
+    return specific_energy(depth, discharge / depth, gravity) - 1.5 * critical_depth(discharge, gravity)
+
+
 def sill_holding_height(velocity: float, depth: float, gravity: float = GRAVITY) -> float:
-    """Height of a broad sill that holds the jump, m: D = E2 - 1.5 y_c (critical flow on the crest, no loss)."""
-    depth_2 = sequent_depth(velocity, depth, gravity)
-    discharge = velocity * depth
-    return specific_energy(depth_2, discharge / depth_2, gravity) - 1.5 * critical_depth(discharge, gravity)
+    """Height of a broad sill that holds the jump of a stream, m: `crest_holding_depth` of its sequent depth."""
+    return crest_holding_depth(sequent_depth(velocity, depth, gravity), velocity * depth, gravity)
