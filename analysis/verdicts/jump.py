@@ -151,6 +151,6 @@ HYDRAULIC_JUMP = Verdict(
         ),
     ),
     sentence,
-    alone=True,
+    closes=True,
     unanswered=_unanswered,
 )

@@ -42,8 +42,10 @@ class Verdict(NamedTuple):
     doubts : tuple of Doubt
     sentence : callable(summary) -> str, or None
         What screens and logs say at more length; None: the title.
+    closes : bool
+        No other title is put behind it.
     alone : bool
-        The title stands alone: no other one is put behind it.
+        It answers only where no verdict before it does, and no other title is put behind it.
     unanswered : callable(summary) -> str, or None
         Why there is no answer, where the case asks for one; else empty.
     """
@@ -54,6 +56,7 @@ class Verdict(NamedTuple):
     title: Said
     doubts: tuple[Doubt, ...]
     sentence: Said | None = None
+    closes: bool = False
     alone: bool = False
     unanswered: Said | None = None
 

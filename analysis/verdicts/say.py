@@ -19,8 +19,8 @@ VERDICTS = (
     HEAP,
     DRUM,
     INCLINE,
-    HYDRAULIC_JUMP,
     TAILGATE,
+    HYDRAULIC_JUMP,
     BODIES,
     WAVES,
     COLLAPSE,
@@ -37,13 +37,13 @@ STATUS = {"failed": "The run failed.", "interrupted": "The run was interrupted."
 
 
 def answered(summary: Mapping[str, Any]) -> list[tuple[str, int]]:
-    """Titles and numbers of the verdicts that answer; one that stands alone does so only where it is first."""
+    """Titles and numbers of the verdicts that answer, in their order."""
     found: list[tuple[str, int]] = []
     for number, verdict in enumerate(VERDICTS):
         said = "" if found and verdict.alone else verdict.title(summary)
         if said:
             found.append((said, number))
-            if verdict.alone:
+            if verdict.closes or verdict.alone:
                 break
     return found
 

@@ -12,7 +12,8 @@ from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.analysis.tables.rows import lines, main_numbers
 from lammps_jump.analysis.verdicts import VERDICTS, doubts, headline, verdict
 
-GATE = {"height": 1.79, "height_interval": 0.03, "settled_at": 30.0}
+GATE = {"height": 1.79, "height_interval": 0.03, "settled_at": 30.0, "holds": "front", "target": 30.0, "held": 30.02,
+        "held_interval": 0.11}  # fmt: skip
 STATE = {"discs": 300, "first_discs": 300, "speed": 0.02, "speed_over_root_gd": 0.05, "along": 0.0, "mean_speed": 0.1,
          "length": 0.6, "height": 0.12, "at_rest": True}  # fmt: skip
 NO_JUMP = {"verdict": "no jump found", "reason": "Fewer than eight bins.", "headline": "No hydraulic jump to compare."}
@@ -161,6 +162,7 @@ DOUBTFUL = [
     ({"jump": {**JUMP, "frames_in_window": 5}}, "holds 5 frames"),
     ({"jump": JUMP, "inflow": {"deviation": -0.2}}, "inflow is 20 % off"),
     ({"tailgate": {"sill": {**GATE, "height_interval": 0.3}}}, "known to ± 0.30 m only"),
+    ({"tailgate": {"sill": {**GATE, "settled_at": None, "reason": "it creeps"}}}, "sill has not settled: it creeps"),
     ({"bodies": {"box": {**BODY, "rest": False}}}, "box still moves at the end"),
     ({"bodies": {"box": {**BODY, **FLOATS, "draught": 0.3}}}, "the draught of box is 0.30 m, that by its weight 0.50 m"),
     ({"waves": {**WAVES, "periods": 2}}, "2 periods only"),
