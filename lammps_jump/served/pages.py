@@ -66,6 +66,10 @@ class Opened(Pages):
         """What is to be done with a run."""
         return self.runs.post(path[4:], asked) if path.startswith("run/") else None
 
+    def alone(self, token: str) -> Reply | None:
+        """The report with this token."""
+        return self.runs.report(token)
+
     def close(self) -> list[ServedChild]:
         """End the runs that were started here, which can go on; those that went on."""
         return self.children.close()

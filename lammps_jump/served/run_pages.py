@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-import os
+import hmac
+import secrets
 from collections.abc import Mapping
 from pathlib import Path
 from threading import Lock
@@ -26,6 +27,7 @@ class RunPages:
     def __init__(self, children: Children):
         self.children = children
         self._runs: list[Watched] = []
+        self._reports: dict[Path, str] = {}
         self._lock = Lock()
 
     def number(self, folder: Path) -> int:
@@ -38,7 +40,7 @@ class RunPages:
             return known.index(folder)
 
     def get(self, path: str, query: Mapping[str, str]) -> Reply | None:
-        """Page, state, frames or report of ``<number>/…``."""
+        """Page, state or frames of ``<number>/…``, or where its report is."""
         run, part = self._found(path)
         if run is None:
             return None
@@ -52,7 +54,7 @@ class RunPages:
                 raise Refused(400, "first is no number")
             return Reply(run.frames(int(first), query.get("of", "")), "application/octet-stream")
         if part == "report":
-            return self._report(run.folder)
+            return self._to_report(run.folder)
         return None
 
     def post(self, path: str, asked: Mapping[str, Any]) -> Reply | None:
@@ -90,13 +92,27 @@ class RunPages:
         found["command"] = child.command if child else as_typed("run", run.folder)
         found["stop"] = f"kill -TERM {child.process.pid}" if child is not None and own else None
         found["go_on"] = as_typed("run", run.folder, "--resume") if found["status"] == "interrupted" else None
-        report = run.folder / REPORT
-        found["report"] = as_typed("show", run.folder) if report.is_file() and not os.path.islink(report) else None
+        found["report"] = as_typed("show", run.folder) if _has_report(run.folder) else None
         return found
 
-    @staticmethod
-    def _report(folder: Path) -> Reply | None:
-        path = folder / REPORT
-        if not path.is_file() or path.is_symlink():
+    def _to_report(self, folder: Path) -> Reply | None:
+        """Leads to an address with a token of its own: a report reads its address, and may send it anywhere."""
+        if not _has_report(folder):
             return None
-        return Reply(read_file(path, MOST_TEXT), KINDS[".html"], policy=FOREIGN)
+        with self._lock:
+            token = self._reports.setdefault(folder, secrets.token_urlsafe(32))
+        return Reply(b"", KINDS[".html"], 303, FOREIGN, f"/{token}/")
+
+    def report(self, token: str) -> Reply | None:
+        """The report with this token; None where there is none."""
+        with self._lock:
+            known = [(folder, own) for folder, own in self._reports.items()]
+        found = [folder for folder, own in known if hmac.compare_digest(own.encode(), token.encode())]
+        if not found or not _has_report(found[0]):
+            return None
+        return Reply(read_file(found[0] / REPORT, MOST_TEXT), KINDS[".html"], policy=FOREIGN)
+
+
+def _has_report(folder: Path) -> bool:
+    path = folder / REPORT
+    return path.is_file() and not path.is_symlink()

@@ -4,13 +4,18 @@
 from __future__ import annotations
 
 import hmac
+import io
 import json
 import logging
+import re
 import secrets
+import socket
+import time
 from collections.abc import Mapping
 from contextlib import suppress
 from functools import partial
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from threading import Lock
 from typing import Any, NamedTuple, Protocol
 from urllib.parse import parse_qs
 
@@ -19,12 +24,20 @@ from lammps_jump.files import plain
 from lammps_jump.foreign import foreign, reason
 
 HOME = "127.0.0.1"
-NAMES = {HOME, "localhost"}
-"""Names of this machine in an address, with any port: a tunnel has one of its own."""
+NAMES = re.compile(r"(?:127\.0\.0\.1|localhost)(?::\d{1,5})?")
+"""Names of this machine in an address, with any port: a tunnel has one of its own, and a browser leaves out port 80."""
 MOST_ASKED = 20_000_000
 """Bytes of a request: a case of 100,000 discs one by one."""
 PATIENCE = 30.0
-"""Seconds that a connection may keep silent."""
+"""Seconds that a browser may take no bytes of an answer."""
+HEAD_SECONDS, BODY_SECONDS = 10.0, 120.0
+"""Seconds in which a connection has to show the token, and a request to be there."""
+MOST_UNKNOWN = 32
+"""Connections that have not shown the token; the oldest gives way to another."""
+MOST_KNOWN = 32
+"""Requests that are answered at once."""
+AT_ONCE = 1 << 16
+"""Bytes that a browser has to take within the patience."""
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; media-src blob:; "
     "connect-src 'self'; frame-src 'self'; frame-ancestors 'self'; base-uri 'none'; form-action 'none'"
@@ -50,12 +63,13 @@ log = logging.getLogger(__name__)
 
 
 class Reply(NamedTuple):
-    """An answer: its bytes, what they are, and what a page of them may do."""
+    """An answer: its bytes, what they are, what a page of them may do, and where else the answer is."""
 
     body: bytes
     kind: str = "application/json"
     status: int = 200
     policy: str = POLICY
+    elsewhere: str = ""
 
 
 class Pages(Protocol):
@@ -74,6 +88,9 @@ class Pages(Protocol):
 
     def post(self, path: str, asked: Mapping[str, Any]) -> Reply | None:
         """An answer to what is to be done; None where nothing is done there."""
+
+    def alone(self, token: str) -> Reply | None:
+        """What stands at an address with a token of its own, which is good for nothing else."""
 
 
 class Refused(Exception):
@@ -105,9 +122,13 @@ class Server(ThreadingHTTPServer):
     """
 
     daemon_threads = True
+    request_queue_size = 128
 
     def __init__(self, pages: Pages, port: int = 0):
         self.pages, self.token = pages, secrets.token_urlsafe(32)
+        self._lock = Lock()
+        self._unknown: dict[socket.socket, None] = {}
+        self._known: set[socket.socket] = set()
         super().__init__((HOME, port), Handler)
 
     @property
@@ -115,8 +136,57 @@ class Server(ThreadingHTTPServer):
         """What a browser is to open."""
         return f"http://{HOME}:{self.server_address[1]}/{self.token}/{self.pages.start}"
 
+    def process_request(self, request: Any, client_address: Any) -> None:
+        """Answer a connection in a thread of its own; the oldest of too many that have not shown the token is cut."""
+        with self._lock:
+            self._unknown[request] = None
+            late = next(iter(self._unknown)) if len(self._unknown) > MOST_UNKNOWN else None
+            if late is not None:
+                del self._unknown[late]
+        if late is not None:
+            with suppress(OSError):  # its thread wakes, and closes it
+                late.shutdown(socket.SHUT_RDWR)
+        super().process_request(request, client_address)
+
+    def shutdown_request(self, request: Any) -> None:
+        """Close a connection."""
+        with self._lock:
+            self._unknown.pop(request, None)
+            self._known.discard(request)
+        super().shutdown_request(request)
+
+    def know(self, request: socket.socket) -> None:
+        """A connection has shown the token.
+
+        Raises
+        ------
+        Refused
+            Too many others are answered now.
+        """
+        with self._lock:
+            self._unknown.pop(request, None)
+            if len(self._known) >= MOST_KNOWN:
+                raise Refused(503, f"{MOST_KNOWN} requests are answered at once; close other pages, or wait a moment")
+            self._known.add(request)
+
     def handle_error(self, request: Any, client_address: Any) -> None:
         """Stay silent about a browser that has gone; `Handler` tells all else."""
+
+
+class _Until(io.RawIOBase):
+    """What a connection sends, up to a moment."""
+
+    def __init__(self, line: socket.socket):
+        self.line, self.end = line, time.monotonic() + HEAD_SECONDS
+
+    def readable(self) -> bool:
+        """It is for reading."""
+        return True
+
+    def readinto(self, buffer: Any) -> int:
+        """As of a file; TimeoutError where the moment has come."""
+        self.line.settimeout(max(self.end - time.monotonic(), 1e-3))
+        return self.line.recv_into(buffer)
 
 
 class Handler(BaseHTTPRequestHandler):
@@ -125,7 +195,13 @@ class Handler(BaseHTTPRequestHandler):
     server: Server
     protocol_version = "HTTP/1.1"
     server_version, sys_version = "lammps-jump", ""
-    timeout = PATIENCE
+
+    def setup(self) -> None:
+        """Read the connection for a while alone, whatever comes of it how slowly."""
+        super().setup()
+        self.rfile.close()
+        self._until = _Until(self.connection)
+        self.rfile = io.BufferedReader(self._until)
 
     def do_GET(self) -> None:
         """Answer a request."""
@@ -141,7 +217,7 @@ class Handler(BaseHTTPRequestHandler):
     def _answer(self, make: Any) -> None:
         self.close_connection = True  # what is sent behind a request is not read, and no line outlives the server
         try:
-            reply = make(*self._asked())
+            reply = self._reply(make)
             if reply is None:
                 raise Refused(404, "there is no such page")
         except Refused as refused:
@@ -152,24 +228,43 @@ class Handler(BaseHTTPRequestHandler):
             log.exception(f"error: {self.command} {self.path.partition('?')[0].rpartition('/')[2]}")
             reply = answer({"refused": f"{BROKEN} ({type(error).__name__}: {reason(error)})"}, 500)
         with suppress(OSError):  # the browser has gone
-            self.send_response(reply.status)
-            headers = {"Content-Type": reply.kind, "Content-Length": str(len(reply.body)), **SAFE}
-            for name, value in {**headers, "Content-Security-Policy": reply.policy}.items():
-                self.send_header(name, value)
-            self.send_header("Connection", "close")
-            self.end_headers()
-            self.wfile.write(reply.body)
+            self._send(reply)
 
-    def _asked(self) -> tuple[str, Mapping[str, str]]:
-        """Path behind the token, and query.
+    def _reply(self, make: Any) -> Reply | None:
+        """The answer to a request that shows the token of the pages, or one that is good for a single answer."""
+        token, path, query = self._asked()
+        if hmac.compare_digest(token.encode(), self.server.token.encode()):
+            self.server.know(self.connection)
+            self._until.end = time.monotonic() + BODY_SECONDS
+            return make(path, query)
+        reply = self.server.pages.alone(token) if make == self._get and not path else None
+        if reply is None:
+            raise Refused(403, "open the address that lammps-jump printed; its random part is missing or wrong")
+        self.server.know(self.connection)
+        return reply
+
+    def _send(self, reply: Reply) -> None:
+        self.connection.settimeout(PATIENCE)
+        self.send_response(reply.status)
+        headers = {"Content-Type": reply.kind, "Content-Length": str(len(reply.body)), **SAFE}
+        headers |= {"Location": reply.elsewhere} if reply.elsewhere else {}
+        for name, value in {**headers, "Content-Security-Policy": reply.policy, "Connection": "close"}.items():
+            self.send_header(name, value)
+        self.end_headers()
+        body = memoryview(reply.body)
+        for start in range(0, len(body), AT_ONCE):  # the patience is that of a piece, however slow the line
+            self.wfile.write(body[start : start + AT_ONCE])
+
+    def _asked(self) -> tuple[str, str, Mapping[str, str]]:
+        """Token, path behind it, and query.
 
         Raises
         ------
         Refused
-            Another host, another page that asks, no token.
+            Another host, another page that asks.
         """
         hosts = self.headers.get_all("Host") or []
-        if len(hosts) != 1 or hosts[0].rpartition(":")[0] not in NAMES:
+        if len(hosts) != 1 or not NAMES.fullmatch(hosts[0]):
             raise Refused(421, "this server is for this machine alone")
         sent = self.headers.get_all("Origin") or []
         if len(sent) > 1 or (sent and sent[0] != f"http://{hosts[0]}"):
@@ -178,13 +273,11 @@ class Handler(BaseHTTPRequestHandler):
             raise Refused(403, "another page asks")
         path, _, query = self.path.partition("?")
         root, token, rest = (*path.split("/", 2), "", "")[:3]
-        if root or not hmac.compare_digest(token.encode(), self.server.token.encode()):
-            raise Refused(403, "open the address that lammps-jump printed; its random part is missing or wrong")
         try:
             given = parse_qs(query[:200], max_num_fields=8)
         except ValueError:
             raise Refused(400, "too many fields") from None
-        return rest, {name: values[-1] for name, values in given.items()}
+        return "" if root else token, rest, {name: values[-1] for name, values in given.items()}
 
     def _get(self, path: str, query: Mapping[str, str]) -> Reply | None:
         return self.server.pages.get(path, query)
@@ -197,7 +290,10 @@ class Handler(BaseHTTPRequestHandler):
         length = self.headers.get("Content-Length", "")
         if not (length.isascii() and length.isdigit() and len(length) < 20 and int(length) <= MOST_ASKED):
             raise Refused(413, f"at most {MOST_ASKED // 1_000_000} MB are taken")
-        body = self.rfile.read(int(length))
+        try:
+            body = self.rfile.read(int(length))
+        except TimeoutError:
+            raise Refused(408, f"the request was not there within {BODY_SECONDS:.0f} s; try again") from None
         with foreign(partial(Refused, 400), "this is no JSON"):
             asked = json.loads(body)
         if not isinstance(asked, dict):

@@ -229,6 +229,10 @@ def test_a_report_is_shown_by_its_own_rules(browser, case):
         until(page, "growing && growing.times.length === 51")
         report = opened(browser, server, "report")
         assert report.run("origin") == "null" and report.run("players.length") == 1
+        told = report.run(
+            "[location.href, document.referrer, opener, name, JSON.stringify(performance.getEntries())].join()"
+        )
+        assert "http://127.0.0.1" in told and server.token not in told
         here = f"http://127.0.0.1:{server.server_address[1]}/{server.token}/file"
         assert report.run(f"fetch({here!r}).then(() => 'sent', () => 'blocked')") == "blocked"
 

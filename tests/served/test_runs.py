@@ -157,13 +157,23 @@ def test_a_report_acts_within_itself(finished, tmp_path):
     shutil.copytree(finished, tmp_path / "run")
     (tmp_path / "run" / "report.html").write_text("<script>fetch('../../save')</script>")
     with serving(tmp_path / "run") as server:
-        _, told, _ = send(server, "GET", f"/{server.token}/run/0/report")
+        status, told, body = send(server, "GET", f"/{server.token}/run/0/report")
+        place = told["Location"]
+        assert status == 303 and not body and server.token not in place
+        assert send(server, "GET", f"/{server.token}/run/0/report")[1]["Location"] == place
+        status, told, body = send(server, "GET", place)
+        assert status == 200 and body == b"<script>fetch('../../save')</script>"
+        # what it reads of its own address is good for nothing else
+        for path in ("file", "run/0/state", "run/0/report", "report", "ask.js"):
+            assert send(server, "GET", place + path)[0] == 403
+        assert send(server, "POST", place, {})[0] == send(server, "POST", place + "run/0/stop", {})[0] == 403
         rules = told["Content-Security-Policy"]
         assert rules.startswith("sandbox allow-scripts") and "allow-same-origin" not in rules
         assert "default-src 'none'" in rules and "connect-src" not in rules
         (tmp_path / "run" / "report.html").unlink()
         (tmp_path / "run" / "report.html").symlink_to("/etc/passwd")
         assert send(server, "GET", f"/{server.token}/run/0/report")[0] == 404
+        assert send(server, "GET", place)[0] == 403
 
 
 def test_runs_of_others_are_neither_stopped_nor_disturbed(finished, tmp_path):

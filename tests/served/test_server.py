@@ -11,6 +11,7 @@ from serving import asked, send, serving
 import lammps_jump.served as served
 from lammps_jump.errors import CaseError
 from lammps_jump.served import case_file, look
+from lammps_jump.served.server import MOST_UNKNOWN
 
 CASE = """\
 # A column before it falls.
@@ -143,10 +144,46 @@ def test_a_defect_of_the_program_is_told_and_logged(server, case, monkeypatch, c
     assert asked(server, "file")["text"] == CASE
 
 
+def test_port_80_is_left_out_by_browsers(server):
+    given = {"Host": "127.0.0.1", "Origin": "http://127.0.0.1"}
+    assert send(server, "GET", f"/{server.token}/file", **given)[0] == 200
+    for host in ("127.0.0.1:", "127.0.0.1:x", "127.0.0.1:80:80", "evil.example", "127.0.0.1.evil.example", "[::1]"):
+        assert send(server, "GET", f"/{server.token}/file", Host=host, Origin=f"http://{host}")[0] == 421
+
+
+def was_cut(line):
+    """Wait for the end of a connection, which brings nothing."""
+    try:
+        return line.recv(10) == b""
+    except ConnectionResetError:
+        return True
+
+
 def test_half_a_request_holds_nobody_up(server):
+    """As many as one likes: the oldest that has not shown the token gives way."""
+    lines = []
+    for _ in range(3 * MOST_UNKNOWN):
+        lines.append(socket.create_connection(server.server_address))
+        lines[-1].sendall(b"GET / HTTP/1.1\r\nX: ")
+    assert asked(server, "file")["text"] == CASE
+    assert was_cut(lines[0]) and len(server._unknown) <= MOST_UNKNOWN
+    for line in lines:
+        line.close()
+
+
+def test_too_many_requests_at_once_are_told_so(server, monkeypatch):
+    monkeypatch.setattr("lammps_jump.served.server.MOST_KNOWN", 0)
+    status, _, data = send(server, "GET", f"/{server.token}/file")
+    assert status == 503 and "requests are answered at once; close other pages" in json.loads(data)["refused"]
+
+
+def test_a_request_that_never_comes_whole_is_told_so(server, monkeypatch):
+    monkeypatch.setattr("lammps_jump.served.server.BODY_SECONDS", 0.0)
+    status, _, data = send(server, "POST", f"/{server.token}/look", b"{", Content_Length="9")
+    assert status == 408 and "the request was not there within 0 s" in json.loads(data)["refused"]
+    monkeypatch.setattr("lammps_jump.served.server.HEAD_SECONDS", 0.0)
     with socket.create_connection(server.server_address) as line:
-        line.sendall(b"POST / HTTP/1.1\r\nHost: ")
-        assert asked(server, "file")["text"] == CASE
+        assert was_cut(line)
 
 
 def test_errors_stand_at_their_lines(server):
