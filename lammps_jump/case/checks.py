@@ -19,7 +19,7 @@ from lammps_jump.scene.schedule import MOST_BINS, MOST_FRAMES, rounding_notes, t
 
 from .fields import CaseFields
 from .groups.discs import Column
-from .packing import disc_count
+from .packing import discs_at_start
 from .parts.inflow import PourInflow, RowsInflow
 
 MOST_STEPS = 2_000_000_000
@@ -58,7 +58,7 @@ def check_size(case: CaseFields, settle_steps: int, steps: int, output_steps: in
             "run.output_interval",
             f"{case.output_interval:zg} s make {frames} frames; allowed are {MOST_FRAMES}: write fewer",
         )
-    discs = sum(disc_count(item, case.discs.diameter, sizes) for item in case.initial)
+    discs = discs_at_start(case, sizes)
     if discs > MOST_DISCS:
         raise FieldError("initial", f"{discs} discs at the start; allowed are {MOST_DISCS}: take larger discs or fewer")
 

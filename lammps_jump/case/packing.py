@@ -74,6 +74,11 @@ def disc_count(item: Column | Lattice | DiscList | EarlierRun, diameter: float, 
     return item.nx * item.ny if isinstance(item, Lattice) else len(item.positions)
 
 
+def discs_at_start(case: CaseFields, sizes: Sizes | None) -> int:
+    """Discs that a case begins with, before any array of them is made; an estimate where columns have sizes."""
+    return sum(disc_count(item, case.discs.diameter, sizes) for item in case.initial)
+
+
 def column_positions(column: Column, discs: Discs, gravity: float, contact: Coefficients) -> np.ndarray:
     """Centres of a column, shape (n, 2), row by row from the bottom.
 

@@ -1,6 +1,10 @@
 "use strict";
 // Questions to the server, and small helpers of all pages.
 
+// Bytes of all that a browser sends for pages that are closed; it has 64 KiB.
+const KEPT = 60000;
+const OWN = document.currentScript.src;
+
 const byId = (name) => document.getElementById(name);
 
 function tellAll(name, detail) {
@@ -18,19 +22,25 @@ function made(tag, attributes = {}, ...parts) {
   return element;
 }
 
-// What the server answers: { ok, status, data }. Where it does not answer, status is 0.
-async function ask(path, sent) {
-  const how = sent === undefined ? {} : {
-    method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(sent),
-    keepalive: JSON.stringify(sent).length < 60000, // also where the page is closed meanwhile
-  };
-  try {
-    const reply = await fetch(path, { cache: "no-store", ...how });
-    const data = reply.headers.get("Content-Type") === "application/json" ? await reply.json() : await reply.arrayBuffer();
-    return { ok: reply.ok, status: reply.status, data };
-  } catch {
-    return { ok: false, status: 0, data: { refused: "the program that serves this page has ended" } };
+const packed = (sent) => new TextEncoder().encode(JSON.stringify(sent));
+
+// What the server answers: { ok, status, data }. Without an answer, status is 0, and `ended` tells whether it is gone.
+// What is `kept` is sent also where the page is closed meanwhile, if it is short enough.
+async function ask(path, sent, kept = false) {
+  const body = sent === undefined ? null : packed(sent);
+  const how = body ? { method: "POST", headers: { "Content-Type": "application/json" }, body } : {};
+  for (const keepalive of kept && body.length < KEPT ? [true, false] : [false]) {
+    try {
+      const reply = await fetch(path, { cache: "no-store", keepalive, ...how });
+      const data = reply.headers.get("Content-Type") === "application/json" ? await reply.json() : await reply.arrayBuffer();
+      return { ok: reply.ok, status: reply.status, data };
+    } catch {
+      // the browser had no room to keep it, or the line was cut
+    }
   }
+  const ended = await fetch(OWN, { cache: "no-store" }).then(() => false, () => true);
+  const refused = ended ? "the program that serves this page has ended" : "the answer was cut off; try again";
+  return { ok: false, status: 0, ended, data: { refused } };
 }
 
 // The page of a run within this one, as high as it is.

@@ -3,28 +3,40 @@
 
 const SAVE_AFTER = 500;
 const LOOK_AGAIN = 1000;
+// A look at a text that is out of date is left after so long.
+const LEAVE_AFTER = 1000;
 // Pixels of a drawing at least; a narrower screen moves over it.
 const LEAST = 480;
 
 const editor = new Editor(), places = new Places(editor);
 const file = { key: null, name: "", saved: null, busy: false, timer: null, conflict: null };
 const open = { notes: false };
-let looking = false, looked = null;
+const looks = { number: 0, since: null, timer: null, page: Math.random().toString(36).slice(2) };
+let looked = null;
 
 // ---- what the text means ----
 
+// Look at the text, and again while it has changed meanwhile. A look that takes long is left for one at a newer text.
 async function look() {
-  if (looking) return;
-  looking = true;
+  clearTimeout(looks.timer);
+  if (looks.since !== null && performance.now() - looks.since < LEAVE_AFTER) {
+    looks.timer = setTimeout(look, LEAVE_AFTER);
+    return;
+  }
+  if (looked === editor.text) return;
+  const number = ++looks.number, { page } = looks;
   while (looked !== editor.text) {
-    const text = looked = editor.text;
-    const { ok, data } = await ask("look", { text, wide: Math.max(LEAST, Math.floor(byId("drawing").clientWidth)) });
-    if (!ok) say(data.refused);
+    const text = looked = editor.text, wide = Math.max(LEAST, Math.floor(byId("drawing").clientWidth));
+    looks.since = performance.now();
+    const { ok, status, data } = await ask("look", { text, wide, page });
+    if (number !== looks.number) return;
+    if (!status) say(data.refused);
+    else if (!ok) wrong({ text: data.refused });
     else if (data.error) wrong(data.error);
     else right(data, text);
     tellAll("drawn", { text });
   }
-  looking = false;
+  looks.since = null;
 }
 
 function wrong({ line, text }) {
@@ -69,9 +81,9 @@ async function save() {
   clearTimeout(file.timer);
   if (file.busy || file.conflict || editor.text === file.saved) return;
   file.busy = true;
-  const text = editor.text, { ok, status, data } = await ask("save", { text, key: file.key });
+  const text = editor.text, { ok, status, data } = await ask("save", { text, key: file.key }, true);
   file.busy = false;
-  if (ok) {
+  if (ok || (status === 409 && data.text === text)) {
     Object.assign(file, { key: data.key, saved: text });
     say("Saved");
   } else if (status === 409) {
@@ -110,8 +122,8 @@ function settle(keep) {
 
 // See whether another program, or another page, has changed the file.
 async function watch() {
-  const { ok, data } = await ask(`file?key=${file.key || ""}`);
-  if (!ok) return say(data.refused.startsWith("the program") ?
+  const { ok, ended, data } = await ask(`file?key=${file.key || ""}`);
+  if (!ok) return say(ended ?
     "The program that serves this page has ended. What is not saved stays here as long as the page is open." : data.refused);
   offerRun(data.run);
   file.largest = data.largest;
@@ -148,6 +160,10 @@ async function go() {
 document.addEventListener("text", () => { look(); later(); });
 document.addEventListener("dropped", save);
 document.addEventListener("visibilitychange", () => document.hidden && save());
+addEventListener("beforeunload", (event) => {
+  const lost = file.conflict || packed({ text: editor.text, key: file.key }).length >= KEPT;
+  if (lost && file.saved !== null && editor.text !== file.saved) event.preventDefault();
+});
 document.addEventListener("keydown", (event) => {
   const command = event.ctrlKey || event.metaKey;
   if (command && event.key === "s") { event.preventDefault(); save(); }

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 from lammps_jump import drawings, engines, runs
 from lammps_jump.analysis.draw.sketch import svg
 from lammps_jump.case.case import ReadCase
+from lammps_jump.case.packing import disc_sizes, discs_at_start
 from lammps_jump.errors import CaseError, JumpError
 from lammps_jump.files import plain
 from lammps_jump.units import shown
@@ -22,6 +23,8 @@ from .places import Places
 
 NARROWEST, WIDEST = 240, 2000
 """Pixels of a drawing."""
+MOST_DISCS = 1_000_000
+"""Discs of a case that a page draws; a few seconds."""
 MOST_DRAWN = 12_000_000
 """Bytes of a drawing that a page sends: with a text of a case beside it, it fits into a request."""
 
@@ -41,6 +44,11 @@ def look(text: str, file: Path, wide: int) -> dict[str, Any]:
     """
     try:
         case = ReadCase.parse(text, str(file), folder=file.parent)
+        many = discs_at_start(case.fields, disc_sizes(case.fields))
+        if many > MOST_DISCS:
+            raise CaseError(
+                f"{file}: {many} discs at the start; this page draws up to {MOST_DISCS}, and `lammps-jump preview` more"
+            )
         resolved, chosen = engines.accuracy.with_accuracy(case)
         found = resolved.check()
         widest = min(max(wide, NARROWEST), WIDEST) - svg.LEFT - svg.RIGHT

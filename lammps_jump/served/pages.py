@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from base64 import b64decode
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
-from threading import Lock
 from typing import Any
 
 from lammps_jump.case.case import ReadCase
@@ -15,6 +15,7 @@ from lammps_jump.folders import read_marker
 from lammps_jump.runs.folder import default_folder, require_case
 
 from .assets import HERE, asset, html
+from .bounded import Bounded, OutOfDate, PageWork
 from .case_file import CaseFile
 from .children import Children, ServedChild, as_typed
 from .look import MOST_DRAWN, DroppedFile, look, with_drawing
@@ -22,6 +23,10 @@ from .run_pages import RunPages
 from .server import Pages, Refused, Reply, answer
 from .study import StudyView
 
+LOOK_SECONDS, DRAWING_SECONDS = 20.0, 60.0
+"""Seconds after which a look at a text, or a drawing that was dropped, is left."""
+MOST_NAME = 40
+"""Letters of the name of a page."""
 MOST_RUNS = 1000
 """Folders of runs of one case that are looked at for one that is free."""
 SEVERAL = (
@@ -106,7 +111,7 @@ class CasePages(Opened):
     def __init__(self, path: Path):
         super().__init__()
         self.file = CaseFile(path)
-        self._looking = Lock()  # one look at a time is soonest done
+        self._bounded = Bounded()
         self._read: tuple[str | None, ReadCase] = None, None  # type: ignore[assignment]
         self._started: dict[Path, dict[str, Any]] = {}
 
@@ -124,8 +129,7 @@ class CasePages(Opened):
     def post(self, path: str, asked: Mapping[str, Any]) -> Reply | None:
         """Look at a text, add the walls of a drawing to it, save it, or run what is saved."""
         if path == "look":
-            with self._looking:
-                return answer(look(text_of(asked, "text"), self.file.shown, number_of(asked, "wide")))
+            return self._look(asked)
         if path == "drawing":
             return self._drawing(asked)
         if path == "save":
@@ -137,6 +141,21 @@ class CasePages(Opened):
             return self._run(text_of(asked, "key"))
         return super().post(path, asked)
 
+    def close(self) -> list[ServedChild]:
+        """Leave what is looked at, and end the runs; see `Opened.close`."""
+        self._bounded.close()
+        return super().close()
+
+    def _look(self, asked: Mapping[str, Any]) -> Reply:
+        """What a text means; a look at an older text of the same page is left."""
+        text, wide, page = text_of(asked, "text"), number_of(asked, "wide"), str(asked.get("page", ""))[:MOST_NAME]
+        file = self.file.shown.absolute()  # the process that looks may stand elsewhere
+        remedy = f"`{as_typed('check', self.file.shown)}` has no such limit"
+        try:
+            return answer(self._bounded.run(PageWork(partial(look, text, file, wide), LOOK_SECONDS, remedy, page)))
+        except OutOfDate:
+            return answer({"refused": "a newer text has come", "left": True}, 409)
+
     def _drawing(self, asked: Mapping[str, Any]) -> Reply:
         """The text of a page with the walls of a drawing, and the command that does the same; nothing is written."""
         text, name, scale = (text_of(asked, part) for part in ("text", "name", "scale"))
@@ -144,8 +163,12 @@ class CasePages(Opened):
             data = b64decode(text_of(asked, "data"), validate=True)
         except ValueError:
             raise Refused(400, "data is not in base64") from None
+        dropped = DroppedFile(Path(name).name, data, scale.strip() or None)
+        remedy = f"`{as_typed('import', name, '--into', self.file.shown)}` has no such limit"
         try:
-            found = with_drawing(text, self.file.shown, DroppedFile(Path(name).name, data, scale.strip() or None))
+            found = self._bounded.run(
+                PageWork(partial(with_drawing, text, self.file.shown.absolute(), dropped), DRAWING_SECONDS, remedy)
+            )
         except ScaleError as error:
             return answer({"refused": str(error), "scale": True}, 422)
         given = ["--scale", scale.strip()] if scale.strip() else []

@@ -11,6 +11,7 @@ from chromium import PROGRAM, Address, Page, chromium
 from made_up import INPUTS, STUDY
 from serving import serving
 
+from lammps_jump import served
 from lammps_jump.sweeps import Sweep, held_study, prepare, read_study
 
 pytestmark = [pytest.mark.browser, pytest.mark.skipif(not PROGRAM, reason="Chromium is not installed")]
@@ -279,6 +280,42 @@ def test_a_wrong_address_shows_nothing(browser, case):
         command = f"fetch('http://localhost:{port}/{server.token}/file').then(() => 'sent', () => 'blocked')"
         page = opened(browser, server)
         assert page.run(command) == "blocked"
+
+
+@pytest.mark.parametrize("letters", [46_000, 300_000])
+def test_a_long_text_of_other_letters_is_saved(browser, case, letters):
+    """A browser keeps 64 KiB of what pages send that are closed; bytes, not letters."""
+    with serving(case) as server:
+        page = opened(browser, server)
+        drawn(page)
+        page.run(f"editor.replace(editor.text + '# ' + '\u0436'.repeat({letters}) + '\\n'), 0")
+        saved(page, case, "\u0436" * letters)
+        assert troubles(page, server) == []
+
+
+def test_a_look_that_is_out_of_date_is_left(browser, case):
+    """A million discs of several sizes take half a minute; the page draws what is typed next."""
+    with serving(case) as server:
+        page = opened(browser, server)
+        drawn(page)
+        typed(page, "{diameter: 0.2}", "{diameter: 0.00102, sizes: {kind: uniform, spread: 0.2}}")
+        while server.pages._bounded._at_work is None:
+            pass
+        typed(page, "{diameter: 0.00102, sizes: {kind: uniform, spread: 0.2}}", "{diameter: 0.25}")
+        until(page, "places.text === editor.text && !byId('error').textContent && looks.since === null")
+        assert page.run("looks.number") > 1 and [one for one in troubles(page, server) if "409" not in one] == []
+
+
+def test_a_line_that_is_cut_is_no_end_of_the_program(browser, case, monkeypatch):
+    real = served.server.Handler._send
+    with serving(case) as server:
+        page = opened(browser, server)
+        drawn(page)
+        monkeypatch.setattr(
+            served.server.Handler, "_send", lambda self, reply: None if b'"key"' in reply.body else real(self, reply)
+        )
+        until(page, "byId('state').textContent.includes('cut off')")
+        assert "ended" not in page.run("document.body.innerText")
 
 
 def test_the_server_ends_and_the_text_stays(browser, case):

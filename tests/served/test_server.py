@@ -198,6 +198,19 @@ def test_errors_stand_at_their_lines(server):
     assert error(CASE, "")[0] is None
 
 
+def test_more_discs_than_a_page_draws_are_counted_alone(server):
+    """A diameter that is half typed: the case is not laid out, and the page answers."""
+    found = asked(server, "look", {"text": CASE.replace("20 cm", "0.0003"), "wide": 700})
+    assert "11108889 discs at the start; this page draws up to 1000000" in found["error"]["text"]
+    assert found["error"]["line"] is None
+
+
+def test_a_look_that_takes_too_long_is_left(server, monkeypatch):
+    monkeypatch.setattr("lammps_jump.served.pages.LOOK_SECONDS", 0.0)
+    status, _, data = send(server, "POST", f"/{server.token}/look", {"text": CASE, "wide": 700})
+    assert status == 422 and "this took longer than 0 s and was left; `lammps-jump check" in json.loads(data)["refused"]
+
+
 def test_what_a_text_means(server, case):
     found = asked(server, "look", {"text": CASE, "wide": 700})
     assert found["name"] == "small" and found["drawing"].startswith("<svg ")
@@ -259,7 +272,7 @@ def test_a_drawing_without_a_unit_is_asked_for_it(server):
     assert status == 200 and "2, " in found["text"] and "--scale cm --into" in found["command"]
 
 
-def test_what_is_no_drawing_is_refused_in_a_sentence(server, monkeypatch):
+def test_what_is_no_drawing_is_refused_in_a_sentence(server, case, monkeypatch):
     for name, text, told in [
         ("photo.svg", CASE, "photo.svg"),
         ("notes.docx", CASE, "drawings that are read end in .dxf"),
@@ -269,8 +282,8 @@ def test_what_is_no_drawing_is_refused_in_a_sentence(server, monkeypatch):
         status, found = drop(server, name, text)
         assert status == 422 and told in found["refused"] and "scale" not in found
     monkeypatch.setattr(look, "MOST_DRAWN", 10)
-    status, found = drop(server, "bed.csv")
-    assert status == 422 and "the page takes up to" in found["refused"]
+    with pytest.raises(CaseError, match=r"the page takes up to 1e-05 MB, and `lammps-jump import bed.csv --into"):
+        look.with_drawing(CASE, case, look.DroppedFile("bed.csv", DRAWN["bed.csv"], None))
 
 
 def test_a_case_of_several_starts_tells_why_it_has_no_button(server, case):
