@@ -94,9 +94,9 @@ class Bounded:
                 raise OutOfDate
             worker = _ready()
             self._at_work = work.page, worker
-        worker.start(0, partial(_within, work.call, work.remedy), work.seconds)
         outcome = CallOutcome("hang", None)
         try:
+            worker.start(0, partial(_within, work.call, work.remedy), work.seconds)
             if wait([worker.pipe], work.seconds):
                 outcome = CallOutcome(*worker.pipe.recv())
         except (EOFError, OSError):

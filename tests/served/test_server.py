@@ -137,7 +137,7 @@ def test_a_defect_of_the_program_is_told_and_logged(server, case, monkeypatch, c
     def broken(*_):
         raise ZeroDivisionError("a secret of the program")
 
-    monkeypatch.setattr("lammps_jump.served.pages.look", broken)
+    monkeypatch.setattr("lammps_jump.served.pages.number_of", broken)
     status, _, data = send(server, "POST", f"/{server.token}/look", {"text": CASE, "wide": 700})
     assert status == 500 and "defect of lammps-jump" in json.loads(data)["refused"]
     assert "ZeroDivisionError" in caplog.text and "in broken" in caplog.text and server.token not in caplog.text
