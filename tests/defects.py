@@ -76,10 +76,11 @@ RULE_TESTS = f"scene/test_faces.py {TWIN_TESTS}"
 MOVING_PLUGIN_TESTS = "contacts/test_moving_forms.py integration/test_compiled_moving_walls.py integration/test_lids.py"
 
 DEFECTS = [
-    Defect("factor", CONTACT, "return density * diameter**2", "return density * diameter**2 * 0.7854", "physics"),
+    Defect("factor", CONTACT, "return density * (diameter * diameter)", "return density * (diameter * diameter) * 0.78",
+           "physics"),
     Defect("factor", CONTACT, "return 2.0 * damping_ratio(restitution) *", "return damping_ratio(restitution) *",
            "physics"),
-    Defect("sign", CONTACT, "2.0 * (sqrt(1.0 + xi**2) - xi)\n", "2.0 * (sqrt(1.0 + xi**2) + xi)\n", "physics"),
+    Defect("sign", CONTACT, "2.0 * (sqrt(1.0 + xi * xi) - xi)\n", "2.0 * (sqrt(1.0 + xi * xi) + xi)\n", "physics"),
     Defect("power", JUMP, "1.0 + 8.0 * froude_1**2) - 1.0", "1.0 + 8.0 * froude_1) - 1.0", "physics"),
     Defect("sign", LAW, "return -bound * min(max(slip", "return bound * min(max(slip", "physics/test_law.py"),
     Defect("factor", LAW, "+ touch * touch / 3.0)", "+ touch * touch / 2.0)", "physics/test_law.py"),

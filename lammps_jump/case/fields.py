@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from math import cos, radians, sin, sqrt
+from math import radians, sqrt
 from operator import itemgetter
 from typing import Annotated, Any, Literal
 
@@ -11,6 +11,7 @@ from pydantic import BeforeValidator, ConfigDict, Field
 from pydantic.functional_validators import field_validator, model_validator
 
 from lammps_jump import units
+from lammps_jump.physics.elementary import cos, sin
 from lammps_jump.quoting import LONGEST, one_line
 from lammps_jump.scene.walls import KINDS
 

@@ -94,12 +94,12 @@ def section_of_polygon(corners: np.ndarray) -> BodySection:
 
 def section_of_circle(centre: tuple[float, float], radius: float) -> BodySection:
     """The same of a circle: pi r^2 and pi r^4/2."""
-    return BodySection(pi * radius**2, centre, 0.5 * pi * radius**4)
+    return BodySection(pi * radius * radius, centre, 0.5 * pi * (radius * radius) * (radius * radius))
 
 
 def about_point(mass: float, inertia: float, distance: float) -> float:
     """Moment of inertia about a point at a distance (m) from the centre of mass, kg m: I + M r^2 (Steiner)."""
-    return inertia + mass * distance**2
+    return inertia + mass * distance * distance
 
 
 def effective_mass(*inverse: float) -> float:

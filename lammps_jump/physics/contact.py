@@ -9,23 +9,25 @@ sqrt(k/m_eff), xi damping ratio, h = omega dt, f = dt / (2/omega of a pair).
 # ruff: noqa: RUF001  (Greek letters are meant for readers)
 from __future__ import annotations
 
-from cmath import phase
 from dataclasses import dataclass
 from functools import cached_property
-from math import acos, asin, atan2, exp, log, nan, pi, sqrt
+from math import nan, pi, sqrt
 from typing import NamedTuple
 
 from lammps_jump.units import number
 
+from .elementary import acos, asin, atan2, exp, log
+
 
 def disc_mass(density: float, diameter: float) -> float:
     """Mass of a disc per metre of width, kg: m = rho d^2 (thesis 3.3; the energy box's 5760 J confirms it)."""
-    return density * diameter**2
+    return density * (diameter * diameter)
 
 
 def stiffness(density: float, largest_overlap: float, impact_speed: float) -> float:
     """Normal stiffness, N/m: k = rho n^2 v0^2, 1/n the largest overlap at the speed v0 over d (thesis 3.20)."""
-    return density * (1.0 / largest_overlap) ** 2 * impact_speed**2
+    n = 1.0 / largest_overlap
+    return density * (n * n) * (impact_speed * impact_speed)
 
 
 def material_stiffness(young: float, poisson: float) -> float:
@@ -40,18 +42,18 @@ def material_stiffness(young: float, poisson: float) -> float:
         E, Pa.
     poisson : float
     """
-    return pi * young / (8.0 * (1.0 - poisson**2))
+    return pi * young / (8.0 * (1.0 - poisson * poisson))
 
 
 def damping_ratio(restitution: float) -> float:
     """Share of critical damping xi = ln(1/e) / sqrt(pi^2 + ln^2(1/e)) (thesis 3.21)."""
     loss = log(1.0 / restitution)
-    return loss / sqrt(pi**2 + loss**2)
+    return loss / sqrt(pi * pi + loss * loss)
 
 
 def restitution_of(ratio: float) -> float:
     """Restitution coefficient of a damping ratio xi < 1: e = exp(-pi xi / sqrt(1 - xi^2)) (thesis 3.21, inverted)."""
-    return exp(-pi * ratio / sqrt(1.0 - ratio**2))
+    return exp(-pi * ratio / sqrt(1.0 - ratio * ratio))
 
 
 def damping(restitution: float, stiffness: float, effective_mass: float) -> float:
@@ -77,7 +79,7 @@ def contact_duration(restitution: float, omega: float) -> float:
 def largest_overlap(speed: float, restitution: float, omega: float) -> float:
     """Largest overlap of one collision, m: (v/omega) exp(-(xi/s) atan2(s, xi)), s = sqrt(1 - xi^2) (exact)."""
     xi = damping_ratio(restitution)
-    s = sqrt(1.0 - xi**2)
+    s = sqrt(1.0 - xi * xi)
     return speed / omega * exp(-xi / s * atan2(s, xi))
 
 
@@ -101,7 +103,7 @@ def peak_force(speed: float, xi: float, omega: float, effective_mass: float) -> 
     """
     if xi >= 0.5:
         return 2.0 * xi * effective_mass * omega * speed
-    s = sqrt(1.0 - xi**2)
+    s = sqrt(1.0 - xi * xi)
     return effective_mass * omega * speed * exp(-xi / s * (pi / 2 - 3.0 * asin(xi)))
 
 
@@ -122,7 +124,7 @@ def lagged_restitution(xi: float, h: float) -> float:
     if xi == 0.0:
         return 1.0
     decay = 1.0 - 2.0 * xi * h
-    cosine = (2.0 - h**2 - 2.0 * xi * h) / (2.0 * sqrt(decay)) if decay > 0 else -1.0
+    cosine = (2.0 - h * h - 2.0 * xi * h) / (2.0 * sqrt(decay)) if decay > 0 else -1.0
     if decay <= 0 or abs(cosine) >= 1.0:
         return 0.0  # over-damped in discrete time: the disc does not leave
     return exp(pi / (2.0 * acos(cosine)) * log(decay))
@@ -144,13 +146,18 @@ def extrapolated_restitution(xi: float, h: float) -> float:
     """
     if xi == 0.0:
         return 1.0
-    from numpy import roots  # 0.1 s, which closed forms do without
-
-    found = roots([1.0, h**2 - 2.0 + 3.0 * xi * h, 1.0 - 4.0 * xi * h, xi * h])
-    pair = max(found.tolist(), key=lambda root: root.imag)
-    if not pair.imag:
+    a, b, c = h * h - 2.0 + 3.0 * xi * h, 1.0 - 4.0 * xi * h, xi * h
+    low, high = -1.0, 0.0  # the cubic is below 0 at -1 where the step is stable, and above 0 at 0
+    while low < (middle := 0.5 * (low + high)) < high:
+        if ((middle + a) * middle + b) * middle + c < 0.0:
+            low = middle
+        else:
+            high = middle
+    square = -c / high  # of the pair's modulus
+    cosine = -0.5 * (a + high) / sqrt(square)
+    if abs(cosine) >= 1.0:
         return 0.0  # over-damped in discrete time: the disc does not leave
-    return exp(pi / phase(pair) * log(abs(pair)))
+    return exp(pi / (2.0 * acos(cosine)) * log(square))
 
 
 def lagged_correction(restitution: float, h: float) -> float:
@@ -173,12 +180,12 @@ def lagged_correction(restitution: float, h: float) -> float:
 
 def lagged_stable_h(xi: float) -> float:
     """Largest stable omega dt with the lagged dashpot: h_c = 2 (sqrt(1 + xi^2) - xi) (Belytschko's estimate)."""
-    return 2.0 * (sqrt(1.0 + xi**2) - xi)
+    return 2.0 * (sqrt(1.0 + xi * xi) - xi)
 
 
 def extrapolated_stable_h(xi: float) -> float:
     """Largest stable omega dt of the thesis' scheme (3.7-3.9): h_c = 2 (sqrt(1 + 4 xi^2) - 2 xi) (derived)."""
-    return 2.0 * (sqrt(1.0 + 4.0 * xi**2) - 2.0 * xi)
+    return 2.0 * (sqrt(1.0 + 4.0 * xi * xi) - 2.0 * xi)
 
 
 PACKING_FREQUENCY = {"pair": 1.0, "square": sqrt(2.0), "hexagonal": sqrt(3.0)}
@@ -446,7 +453,7 @@ def own_stable_fraction(coefficients: Coefficients, law: WallLaw, smallest: floa
     return wall_stable_fraction(
         c.stiffness,
         law.stiffness,
-        c.mass * smallest**2,
+        c.mass * smallest * smallest,
         c.correction * c.damping * smallest,
         law.gamma_normal * c.mass * smallest,
         integrator,

@@ -18,6 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .elementary import power
 from .inlet import LEAST_GAP, REFUSAL_GAP, row_count
 
 TRAVEL = 10.0
@@ -144,7 +145,7 @@ def entries_of_rows(
     rows = np.array([row_count(h, mean_square, largest, least_gap) if h > 0 else 0 for h in middle])
     carried = graph.integrals(ends)[1]
     most = int(rows.max(initial=0))
-    shape = (np.arange(most) + 0.5) ** (1.0 / 7.0 if profile == "power_law" else 0.0)
+    shape = np.array([power(i + 0.5, 1.0 / 7.0 if profile == "power_law" else 0.0) for i in range(most)])
     whole = np.append(np.inf, np.cumsum(shape))  # no row carries anything where there are none
     found = []
     for row in range(most):

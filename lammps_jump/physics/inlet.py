@@ -13,6 +13,8 @@ from math import ceil, floor
 
 import numpy as np
 
+from .elementary import power
+
 LEAST_GAP = 1.10
 """Least distance of followers in a row, in largest diameters."""
 REFUSAL_GAP = 1.05
@@ -84,7 +86,7 @@ def row_speeds(rows: int, mean_speed: float, profile: str = "power_law") -> tupl
     if profile not in ("power_law", "uniform"):
         raise ValueError(f"row_speeds: unknown profile {profile!r}; use 'power_law' or 'uniform'")
     exponent = 1.0 / 7.0 if profile == "power_law" else 0.0
-    shares = [((i + 0.5) / rows) ** exponent for i in range(rows)]
+    shares = [power((i + 0.5) / rows, exponent) for i in range(rows)]
     return tuple(mean_speed * rows * share / sum(shares) for share in shares)
 
 
@@ -150,10 +152,10 @@ def thesis_rows(
     """
     heights = tuple((i + 0.5) * diameter for i in range(floor(depth / diameter + 1e-9)))  # 0.6 / 0.2 is below 3
     speeds = tuple(
-        mean_speed * (8.0 / 7.0 * (y / depth) ** (1.0 / 7.0) if profile == "power_law" else 1.0) for y in heights
+        mean_speed * (8.0 / 7.0 * power(y / depth, 1.0 / 7.0) if profile == "power_law" else 1.0) for y in heights
     )
     steps = tuple(max(1, ceil(THESIS_GAP * diameter / (speed * time_step) - 1e-9)) for speed in speeds)
-    return RowPlan(heights, speeds, steps, 1, sum(diameter**2 / (n * time_step) for n in steps))
+    return RowPlan(heights, speeds, steps, 1, sum(diameter * diameter / (n * time_step) for n in steps))
 
 
 def plan_rows(

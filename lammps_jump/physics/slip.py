@@ -3,10 +3,11 @@
 
 from __future__ import annotations
 
-from math import asin, pi, sqrt
+from math import pi, sqrt
 from typing import NamedTuple
 
 from .contact import Coefficients, lagged_stable_h, peak_force
+from .elementary import asin
 
 SLIP_MODES = {False: 3.0, True: 12.0}
 """Fastest decay of slip in a hexagonal packing over gamma_t, without and with spin (a pair: 1 and 3; derived)."""

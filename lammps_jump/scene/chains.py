@@ -9,13 +9,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
-from math import asin, atan2, ceil, cos, hypot, inf, pi, radians, sin, sqrt
+from math import ceil, inf, pi, radians, sqrt
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from lammps_jump.core.columns import FaceKind, Joint
+from lammps_jump.physics.elementary import asin, atan2, cos, hypot, sin
 
 Point = tuple[float, float]
 

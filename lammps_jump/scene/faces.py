@@ -13,9 +13,11 @@ Plain loops, which the twin calls. The core and the plugin hold their own copies
 
 from __future__ import annotations
 
-from math import atan2, floor, inf, pi, sqrt
+from math import floor, inf, pi, sqrt
 
 import numpy as np
+
+from lammps_jump.physics.elementary import atan2
 
 from .chains import (
     AFTER,

@@ -6,13 +6,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import cos, inf, pi, sin
+from math import inf, pi
 from typing import NamedTuple
 
 import numpy as np
 
 from lammps_jump.errors import FieldError
 from lammps_jump.physics.devices import Holding
+from lammps_jump.physics.elementary import cos, sin
 
 from .bodies.free import Free
 from .chains import Chain, Faces, moved
@@ -222,12 +223,12 @@ def way(one: MovingWall, begin: float, end: float) -> tuple[Interval, Interval]:
         return (x0 + float(low[0]), x1 + float(high[0])), (y0 + float(low[1]), y1 + float(high[1]))
     corners = np.concatenate(wall.outline(*wall.extent)) - motion.about
     if high[2] - low[2] >= 2 * pi:
-        far = np.hypot(*corners.T).max()
-        x, y = ([at + a - far, at + b + far] for at, a, b in zip(motion.about, low, high, strict=False))
-    else:
-        c, s = np.cos(places[:, 2:]), np.sin(places[:, 2:])
-        x = motion.about[0] + places[:, :1] + c * corners[:, 0] - s * corners[:, 1]
-        y = motion.about[1] + places[:, 1:2] + s * corners[:, 0] + c * corners[:, 1]
+        far = float(np.hypot(*corners.T).max())
+        ends = [(at + float(a) - far, at + float(b) + far) for at, a, b in zip(motion.about, low, high, strict=False)]
+        return ends[0], ends[1]
+    c, s = (np.array([[of(turn)] for turn in places[:, 2].tolist()]) for of in (cos, sin))
+    x = motion.about[0] + places[:, :1] + c * corners[:, 0] - s * corners[:, 1]
+    y = motion.about[1] + places[:, 1:2] + s * corners[:, 0] + c * corners[:, 1]
     return (float(np.min(x)), float(np.max(x))), (float(np.min(y)), float(np.max(y)))
 
 

@@ -188,7 +188,7 @@ class Measures:
     @property
     def mean_square(self) -> float:
         """Mean squared diameter by number, m^2: the area that a disc stands for."""
-        return self.sizes.mean_square if self.sizes else self.diameter**2
+        return self.sizes.mean_square if self.sizes else self.diameter * self.diameter
 
     def diameters(self, ids: ArrayLike) -> np.ndarray:
         """Diameter of each id, m; shape of `ids`."""

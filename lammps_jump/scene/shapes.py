@@ -6,12 +6,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import asin, atan2, hypot, pi, radians, sin, sqrt
+from math import pi, radians, sqrt
 from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 from pydantic import AfterValidator, ConfigDict, Discriminator, Field, Tag
 
+from lammps_jump.physics.elementary import asin, atan2, hypot, sin
 from lammps_jump.units import Metre
 from lammps_jump.units import Point as GivenPoint
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from itertools import pairwise
-from math import cos, inf, isinf, pi, radians, sin
+from math import inf, isinf, pi, radians
 from typing import Annotated, ClassVar, Literal, NamedTuple, TypeVar
 
 import numpy as np
@@ -20,6 +20,7 @@ from pydantic import ConfigDict, Discriminator, Field, Tag
 
 from lammps_jump import units
 from lammps_jump.core.columns import TrackRowColumns
+from lammps_jump.physics.elementary import cos, sin
 
 Turn = Annotated[units.Degree, Field(ge=-1e6, le=1e6)]
 Force = Annotated[units.NewtonPerMetre, Field(ge=-1e15, le=1e15)]

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields
 from functools import cached_property
-from math import cos, inf, radians, sin
+from math import inf, radians
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 
 from lammps_jump import units
+from lammps_jump.physics.elementary import cos, sin
 from lammps_jump.quoting import LONGEST_NAME
 
 from .chains import Chain, Faces, Point, bed_over, boxes, circle, distance, grounds, lay, outline

@@ -7,6 +7,7 @@
 #ifndef JUMP_CORE_FACES_H
 #define JUMP_CORE_FACES_H
 
+#include "contact/elementary.h"
 #include "contact/scalar_ops.h"
 
 #include <cstdint>
@@ -93,7 +94,7 @@ inline double foot_of(const Face &f, double px, double py)
   if (f.kind == SEGMENT) return f.arc_length + f.tx0 * (px - f.x0) + f.ty0 * (py - f.y0);
   const double dx = px - f.cx, dy = py - f.cy;
   const double out = f.radius > 0.0 ? f.ty0 * dx - f.tx0 * dy : f.tx0 * dy - f.ty0 * dx;    // along the radius at the start
-  return f.arc_length + std::fabs(f.radius) * std::atan2(f.tx0 * dx + f.ty0 * dy, out);
+  return f.arc_length + std::fabs(f.radius) * arctangent(f.tx0 * dx + f.ty0 * dy, out);
 }
 
 /** Faces of a wall, and the rule that says which of them push; `deep`: each face on its own, from any depth. */
@@ -207,7 +208,7 @@ struct WallFaces {
       tx = f.tx1;
       ty = f.ty1;
     }
-    double angle = std::atan2(tx * -c.nx - ty * c.ny, tx * c.ny - ty * c.nx);
+    double angle = arctangent(tx * -c.nx - ty * c.ny, tx * c.ny - ty * c.nx);
     if (c.place == END && f.at_end == CONVEX && angle > 0.5 * PI) angle -= 2.0 * PI;
     return phi + angle;
   }

@@ -6,6 +6,7 @@
 #ifndef JUMP_CORE_MOTION_H
 #define JUMP_CORE_MOTION_H
 
+#include "contact/elementary.h"
 #include "contact/scalar_ops.h"
 
 #include <cstdint>
@@ -82,7 +83,7 @@ struct Load {
   {
     if (axis < 2) return force[axis];
     if (arm[0] == 0.0 && arm[1] == 0.0) return 0.0;
-    const double c = std::cos(angle), s = std::sin(angle);
+    const double c = cosine(angle), s = sine(angle);
     return (c * arm[0] - s * arm[1]) * force[1] - (s * arm[0] + c * arm[1]) * force[0];
   }
 };
@@ -135,7 +136,7 @@ inline Pose pose_at(const TrackRow *track, int64_t rows, double time)
   }
   double *const parts[] = {&found.x, &found.y, &found.angle};
   for (int k = 0; k < 3; k++)
-    if (t.rate[k] != 0.0) *parts[k] += std::sin(t.rate[k] * since + t.phase[k]) * t.wave[k];
+    if (t.rate[k] != 0.0) *parts[k] += sine(t.rate[k] * since + t.phase[k]) * t.wave[k];
   return found;
 }
 
@@ -147,8 +148,8 @@ inline void follow(Placed &wall, const TrackRow *track, int64_t rows, double tim
   wall.rate = {(wall.now.x - before.x) / dt, (wall.now.y - before.y) / dt, (wall.now.angle - before.angle) / dt};
   wall.centred = {0.5 * (behind.x - before.x) / dt, 0.5 * (behind.y - before.y) / dt,
                   0.5 * (behind.angle - before.angle) / dt};
-  wall.c = std::cos(wall.now.angle);
-  wall.s = std::sin(wall.now.angle);
+  wall.c = cosine(wall.now.angle);
+  wall.s = sine(wall.now.angle);
 }
 
 /** Kick and drift of a wall that is pushed to a step, as of a disc; the first kick is half a step long. */
@@ -172,8 +173,8 @@ inline void follow(Placed &wall, Pushed &pushed, const Load &load, const Clock &
   const double time = clock.time(step);
   pushed.phase = time > load.begin ? HAS_MOVED : time < load.begin ? IS_HELD : IS_RELEASED;
   wall.now = {pushed.place[0], pushed.place[1], pushed.place[2]};
-  wall.c = std::cos(wall.now.angle);
-  wall.s = std::sin(wall.now.angle);
+  wall.c = cosine(wall.now.angle);
+  wall.s = sine(wall.now.angle);
   double rate[3];
   for (int axis = 0; axis < 3; axis++) {
     rate[axis] = pushed.phase == IS_HELD ? 0.0 : pushed.speed[axis];

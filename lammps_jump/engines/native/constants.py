@@ -46,7 +46,7 @@ def constants_of(scene: Scene, skin: float) -> Constants:
 
 def motion_of(scene: Scene, skin: float) -> StepConstants:
     """Constants of the motion, with a neighbour list of this skin (m)."""
-    square = 1.0 if scene.sizes is None else scene.radius**2
+    square = 1.0 if scene.sizes is None else scene.radius * scene.radius
     mass = scene.mass / square
     weight = mass * scene.gravity[0], mass * scene.gravity[1]
     return StepConstants(scene.time_step, mass, inertia(scene) / square**2, *weight, (0.5 * skin) ** 2)

@@ -190,7 +190,11 @@ class Tailgates:
     def move(self, step: int, discs: DiscArrays, walls: Walls) -> None:
         """Let the gates whose turn it is look at the discs that move, and give them their speeds."""
         n, poses, found = discs.n, walls.poses(), {}
-        area = np.full(n, self.scene.diameter**2) if discs.radius is None else 4.0 * discs.radius[:n] ** 2
+        area = (
+            np.full(n, self.scene.diameter * self.scene.diameter)
+            if discs.radius is None
+            else 4.0 * discs.radius[:n] ** 2
+        )
         if discs.fixed is not None:
             area[discs.fixed[:n] != 0] = 0.0
         for name, holding in self.holdings.items():

@@ -34,7 +34,7 @@ class EnergyNow:
 
 def inertia(scene: Scene) -> float:
     """Moment of inertia of a nominal disc, kg m^2 per m of width: m R^2 / 2."""
-    return scene.coefficients.inertia * scene.radius**2
+    return scene.coefficients.inertia * (scene.radius * scene.radius)
 
 
 def shares(scene: Scene, radius: np.ndarray | None) -> Numbers:

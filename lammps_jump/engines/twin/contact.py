@@ -7,7 +7,7 @@ Every sum of the twin takes its contacts from here.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import cos, nan, sin, sqrt
+from math import nan, sqrt
 from typing import NamedTuple, TypeGuard
 
 import numpy as np
@@ -15,6 +15,7 @@ import numpy as np
 from lammps_jump.core.columns import PlacedColumns, StepClockColumns, WallMotion
 from lammps_jump.core.law import LawNumbers
 from lammps_jump.engines.native.arrays import ContactVelocities, Memory, Moves, State
+from lammps_jump.physics.elementary import cos, sin
 from lammps_jump.physics.law import Pair, contact_force, pressing, slider
 from lammps_jump.physics.slots import FULL, held, slot_of
 from lammps_jump.scene.faces import foot_at, touching

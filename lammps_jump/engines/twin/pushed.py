@@ -4,12 +4,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import cos, sin
 
 import numpy as np
 
 from lammps_jump.core.columns import LoadColumns, Phase, PlacedColumns, PushedColumns, StepClockColumns, WallMotion
 from lammps_jump.engines.native.arrays import Moves
+from lammps_jump.physics.elementary import cos, sin
 
 Vector = Sequence[float] | np.ndarray
 

@@ -9,11 +9,12 @@ circle is one disc. Ends of open lines are discs that touch the end.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import atan2, cos, pi, sin, tan
+from math import pi
 from typing import NamedTuple
 
 import numpy as np
 
+from lammps_jump.physics.elementary import atan2, cos, sin, tan
 from lammps_jump.scene.chains import (
     AFTER,
     ARC,

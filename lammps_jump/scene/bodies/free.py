@@ -4,10 +4,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import hypot
 from typing import Literal
 
 from lammps_jump.physics.bodies import about_point
+from lammps_jump.physics.elementary import hypot
 from lammps_jump.scene.chains import Point
 from lammps_jump.scene.tracks import Kind
 
