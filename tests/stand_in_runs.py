@@ -10,16 +10,18 @@ from typing import Any
 import numpy as np
 from made_up import BOX
 
-from lammps_jump.calibration import page
+from lammps_jump.calibration import besides, page
 from lammps_jump.calibration.calibrate import calibrate
 from lammps_jump.calibration.search import Observed, Search
 from lammps_jump.errors import RunInterrupted
 from lammps_jump.identity import short_hash
+from lammps_jump.sweeps.members import MemberRun
 
 CASE = {**BOX, "contact": {**BOX["contact"], "friction": 0.5}}
 FRICTION, DENSITY, RESTITUTION = "contact.friction", "discs.density", "contact.restitution"
 VARY = {FRICTION: [0.1, 0.9], DENSITY: [1000, 2000]}
-Numbers = Callable[[Mapping[str, float]], Mapping[str, float]]
+Numbers = Callable[[Mapping[str, float]], Mapping[str, Any]]
+"""Of the values of a point to the numbers and curves of its run."""
 
 
 def angle_and_run_out(values: Mapping[str, float]) -> dict[str, float]:
@@ -35,7 +37,7 @@ class StandIn:
     Parameters
     ----------
     numbers : callable
-        Of the values of a point to numbers of its run, by key; NaN where the run has none.
+        Of the values of a point to numbers of its run, by key, and curves, each shape (k,); NaN where the run has none.
     scatter : mapping
         Standard deviation over starts, by key.
     stop_at : collection of int
@@ -44,9 +46,10 @@ class StandIn:
 
     def __init__(self, numbers: Numbers, scatter: Mapping[str, float], stop_at=()):
         self.numbers, self.scatter, self.stop_at = numbers, scatter, set(stop_at)
-        self.made: dict[tuple[str, int], dict[str, float]] = {}
+        self.made: dict[tuple[str, int], dict[str, np.ndarray]] = {}
+        self.besides: list[Mapping[str, Any]] = []
 
-    def run_of(self, values: Mapping[str, float], start: int) -> dict[str, float]:
+    def run_of(self, values: Mapping[str, float], start: int) -> dict[str, np.ndarray]:
         """Numbers of a start, always the same for the same values."""
         key = short_hash(dict(values)), start
         if key not in self.made:
@@ -55,29 +58,46 @@ class StandIn:
                 raise RunInterrupted("killed here")
             rng = np.random.default_rng(int(key[0], 16) + start)
             found = self.numbers(values)
-            self.made[key] = {name: one + self.scatter.get(name, 0.0) * rng.normal() for name, one in found.items()}
+            self.made[key] = {
+                name: np.atleast_1d(one) + self.scatter.get(name, 0.0) * rng.normal(size=np.size(one))
+                for name, one in found.items()
+            }
         return self.made[key]
+
+    def starts(self, case: Any, starts: Any, store: Path, pool: Any) -> list[MemberRun]:
+        """In place of `run_starts`: the runs that change other numbers of the case."""
+        found = []
+        for start in starts:
+            self.besides.append(start.changes)
+            found.append(MemberRun(start, store, nested(self.run_of(start.changes, start.seed)), ""))
+        return found
 
     def __call__(self, search: Search, pool: Any) -> Observed:
         points = [dict(zip(search.study.paths, point, strict=True)) for point in search.points.tolist()]
         shape = len(points), search.study.members
-        seen = Observed({one.name: np.full((*shape, 1), np.nan) for one in search.study.targets})
+        seen = Observed({one.name: np.full((*shape, len(one.measured)), np.nan) for one in search.study.targets})
         search.refused = dict.fromkeys(range(len(points)), "")
         for number, values in enumerate(points):
             for start in range(search.study.members):
                 made = self.run_of(values, start)
-                summary: dict[str, Any] = {}
-                for key, one in made.items():
-                    summary.setdefault(key.split(".")[0], {})[key.split(".")[1]] = one
-                if lacking := [one.name for one in search.study.targets if not np.isfinite(made[one.name])]:
+                if lacking := [one.name for one in search.study.targets if not np.isfinite(made[one.name]).all()]:
                     failure = {"point": number, "values": values, "seed": start, "message": f"no {lacking[0]}"}
                     seen.failures.append(failure)
                     continue
                 for one in search.study.targets:
-                    seen.values[one.name][number, start, 0] = made[one.name]
-                seen.summaries.setdefault(number, []).append(summary)
+                    seen.values[one.name][number, start] = made[one.name]
+                seen.summaries.setdefault(number, []).append(nested(made))
                 seen.folders.setdefault(number, []).append(search.folder / "points" / "runs" / "made")
         return seen
+
+
+def nested(made: Mapping[str, np.ndarray]) -> dict[str, Any]:
+    """A summary of numbers by their keys."""
+    summary: dict[str, Any] = {}
+    for key, one in made.items():
+        if len(one) == 1:
+            summary.setdefault(key.split(".")[0], {})[key.split(".")[1]] = float(one[0])
+    return summary
 
 
 def calibrated(
@@ -86,6 +106,7 @@ def calibrated(
     """A calibration of stand-in runs; more of `given` is as of `calibrate`."""
     runs = StandIn(numbers, scatter if scatter is not None else {"heap.angle": 0.3, "heap.run_out": 0.05}, stop_at)
     monkeypatch.setattr(Search, "run", lambda search, pool: runs(search, pool))
+    monkeypatch.setattr(besides, "run_starts", runs.starts)
     if not pictures:
         monkeypatch.setattr(page, "draw", lambda *_: {})
     given = {"vary": VARY, "budget": 40, "members": 2, **given}

@@ -19,8 +19,9 @@ from lammps_jump.sweeps.table import number_at
 from lammps_jump.units import numbers_of
 
 from . import words
+from .besides import Besides, movers
 from .emulator import emulate
-from .model import Model
+from .model import Model, TargetPart
 from .posterior import Posterior, sobol
 from .study import Calibration
 
@@ -29,7 +30,9 @@ WIDE = 0.5
 EDGE, BINS = 0.5, 20
 """A posterior whose outermost of so many bins holds this part of its fullest one goes on behind its range."""
 RIDGE = 0.5
-"""Size of a correlation that hides two numbers behind each other."""
+"""Size of a correlation, or of a correlation ratio, that hides two numbers behind each other."""
+AS_GOOD = 0.6
+"""Part of the largest likelihood that fits about as well: one standard deviation of one number."""
 WORTH = 0.2
 """Least part of the standard deviation that a further measurement must take away."""
 NOT_MEASURED = ("inflow", "energy", "state")
@@ -79,22 +82,39 @@ def parameter(posterior: Posterior, number: int, prior: tuple[float, float]) -> 
 
 
 def partner(posterior: Posterior, number: int) -> tuple[int, float] | None:
-    """The varied number that hides another one: its number and their correlation; None where none does."""
-    row = posterior.correlation[number].copy()
-    row[number] = 0.0
-    other = int(np.argmax(np.abs(row)))
-    return (other, float(row[other])) if abs(row[other]) > RIDGE else None
+    """The varied number that hides another one: its number and how much of it; None where none does.
+
+    How much is the size of their correlation, or, where a ridge is bent, the correlation ratio: the square root of the
+    part of the variance that a mean at each value of the other one explains.
+    """
+    found = {
+        other: max(abs(float(posterior.correlation[number, other])), _ratio(posterior, number, other))
+        for other in range(len(posterior.best)) if other != number
+    }  # fmt: skip
+    other = max(found, key=lambda one: found[one], default=None)
+    return (other, found[other]) if other is not None and found[other] > RIDGE else None
+
+
+def _ratio(posterior: Posterior, number: int, other: int) -> float:
+    """Correlation ratio of a varied number over another one (K. Pearson, 1905), by bins of the other one."""
+    w, x = posterior.weights, posterior.places[:, number]
+    bins = np.minimum((posterior.places[:, other] * BINS).astype(int), BINS - 1)
+    mass = np.bincount(bins, w, BINS)
+    means = np.bincount(bins, w * x, BINS) / np.maximum(mass, 1e-300)
+    return float(np.sqrt(np.sum(mass * (means - w @ x) ** 2) / posterior.covariance[number, number]))
 
 
 def along(posterior: Posterior, number: int, other: int) -> list[tuple[float, float]]:
-    """Two places of the unit cube on the ridge of two varied numbers: one low and one high along the first of them."""
-    x, y = posterior.places[:, number], posterior.places[:, other]
-    w = posterior.weights
-    centres, fall = (np.sum(w * x), np.sum(w * y)), posterior.covariance[number, other]
-    fall /= posterior.covariance[number, number]
-    low, high = posterior.range_of(number)
-    ends = (0.8 * low + 0.2 * high, 0.2 * low + 0.8 * high)
-    return [(end, float(np.clip(centres[1] + fall * (end - centres[0]), 0, 1))) for end in ends]
+    """Two places of the unit cube that fit about as well as the best: one low and one high along a varied number.
+
+    Among the places of at least `AS_GOOD` of the largest likelihood these are the likeliest of the lowest and of the
+    highest part.
+    """
+    good = np.flatnonzero(posterior.weights >= AS_GOOD * posterior.weights.max())
+    order = good[np.argsort(posterior.places[good, number], kind="stable")]
+    some = max(1, len(order) // 10)
+    ends = [part[int(np.argmax(posterior.weights[part]))] for part in (order[:some], order[-some:])]
+    return [(float(posterior.places[one, number]), float(posterior.places[one, other])) for one in ends]
 
 
 def candidates(summaries: Mapping[int, Sequence[Mapping[str, Any]]], taken: Sequence[str]) -> dict[str, np.ndarray]:
@@ -167,10 +187,19 @@ def best_measurements(
     return [{"key": path, "reduction": found[path]} for path in order if found[path] >= WORTH]
 
 
-def unmet(model: Model, posterior: Posterior) -> list[dict[str, Any]]:
+def unmet(model: Model, posterior: Posterior, near: int = 0, besides: Besides | None = None) -> list[dict[str, Any]]:
     """Targets that are not within their errors where the model comes nearest to all of them; none where one place is.
 
     Within means the 95 % of Student's t or a normal number, shared among the targets (Bonferroni).
+
+    Parameters
+    ----------
+    model : Model
+    posterior : Posterior
+    near : int
+        Point of the model at which other numbers were changed.
+    besides : Besides, optional
+        Runs with these changes.
     """
     limit = student(model.freedom or 1e6, 1.0 - 0.025 / len(model.parts))
     places = np.vstack([posterior.drawn(LOOKED_AT), sobol(LOOKED_AT, posterior.places.shape[1], 0)])
@@ -183,12 +212,14 @@ def unmet(model: Model, posterior: Posterior) -> list[dict[str, Any]]:
     for number, part in enumerate(model.parts):
         if distances[nearest, number] > limit:
             values, _ = model.target_at(number, places)
-            near = values[int(np.argmin(distances[:, number]))] if len(model.parts) == 1 else values[nearest]
-            found.append(_unmet(part, near, float(distances[nearest, number])))
+            at = values[int(np.argmin(distances[:, number]))] if len(model.parts) == 1 else values[nearest]
+            one = _unmet(part, at, float(distances[nearest, number]))
+            told = movers(model, part, near, besides) if besides is not None else []
+            found.append({**one, **_reach(part, model.values[number], limit), "moved_by": told})
     return found
 
 
-def _unmet(part: Any, near: np.ndarray, distance: float) -> dict[str, Any]:
+def _unmet(part: TargetPart, near: np.ndarray, distance: float) -> dict[str, Any]:
     target, curve = part.target, bool(part.target.axis)
     numbers = {"measured": None, "error": None, "at_nearest": None} if curve else {
         "measured": float(target.measured[0]), "error": float(target.error[0]), "at_nearest": float(near[0])
@@ -196,9 +227,19 @@ def _unmet(part: Any, near: np.ndarray, distance: float) -> dict[str, Any]:
     return {"name": target.name, "curve": curve, "distance": distance, **numbers}
 
 
+def _reach(part: TargetPart, values: np.ndarray, limit: float) -> dict[str, Any]:
+    """What all runs of a target reach: least and largest of a number, and how many measured points lie beyond them."""
+    target = part.target
+    low, high = (take(values, axis=(0, 1)) for take in (np.nanmin, np.nanmax))
+    below, above = (low - limit * target.error > target.measured), (high + limit * target.error < target.measured)
+    runs = None if target.axis else [float(low[0]), float(high[0])]
+    return {"runs": runs, "points": len(target.measured), "above": int(above.sum()), "below": int(below.sum())}
+
+
 def answer(
-    study: Calibration, model: Model, posterior: Posterior, summaries: Mapping[int, Sequence[Mapping[str, Any]]]
-) -> dict[str, Any]:
+    study: Calibration, model: Model, posterior: Posterior, summaries: Mapping[int, Sequence[Mapping[str, Any]]],
+    not_met: list[dict[str, Any]],
+) -> dict[str, Any]:  # fmt: skip
     """What the runs say, as plain data: parameters, correlation, targets, leave-one-out, unmet targets.
 
     Parameters
@@ -208,6 +249,8 @@ def answer(
     posterior : Posterior
     summaries : mapping of int to sequence of mapping
         Of the starts of each of the model's points.
+    not_met : list of dict
+        As of `unmet`.
     """
     paths, found = study.paths, {}
     known: dict[str, np.ndarray] | None = None
@@ -231,7 +274,7 @@ def answer(
         },
         "targets": {part.target.name: _target(model, number, posterior) for number, part in enumerate(model.parts)},
         "loo": {part.target.name: _loo(model, number) for number, part in enumerate(model.parts)},
-        "unmet": unmet(model, posterior),
+        "unmet": not_met,
         "scatter_known": model.freedom > 0,
     }
 
@@ -248,7 +291,7 @@ def _target(model: Model, number: int, posterior: Posterior) -> dict[str, Any]:
     lists = {"measured": part.target.measured, "error": part.target.error, "at_best": values[0], "emulator": sd[0],
              "spread": part.scatter}  # fmt: skip
     if part.target.axis:
-        return {**lists, "axis": part.target.axis, "at": part.target.at}
+        return {**lists, "axis": part.target.axis, "at": part.target.at, "error_stated": part.possible is None}
     return {key: float(one[0]) for key, one in lists.items()}
 
 

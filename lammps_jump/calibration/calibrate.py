@@ -21,7 +21,8 @@ from lammps_jump.runs.folder import run_folder
 from lammps_jump.runs.run import Case, Run
 from lammps_jump.sweeps import Pool, Sweep, open_sweep, slurm
 
-from .answer import answer, no_answer, with_words
+from .answer import answer, no_answer, unmet, with_words
+from .besides import Besides, tried
 from .emulator import require_sklearn
 from .search import POINTS, Fit, Observed, Search, SearchProgress
 from .study import Calibration, read_calibration
@@ -93,8 +94,9 @@ def calibrate(
     with run_folder(folder, Marker("calibrate", STUDY_FILES["calibrate"], {})), Pool(min(most, study.budget)) as pool:
         search = Search(study, folder, retry, progress)
         observed = search.go_on(pool)
+        besides = search.look_besides(observed, pool)
         pool.close()
-        write(search, observed)
+        write(search, observed, besides)
     return Calibrated(folder)
 
 
@@ -106,24 +108,26 @@ def default_folder(case: str | Path | Mapping[str, Any] | ReadCase, read: Case) 
     return Path("runs") / f"{stem}_calibrate"
 
 
-def write(search: Search, observed: Observed) -> None:
+def write(search: Search, observed: Observed, besides: Besides | None) -> None:
     """Write the answer: ``calibration.json``, ``samples.nc``, ``best.yaml``, figures, and the page."""
     study, fit = search.study, search.fit(observed)
-    points, folder = search.points.tolist(), search.folder
+    points, folder = len(search.points), search.folder
     listed = _listed(search, observed)
-    runs, pictures = sum(map(len, observed.folders.values())), {}
+    runs, pictures = sum(map(len, observed.folders.values())) + (besides.runs if besides else 0), {}
     if fit.model is None or fit.posterior is None:
-        found = no_answer(study, len(points), len(fit.good), fit.needed)
+        found = no_answer(study, points, len(fit.good), fit.needed)
     else:
-        found = answer(study, fit.model, fit.posterior, {number: observed.summaries[number] for number in fit.good})
+        not_met = unmet(fit.model, fit.posterior, fit.nearest, besides)
+        summaries = {number: observed.summaries[number] for number in fit.good}
+        found = answer(study, fit.model, fit.posterior, summaries, not_met) | {"besides": tried(besides)}
         for number, distances in zip(fit.good, fit.model.distances_of_points(), strict=True):
             listed[number]["distance"] = float(distances.max())
-        found |= {"nearest": (near := _nearest(study, fit, points))}
+        found |= {"nearest": fit.good[fit.nearest]}
         write_netcdf(samples_of(study, fit), folder / SAMPLES)
         best = {path: one["best"] for path, one in found["parameters"].items()}
         write_text(folder / BEST, study.case.replace(best).to_yaml())
-        values = [one[fit.good.index(near)] for one in fit.model.values]
-        pictures = page.draw(study, fit.model, fit.posterior, values, folder)
+        values = [one[fit.nearest] for one in fit.model.values]
+        pictures = page.draw(study, fit.model, fit.posterior, values, folder, page.ridges(found))
     data = plain(with_words({
         **found, "runs": runs + len(observed.failures), "failed": len(observed.failures),
         "failures": observed.failures, "budget": study.budget, "members": study.members, "seed": study.seed,
@@ -142,14 +146,6 @@ def _listed(search: Search, observed: Observed) -> list[dict[str, Any]]:
         {"values": dict(zip(search.study.paths, point, strict=True)), "round": place, "runs": runs, "distance": None}
         for (place, point), runs in zip(rounds, folders, strict=True)
     ]
-
-
-def _nearest(study: Calibration, fit: Fit, points: list[list[float]]) -> int:
-    """Number of the point that is nearest to the best values, in standard deviations of the posterior."""
-    assert fit.posterior is not None
-    places = study.unit(np.array(points))[fit.good]
-    sd = np.sqrt(np.diag(fit.posterior.covariance))
-    return fit.good[int(np.argmin(np.sum(((places - fit.posterior.best) / sd) ** 2, axis=1)))]
 
 
 def samples_of(study: Calibration, fit: Fit) -> xr.Dataset:

@@ -8,7 +8,7 @@ Springer 2002, ch. 2. Source of the likelihood: M. C. Kennedy and A. O'Hagan, J.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from math import inf, nan
 
 import numpy as np
@@ -18,11 +18,14 @@ from lammps_jump.errors import CaseError
 from .emulator import Emulator, emulate
 from .measured import FEWEST
 from .posterior import log_t
-from .targets import Target
+from .targets import UNSTATED_FEWEST, Target
+from .unstated import PossibleErrors, possible_errors, scatter_of, together
 
 EXPLAINED = 0.99
 """Share of the variance over the points that the components of a curve hold."""
 MOST_COMPONENTS = 4
+MOST_POINTS = 400
+"""Of a curve without a stated error; of more points every so manieth counts."""
 
 
 @dataclass(frozen=True)
@@ -32,13 +35,17 @@ class TargetPart:
     Attributes
     ----------
     target : Target
-        With the measured points that every run reaches.
+        With the measured points that every run reaches; its error is the typical one of `possible` where there is one.
     centre, scale : ndarray, shape (k,)
         Subtracted from the values, and divided by.
     directions : ndarray, shape (components, k)
         Orthonormal.
     scatter : ndarray, shape (k,)
         Standard deviation over starts; NaN where it is not known.
+    possible : PossibleErrors or None
+        Errors that a curve may have which was measured without one.
+    kept : ndarray of bool, shape (points of the measurement,)
+        Those points that the model has: every run reaches them.
     """
 
     target: Target
@@ -46,15 +53,19 @@ class TargetPart:
     scale: np.ndarray
     directions: np.ndarray
     scatter: np.ndarray
+    possible: PossibleErrors | None = None
+    kept: np.ndarray = field(default_factory=lambda: np.ones(1, bool))
 
     def into(self, values: np.ndarray) -> np.ndarray:
         """Numbers of values of shape (…, k): shape (…, components)."""
         return ((values - self.centre) / self.scale) @ self.directions.T
 
     @property
-    def error_covariance(self) -> np.ndarray:
-        """Of the measurement, in the numbers, shape (components, components)."""
-        return (self.directions * (self.target.error / self.scale) ** 2) @ self.directions.T
+    def error_covariances(self) -> np.ndarray:
+        """Of the measurement, in the numbers, shape (m, components, components): one, or those of possible errors."""
+        if self.possible is not None:
+            return self.possible.in_numbers(self.directions, self.scale)
+        return ((self.directions * (self.target.error / self.scale) ** 2) @ self.directions.T)[None]
 
     def values(self, numbers: np.ndarray, variances: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Values and their variances, shape (…, k), of numbers and theirs, shape (…, components)."""
@@ -74,8 +85,10 @@ class Model:
     emulators : tuple of Emulator
         Of all numbers of all parts, in their order.
     measured : ndarray, shape (numbers,)
-    error, scatter : ndarray, shape (numbers, numbers)
-        Covariances of the measurement and of a single run.
+    errors : ndarray, shape (m, numbers, numbers)
+        Covariances of the measurement: one, or as many as are possible and equally likely, where a curve has none.
+    scatter : ndarray, shape (numbers, numbers)
+        Covariance of a single run.
     freedom : float
         Degrees of freedom of the scatter; 0 where no point has two starts.
     places : ndarray, shape (points, varied)
@@ -89,7 +102,7 @@ class Model:
     parts: tuple[TargetPart, ...]
     emulators: tuple[Emulator, ...]
     measured: np.ndarray
-    error: np.ndarray
+    errors: np.ndarray
     scatter: np.ndarray
     freedom: float
     places: np.ndarray
@@ -112,7 +125,13 @@ class Model:
 
     def log_density(self, off: np.ndarray, variance: np.ndarray) -> np.ndarray:
         """As `log_likelihood`, of differences and emulators' variances, shape (n, numbers)."""
-        whole = self.error + self.scatter + np.einsum("ni,ij->nij", variance, np.eye(len(self.measured)))
+        found = np.array([self._log_density(off, variance, error) for error in self.errors])
+        most = found.max(axis=0)
+        return most + np.log(np.mean(np.exp(found - most), axis=0))
+
+    def _log_density(self, off: np.ndarray, variance: np.ndarray, error: np.ndarray) -> np.ndarray:
+        """As `log_density`, for one covariance of the measurement."""
+        whole = error + self.scatter + np.einsum("ni,ij->nij", variance, np.eye(len(self.measured)))
         total = np.trace(whole, axis1=1, axis2=2)
         share = np.trace(self.scatter) / total
         freedom = self.freedom / share**2 if self.freedom and np.trace(self.scatter) > 0 else np.full(len(off), inf)
@@ -178,8 +197,8 @@ def model_of(places: np.ndarray, targets: Sequence[Target], values: Mapping[str,
     """
     parts, numbers, means, kept = [], [], [], []
     for target in targets:
-        target, known = _reached(target, values[target.name])
-        parts.append(_part(target, known))
+        target, known, reached = _reached(target, values[target.name])
+        parts.append(replace(_part(target, known), kept=reached))
         numbers.append(parts[-1].into(known))
         means.append(np.nanmean(known, axis=1))
         kept.append(known)
@@ -196,18 +215,31 @@ def model_of(places: np.ndarray, targets: Sequence[Target], values: Mapping[str,
     )
     if scatter is None:
         scatter = np.diag([one.scatter for one in emulators])
-    error = np.zeros((every.shape[2], every.shape[2]))
-    start = 0
-    for part in parts:
-        own = slice(start, start := start + len(part.directions))
-        error[own, own] = part.error_covariance
     measured = np.concatenate([part.into(part.target.measured) for part in parts])
-    found = emulators, measured, error, scatter, freedom, places
+    found = emulators, measured, _errors(parts), scatter, freedom, places
     return Model(tuple(parts), *found, tuple(means), tuple(kept))
 
 
-def _reached(target: Target, values: np.ndarray) -> tuple[Target, np.ndarray]:
-    """A target at the measured points that all runs reach, and their values there; a start without any is left out."""
+def _errors(parts: Sequence[TargetPart]) -> np.ndarray:
+    """Covariances of the measurement of all numbers, shape (m, numbers, numbers)."""
+    curves = [part.possible for part in parts if part.possible is not None]
+    which = together(curves) if curves else np.zeros((1, 0), int)
+    found, column, start = np.zeros((len(which), *[sum(len(part.directions) for part in parts)] * 2)), 0, 0
+    for part in parts:
+        own = slice(start, start := start + len(part.directions))
+        if part.possible is None:
+            found[:, own, own] = part.error_covariances
+        else:
+            found[:, own, own] = part.error_covariances[which[:, column]]
+            column += 1
+    return found
+
+
+def _reached(target: Target, values: np.ndarray) -> tuple[Target, np.ndarray, np.ndarray]:
+    """A target at the measured points that all runs reach, their values there, and which points these are.
+
+    A start without any is left out.
+    """
     some = np.isfinite(values).any(axis=2)
     reached = np.isfinite(values[some]).all(axis=0)
     if reached.sum() < min(FEWEST, len(target.measured)):
@@ -215,26 +247,49 @@ def _reached(target: Target, values: np.ndarray) -> tuple[Target, np.ndarray]:
             f"{target.name}: {reached.sum()} of {len(reached)} measured points lie where every run has its curve; "
             f"{FEWEST} are needed; are the units the same (SI)?"
         )
+    if not target.stated:
+        reached &= np.arange(len(reached)) % -(-len(reached) // MOST_POINTS) == 0
+        if reached.sum() < UNSTATED_FEWEST:
+            raise CaseError(
+                f"{target.name}: {reached.sum()} measured points lie where every run has its curve; {UNSTATED_FEWEST} "
+                "are needed to estimate their error; write it behind the column: h ± 0.01"
+            )
     at = target.at[reached] if target.axis else target.at
-    return Target(target.name, target.measured[reached], target.error[reached], target.axis, at), values[..., reached]
+    found = Target(target.name, target.measured[reached], target.error[reached], target.axis, at)
+    return found, values[..., reached], reached
 
 
 def _part(target: Target, values: np.ndarray) -> TargetPart:
     """The components of a target over the points."""
     means = np.nanmean(values, axis=1)
-    starts = np.isfinite(values).all(axis=2).sum(axis=1)
-    freedom = float(np.sum(starts - 1))
-    squares = np.nansum((values - means[:, None]) ** 2, axis=(0, 1))
-    scatter = np.sqrt(squares / freedom) if freedom else np.full(len(target.measured), nan)
+    whole = np.isfinite(values).all(axis=2)
+    freedom = float(np.sum(whole.sum(axis=1) - 1))
+    off = np.where(whole[..., None], values - means[:, None], 0.0).reshape(-1, values.shape[2])
+    scatter = np.sqrt(np.sum(off**2, axis=0) / freedom) if freedom else np.full(len(target.measured), nan)
     centre = means.mean(axis=0)
     if not target.axis:
         return TargetPart(target, centre, np.ones(1), np.ones((1, 1)), scatter)
-    spread = np.sqrt(target.error**2 + np.nan_to_num(scatter) ** 2)
+    # without an error what the nearest run leaves stands for it, until the components are known
+    error = target.error if target.stated else np.sqrt(np.mean((means - target.measured) ** 2, axis=1).min())
+    spread = np.sqrt(error**2 + np.nan_to_num(scatter) ** 2)
     scale = np.maximum(spread, 1e-3 * means.std(axis=0).max() + 1e-300)
     _, sizes, directions = np.linalg.svd((means - centre) / scale, full_matrices=False)
     share = np.cumsum(sizes**2) / max(np.sum(sizes**2), 1e-300)
-    count = min(int(np.searchsorted(share, EXPLAINED)) + 1, MOST_COMPONENTS, len(directions))
-    return TargetPart(target, centre, scale, directions[:count], scatter)
+    most = MOST_COMPONENTS if target.stated else min(MOST_COMPONENTS, (len(target.at) - 1) // 2)
+    count = min(int(np.searchsorted(share, EXPLAINED)) + 1, most, len(directions))
+    part = TargetPart(target, centre, scale, directions[:count], scatter)
+    return part if target.stated else _estimated(part, scatter_of(target.at, off, freedom))
+
+
+def _estimated(part: TargetPart, scatter: np.ndarray) -> TargetPart:
+    """A curve without an error, with those that it may have; `scatter` is the covariance of a single run, (k, k)."""
+    target = part.target
+    count = len(part.directions)
+    beside = np.linalg.qr(part.directions.T, mode="complete")[0].T[count:]
+    own = beside @ ((target.measured - part.centre) / part.scale)
+    possible = possible_errors(target.at, target.measured, beside / part.scale, own, scatter)
+    known = replace(target, error=np.full(len(target.at), possible.typical))
+    return replace(part, target=known, possible=possible)
 
 
 def _pooled(off: np.ndarray, freedom: float) -> np.ndarray:

@@ -134,15 +134,26 @@ def sections(
 
 CAPTIONS = {
     "calibration_posterior": "How likely the numbers are. Shaded: the 95 % range; red: the best values; dots: points "
-    "with runs",
+    "with runs; A and B: two places that fit about as well, where numbers hide each other",
     "calibration_targets": "Runs against each varied number. Shaded: measured ± two errors; red: the best values",
     "calibration_curves": "Measured curves, with ± two errors; runs of the point nearest to the best values; emulator "
     "at the best values, with ± two standard deviations",
 }
 
 
-def draw_posterior(study: Calibration, posterior: Posterior, points: np.ndarray, path: Path) -> Path:
-    """Draw the density of each varied number, and samples of each pair, where a ridge is seen."""
+Ridges = Mapping[tuple[str, str], Sequence[Sequence[float]]]
+"""Two points of each pair of varied numbers that hide each other, by their paths."""
+
+
+def ridges(data: Mapping[str, Any]) -> Ridges:
+    """The ridges of an answer."""
+    return {(path, one["hidden_by"]): one["ridge"] for path, one in data["parameters"].items() if one["ridge"]}
+
+
+def draw_posterior(
+    study: Calibration, posterior: Posterior, points: np.ndarray, path: Path, hidden: Ridges | None = None
+) -> Path:
+    """Draw the density of each varied number, and samples of each pair, where a ridge is seen with two points on it."""
     pairs = list(combinations(range(len(study.paths)), 2))
     columns = min(len(study.paths) + len(pairs), 3)
     rows = -(-(len(study.paths) + len(pairs)) // columns)
@@ -165,7 +176,18 @@ def draw_posterior(study: Calibration, posterior: Posterior, points: np.ndarray,
             panel.plot(best[i], best[j], "+", ms=12, mew=2, color=RED)
             panel.set(xlabel=heading(study.paths[i]), ylabel=heading(study.paths[j]))
             panel.set(xlim=study.bounds[i], ylim=study.bounds[j])
+            _mark_ridge(panel, (study.paths[i], study.paths[j]), hidden or {})
         return save(figure, path)
+
+
+def _mark_ridge(panel: Any, pair: tuple[str, str], hidden: Ridges) -> None:
+    """Mark the two points of a pair that hides each other: those that the notes name."""
+    turned = pair not in hidden
+    marks = hidden.get((pair[1], pair[0]) if turned else pair, ())
+    for mark, place in zip("AB", marks, strict=False):
+        x, y = reversed(place) if turned else place
+        panel.plot(x, y, "o", ms=13, mfc="white", mec=RED, mew=1.5)
+        panel.text(x, y, mark, ha="center", va="center_baseline", fontsize=8, color=BLACK)
 
 
 def draw_targets(study: Calibration, model: Model, posterior: Posterior, path: Path) -> Path:
@@ -205,7 +227,8 @@ def draw_curves(model: Model, posterior: Posterior, runs: Sequence[np.ndarray], 
             mean, sd = model.target_at(k, posterior.best[None])
             panel.fill_between(target.at, *(mean[0] + sign * BAND * sd[0] for sign in (-1, 1)), color=BLUE, alpha=0.2)
             panel.plot(target.at, mean[0], color=BLUE, label="emulator at the best values")
-            bars = {"fmt": "o", "ms": 4, "mfc": "white", "color": BLACK, "capsize": 2, "label": "measured"}
+            label = "measured" if model.parts[k].possible is None else "measured; error estimated"
+            bars = {"fmt": "o", "ms": 4, "mfc": "white", "color": BLACK, "capsize": 2, "label": label}
             panel.errorbar(target.at, target.measured, BAND * target.error, **bars)
             panel.set(xlabel=f"{target.axis} [SI]", ylabel=f"{target.name} [SI]")
             panel.legend()
@@ -213,7 +236,7 @@ def draw_curves(model: Model, posterior: Posterior, runs: Sequence[np.ndarray], 
 
 
 def draw(
-    study: Calibration, model: Model, posterior: Posterior, near: Sequence[np.ndarray], folder: Path
+    study: Calibration, model: Model, posterior: Posterior, near: Sequence[np.ndarray], folder: Path, hidden: Ridges
 ) -> dict[str, list[Path]]:
     """Draw all figures; `near` holds the values of each target in the runs of the nearest point, shape (starts, k)."""
     place = folder / "figures"
@@ -226,7 +249,7 @@ def draw(
     if any(not part.target.axis for part in model.parts):
         measured.append(draw_targets(study, model, posterior, place / "calibration_targets.png"))
     points = low + model.places * wide
-    likely = draw_posterior(study, posterior, points, place / "calibration_posterior.png")
+    likely = draw_posterior(study, posterior, points, place / "calibration_posterior.png", hidden)
     return {"measured": measured, "posterior": [likely]}
 
 

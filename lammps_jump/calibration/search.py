@@ -21,6 +21,8 @@ from lammps_jump.runs.summary import read_summary
 from lammps_jump.sweeps import Pool, Sweep, held_study, prepare
 from lammps_jump.sweeps.members import Member, Start, failure_message, plan, run_members
 
+from .answer import unmet
+from .besides import Besides, look_besides
 from .model import Model, model_of
 from .posterior import Posterior, sample, sobol
 from .study import SPARE, Calibration
@@ -146,6 +148,18 @@ class Fit:
             self.posterior = sample(self.model.log_likelihood, len(study.vary))
 
     @property
+    def nearest(self) -> int:
+        """Which of `good` is nearest to the best values, in standard deviations of the posterior."""
+        assert self.model is not None and self.posterior is not None
+        sd = np.sqrt(np.diag(self.posterior.covariance))
+        return int(np.argmin(np.sum(((self.model.places - self.posterior.best) / sd) ** 2, axis=1)))
+
+    @property
+    def unmet(self) -> bool:
+        """Whether no place of the ranges meets the measurements."""
+        return self.model is not None and self.posterior is not None and bool(unmet(self.model, self.posterior))
+
+    @property
     def ranges(self) -> list[tuple[float, float]]:
         """95 % ranges in the unit cube; none where there is no posterior."""
         found = self.posterior
@@ -241,6 +255,19 @@ class Search:
             observed = self.run(pool)
         return observed
 
+    def look_besides(self, observed: Observed, pool: Pool) -> Besides | None:
+        """Change other numbers of the case where no place meets the measurements; None where one does."""
+        fit = self.fit(observed)
+        if not fit.unmet:
+            return None
+        point = self.points[fit.good[fit.nearest]].tolist()
+        used = sum(map(len, observed.folders.values())) + len(observed.failures)
+        first = self.study.case.fields.run.seed + self.study.budget  # behind the starts of all points
+        values = dict(zip(self.study.paths, point, strict=True))
+        found = look_besides(self.study, values, self.folder, pool, used=used, first_seed=first)
+        self._tell(done=self.now.done + found.runs)
+        return found
+
     def next_round(self, observed: Observed) -> dict[str, Any] | None:
         """The next round of points; None where the answer stands or the budget is used."""
         study, varied, there = self.study, len(self.study.vary), len(self.points)
@@ -251,7 +278,8 @@ class Search:
         if fit.posterior is None:
             places = design(size, varied, study.seed, after=there)
             return {"of": OVER, "points": study.points(places).tolist()} if size else None
-        if size and not (self._in_rounds() and has_settled(self.fit(observed, -1).ranges, fit.ranges)):
+        settled = self._in_rounds() and (fit.unmet or has_settled(self.fit(observed, -1).ranges, fit.ranges))
+        if size and not settled:  # where nothing meets the data, the runs that are left look besides
             places = where_likely(fit.posterior, study.unit(self.points), size)
             return {"of": LIKELY, "points": study.points(places).tolist()}
         return {"of": CHECK, "points": study.points(fit.posterior.best[None]).tolist()}

@@ -6,6 +6,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import nan
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -26,8 +27,9 @@ ALONG, LEVEL, ENDS = ("x",), 1e-9, ((0, 1), (-1, -2))
 """Axes along which a curve goes on that ends level, as that of a heap on its bed; share of its range that is level."""
 COVERED = 0.5
 """Least share of the measured points at which a run must have its curve."""
+UNSTATED_FEWEST = 5
+"""Points of a curve without a stated error: fewer do not tell their error."""
 Positive = Annotated[Plain, Field(gt=0)]
-NotNegative = Annotated[Plain, Field(ge=0)]
 
 
 @dataclass(frozen=True)
@@ -39,7 +41,8 @@ class Target:
     name : str
         Key of ``summary.json``, or ``TABLE.COLUMN`` of a run.
     measured, error : ndarray, shape (k,)
-        In the unit of the number; one value of a number. An error of 0 was not given.
+        In the unit of the number; one value of a number. The errors of a curve are NaN where none was stated: they are
+        estimated (`unstated`).
     axis : str
         Of a curve; empty of a number.
     at : ndarray, shape (k,)
@@ -51,6 +54,11 @@ class Target:
     error: np.ndarray
     axis: str = ""
     at: np.ndarray = field(default_factory=lambda: np.zeros(0))
+
+    @property
+    def stated(self) -> bool:
+        """Whether the error was given with the measurement."""
+        return bool(np.isfinite(self.error).all())
 
     def of_run(self, folder: Path, summary: Mapping[str, Any]) -> np.ndarray:
         """The same numbers of a run, shape (k,); NaN where it has none.
@@ -84,7 +92,7 @@ class Target:
         """As it stands in a study file, without the file of the measurement."""
         if not self.axis:
             return {"key": self.name, "value": float(self.measured[0]), "error": float(self.error[0])}
-        lists = {"at": self.at, "values": self.measured, "errors": self.error}
+        lists = {"at": self.at, "values": self.measured} | ({"errors": self.error} if self.stated else {})
         return {"curve": self.name, "axis": self.axis, **{key: list(map(float, one)) for key, one in lists.items()}}
 
 
@@ -100,19 +108,23 @@ class TargetField(Strict):
     axis: str | None = None
     at: list[Plain] | None = None
     values: list[Plain] | None = None
-    errors: list[NotNegative] | None = None
+    errors: list[Positive] | None = None
 
     @model_validator(mode="after")
     def _one_kind(self) -> TargetField:
         given = self.model_fields_set
-        kinds = ({"key", "value", "error"}, {"data", "columns"}, {"curve", "axis", "at", "values", "errors"})
-        if given not in kinds:
+        curve = {"curve", "axis", "at", "values"}
+        if given not in ({"key", "value", "error"}, {"data", "columns"}, curve, {*curve, "errors"}):
             raise ValueError(
                 "does not fit; allowed is {key: jump.y2, value: 6.7, error: 0.1}, or {data: heap.csv, columns: "
                 "'x=x,heap.depth=h ± 0.01'}"
             )
-        if self.at is not None and not FEWEST <= len(self.at) == len(self.values or ()) == len(self.errors or ()):
-            raise ValueError("at, values and errors need one length, two points or more")
+        if self.at is not None and self.values is not None:
+            errors = self.values if self.errors is None else self.errors
+            if not FEWEST <= len(self.at) == len(self.values) == len(errors):
+                raise ValueError("at, values and errors need one length, two points or more")
+            if self.errors is None and len(self.at) < UNSTATED_FEWEST:
+                raise ValueError(_few(len(self.at), "add errors: [0.01, …]"))
         return self
 
     def targets(self, place: Path) -> list[Target]:
@@ -121,7 +133,9 @@ class TargetField(Strict):
             return [Target(self.key, np.array([self.value]), np.array([self.error]))]
         if self.data is not None and self.columns is not None:
             return of_file(place / self.data, self.columns)
-        arrays = [np.array(one, float) for one in (self.values, self.errors, self.at)]
+        assert self.values is not None  # with `curve`
+        errors = self.errors or [nan] * len(self.values)
+        arrays = [np.array(one, float) for one in (self.values, errors, self.at)]
         return [Target(str(self.curve), arrays[0], arrays[1], str(self.axis), arrays[2])]
 
 
@@ -144,12 +158,13 @@ def parse_target(text: str) -> dict[str, Any]:
 
 
 def of_file(path: Path, columns: str) -> list[Target]:
-    """Curves of a person's file, by ``x=x,heap.depth=h ± 0.01``; the error is a number or a column, or not given.
+    """Curves of a person's file, by ``x=x,heap.depth=h ± 0.01``; the error is a number or a column, or not stated.
 
     Raises
     ------
     CaseError
-        As `parse_columns` and `measured_of`; an error that is no number and no column, or below 0.
+        As `parse_columns` and `measured_of`; an error that is no number and no column, or not above 0; fewer points
+        without an error than tell it.
     """
     words = [part.replace("+-", "±").split("±") for part in columns.split(",")]
     pairs = parse_columns(",".join(part[0].strip() for part in words))
@@ -159,13 +174,24 @@ def of_file(path: Path, columns: str) -> list[Target]:
     given = measured_of(path, {**pairs, **{f"± {name}": text for name, text in named.items()}})
     found = []
     for name, own in wanted:
-        text = said.get(name, "0")
-        error = given[text] if name in named else np.full(len(given[own]), finite(path, 1, name, text))
-        if (error < 0).any():
-            raise CaseError(f"{path}: the error of {name} is below 0; allowed is 0 or more")
+        text = said.get(name)
+        if name in named:
+            error = given[named[name]]
+        else:
+            error = np.full(len(given[own]), nan if text is None else finite(path, 1, name, text))
+        if (error <= 0).any():
+            least = f"{error.min():zg}; allowed is > 0. Leave ± away where the error is not known: it is estimated then"
+            raise CaseError(f"{path}: the error of {name} is {least}")
+        if text is None and len(error) < UNSTATED_FEWEST:
+            raise CaseError(f"{path}: {name}: {_few(len(error), 'write it behind the column: h ± 0.01')}")
         order = np.argsort(given[own_axis], kind="stable")
         found.append(Target(name, given[own][order], error[order], axis, given[own_axis][order]))
     return found
+
+
+def _few(count: int, remedy: str) -> str:
+    """Why so few points cannot be taken without an error."""
+    return f"{count} points do not tell their error, and none is stated; {UNSTATED_FEWEST} or more do. Else {remedy}"
 
 
 def _is_number(text: str) -> bool:

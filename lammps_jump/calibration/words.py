@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from math import isfinite, sqrt
 from typing import Any
 
 from lammps_jump.sweeps import words as fields
@@ -45,6 +46,11 @@ def verdict_of(data: Mapping[str, Any]) -> str:
     said = []
     if data["unmet"]:
         said.append("The model cannot meet the data: " + "; ".join(map(unmet_text, data["unmet"])) + ".")
+        said += [
+            f"{one['name']} is moved by the {' and the '.join(named(change['path']) for change in one['moved_by'])}."
+            for one in data["unmet"]
+            if one["moved_by"]
+        ]
         if told:
             said.append("Nearest to the data: " + "; ".join(ranged(path, one) for path, one in told) + ".")
     elif told:
@@ -59,18 +65,56 @@ def verdict_of(data: Mapping[str, Any]) -> str:
 
 
 def unmet_text(one: Mapping[str, Any]) -> str:
-    """A target that no point comes near."""
+    """A target that no point comes near, and what the runs reach."""
     if one["curve"]:
-        return f"{one['name']} stays {one['distance']:z.1f} errors from the measured curve (root mean square)"
-    return (
-        f"{one['name']} was measured as {shown(one['measured'])} ± {shown(one['error'], digits=2)}, and the nearest "
-        f"value is {shown(one['at_nearest'])}"
-    )
+        told = f"{one['name']} stays {one['distance']:z.1f} errors from the measured curve (root mean square)"
+        sides = [f"{side} all runs at {one[side]}" for side in ("above", "below") if one[side]]
+        return f"{told}, which lies {' and '.join(sides)} of its {one['points']} points" if sides else told
+    told = f"{one['name']} was measured as {shown(one['measured'])} ± {shown(one['error'], digits=2)}"
+    low, high = map(shown, one["runs"])
+    if one["above"] or one["below"]:
+        return f"{told}, and no run of the ranges reaches it: they have {low} to {high}"
+    near = f"the nearest value is {shown(one['at_nearest'])}"
+    return f"{told}, and {near}; there are runs that reach it ({low} to {high}), and miss another target"
+
+
+def moved_text(data: Mapping[str, Any]) -> list[str]:
+    """Which other numbers of the case move the targets that are not met, and which could not be tried."""
+    if not data["unmet"]:
+        return []
+    tried, left = data["besides"]["tried"], data["besides"]["left"]
+    said = []
+    for one in data["unmet"]:
+        if one["moved_by"]:
+            each = "; ".join(_moved(change) for change in one["moved_by"])
+            said.append(f"What moves {one['name']}, at the nearest point: {each}.")
+        elif tried:
+            said.append(f"{one['name']}: none of these numbers moves it: {', '.join(map(named, tried))}.")
+    helps = next((change for one in data["unmet"] for change in one["moved_by"] if change["closes"] > 0), None)
+    if helps:
+        ends = sorted((helps["before"], helps["after"] + (helps["after"] - helps["before"])))
+        said.append(f"Vary such a number too, for example --vary {helps['path']}={ends[0]:z.3g}:{ends[1]:z.3g}.")
+    if left:
+        said.append(
+            f"The budget had no runs left to try whether it is moved by: {', '.join(map(named, left))}. A larger "
+            "--budget tries them."
+        )
+    return said
+
+
+def _moved(change: Mapping[str, Any]) -> str:
+    """A change and what it does to a target."""
+    told = f"{named(change['path'])} {brief(change['before'])} to {brief(change['after'])} "
+    part = f"{100 * abs(change['closes']):z.0f} % of the gap"
+    toward = f"closes {part}" if change["closes"] > 0 else f"widens it by {part}"
+    if "from_value" not in change:
+        return told + toward
+    return f"{told}{toward} ({shown(change['from_value'])} to {shown(change['to_value'])})"
 
 
 def notes(data: Mapping[str, Any]) -> list[str]:
     """What to know beside the verdict: edges, ridges, advice, the emulator, failed runs, errors not given."""
-    said = []
+    said = moved_text(data)
     for path, one in data["parameters"].items():
         if one["at_edge"]:
             side = "upper" if one["edge"] == "high" else "lower"
@@ -88,10 +132,24 @@ def notes(data: Mapping[str, Any]) -> list[str]:
             )
     said += [UNKNOWN_SCATTER] if data["scatter_known"] is False else []
     for name, target in data["targets"].items():
-        if isinstance(target["error"], list) and not any(target["error"]):
-            said.append(f"{name}: no error was given, and it is taken as 0. Write it behind the column: h ± 0.01.")
+        if target.get("error_stated") is False:
+            said.append(estimated_text(name, target))
     said += failed_text(data["failures"])
     return said
+
+
+def estimated_text(name: str, target: Mapping[str, Any]) -> str:
+    """What was taken as the error of a curve that was measured without one."""
+    error, values = target["error"][0], target["measured"]
+    share = 100 * error / ((max(values) - min(values)) or 1.0)
+    spread = [one for one in target["spread"] if one is not None and isfinite(one)]
+    scatter = sqrt(sum(one * one for one in spread) / len(spread)) if spread else 0.0
+    hides = f"; the scatter over starts, {shown(scatter, digits=2)}, hides smaller ones" if scatter > error else ""
+    return (
+        f"{name}: no error was given. About {shown(error, digits=2)} is estimated ({share:z.0f} % of the range of the "
+        f"curve{hides}), from what the curves of the runs cannot follow; the 95 % ranges are as wide as that is "
+        "uncertain. Write the error behind the column where it is known: h ± 0.01."
+    )
 
 
 def hidden_text(path: str, data: Mapping[str, Any]) -> list[str]:
@@ -109,7 +167,8 @@ def hidden_text(path: str, data: Mapping[str, Any]) -> list[str]:
         pair = [f"{brief(a)} with {brief(b)}" for a, b in (first, second)]
         said.append(
             f"The {named(path)} and the {named(other)} hide each other (correlation "
-            f"{data['correlation'][path][other]:z.2f}): {pair[0]} fits as well as {pair[1]}."
+            f"{data['correlation'][path][other]:z.2f}): {pair[0]} (A) fits about as well as "
+            f"{pair[1]} (B)."
         )
     else:
         said.append(f"The targets tell little of the {named(path)}.")

@@ -59,9 +59,13 @@ def test_one_target_leaves_a_ridge_and_the_advice_that_breaks_it(monkeypatch, tm
     assert "friction coefficient is not identified: its 95 % range" in found.verdict
     assert "friction coefficient and the density hide each other (correlation -0." in said
     assert "Measure heap.run_out too: it is expected to take" in said
-    # the two places that it names lie on the ridge: x + y = 1
-    for friction, density in found.parameters[FRICTION]["ridge"]:
-        assert (friction - 0.1) / 0.8 + (density - 1000) / 1000 == pytest.approx(1.0, abs=0.08)
+    # the two places that it names lie on the ridge, x + y = 1, far from each other: one standard deviation of its
+    # width is 0.3 sqrt(2)/10, and the emulator's part
+    ridge = [
+        [(friction - 0.1) / 0.8, (density - 1000) / 1000] for friction, density in found.parameters[FRICTION]["ridge"]
+    ]
+    assert np.sum(ridge, axis=1) == pytest.approx([1.0, 1.0], abs=0.08)
+    assert ridge[1][0] - ridge[0][0] > 0.5
 
 
 def test_what_the_targets_do_not_depend_on_is_not_identified(monkeypatch, tmp_path):
@@ -74,10 +78,50 @@ def test_what_the_targets_do_not_depend_on_is_not_identified(monkeypatch, tmp_pa
     )
 
 
-def test_data_that_no_point_meets_are_told_with_the_target_that_fails(monkeypatch, tmp_path):
-    found = calibrated(monkeypatch, tmp_path / "out", ["heap.angle=45 ± 0.3", BOTH[1]])
-    assert found.verdict.startswith("The model cannot meet the data: heap.angle was measured as 45 ± 0.3, and the")
-    assert [one["name"] for one in found.data["unmet"]] == ["heap.angle"]
+def with_restitution(values):
+    """The angle also moves with the restitution, which is 1 in the case and not varied: 20 degrees from 0 to 1."""
+    found = angle_and_run_out(values)
+    return {**found, "heap.angle": found["heap.angle"] + 20 * (1 - values.get(RESTITUTION, 1.0))}
+
+
+def test_data_that_no_run_reaches_are_told_with_what_moves_them(monkeypatch, tmp_path):
+    found = calibrated(monkeypatch, tmp_path / "out", ["heap.angle=45 ± 0.3", BOTH[1]], numbers=with_restitution)
+    said = "The model cannot meet the data: heap.angle was measured as 45 ± 0.3, and no run of the ranges reaches it"
+    assert found.verdict.startswith(f"{said}: they have 1")
+    assert ". heap.angle is moved by the restitution coefficient. " in found.verdict
+    (one,) = found.data["unmet"]
+    assert (one["name"], one["points"], one["above"], one["below"]) == ("heap.angle", 1, 1, 0)
+    assert 25 < one["runs"][1] < 31  # the largest of the ranges is 30, with a scatter of 0.3; no run is at that corner
+    (moved,) = one["moved_by"]  # nothing else moves it
+    # from 1 half of the way to 0.05: 9.5 degrees, with the scatter of two starts on either side
+    assert moved["path"] == RESTITUTION and (moved["before"], moved["after"]) == (1.0, 0.525)
+    change = moved["to_value"] - moved["from_value"]
+    assert change == pytest.approx(9.5, abs=4 * 0.3)
+    assert moved["closes"] == pytest.approx(change / (45 - moved["from_value"]), rel=1e-9)
+    said = " ".join(found.notes)
+    assert "What moves heap.angle, at the nearest point: restitution coefficient 1 to 0.525" in said
+    assert f"Vary such a number too, for example --vary {RESTITUTION}=0.05:1." in said
+    # rounds end when nothing meets the data: they would use the runs that look besides
+    assert [one["of"] for one in found.data["rounds"]] == ["ranges", "posterior", "best"]
+    assert found.data["runs"] <= found.data["budget"]
+
+
+def test_changes_stay_within_the_budget_and_name_what_was_left(monkeypatch, tmp_path):
+    vary = {FRICTION: VARY[FRICTION]}
+    found = calibrated(monkeypatch, tmp_path / "out", ["heap.angle=45 ± 0.3"], vary=vary, budget=10)
+    assert found.data["runs"] <= 10
+    assert found.data["besides"]["left"], found.data["besides"]
+    assert any(note.startswith("The budget had no runs left to try whether it is moved by: ") for note in found.notes)
+
+
+def test_targets_that_are_reached_alone_and_not_together_are_told_so(monkeypatch, tmp_path):
+    """Angle and run-out at one number: 10 to 20 degrees and 3 to 1 m, but never 19 degrees with 2.9 m."""
+    vary = {FRICTION: VARY[FRICTION]}
+    numbers = lambda values: {key: one for key, one in angle_and_run_out({**values, DENSITY: 1000}).items()}  # noqa: E731
+    found = calibrated(monkeypatch, tmp_path / "out", ["heap.angle=19 ± 0.3", "heap.run_out=2.9 ± 0.05"],
+                       vary=vary, numbers=numbers)  # fmt: skip
+    assert "no run of the ranges reaches it" not in found.verdict
+    assert "there are runs that reach it (10." in found.verdict and "and miss another target" in found.verdict
 
 
 def test_a_best_value_at_the_edge_asks_for_a_wider_range(monkeypatch, tmp_path):

@@ -93,13 +93,41 @@ def test_a_stored_study_is_whole(tmp_path):
     assert again.to_yaml() == found.to_yaml() and (again.budget, again.members) == (30, 3)
 
 
+def test_a_curve_without_an_error_is_kept_without_one(tmp_path):
+    (tmp_path / "heap.csv").write_text("x,h\n" + "".join(f"{x},{1 - x}\n" for x in (0, 0.2, 0.4, 0.6, 0.8)))
+    found = read(targets=[{"data": str(tmp_path / "heap.csv"), "columns": "x=x,heap.depth=h"}])
+    (curve,) = found.targets
+    assert not curve.stated and np.isnan(curve.error).all() and "errors" not in curve.as_field
+    (tmp_path / "study.yaml").write_text(found.to_yaml())
+    again = read_calibration(tmp_path / "study.yaml")
+    assert again.to_yaml() == found.to_yaml() and not again.targets[0].stated
+
+
+@pytest.mark.parametrize(
+    ("field", "said"),
+    [
+        ({"errors": [0.1, 0.1, 0.1, 0.1, 0]}, r"targets\[0\].errors\[4\]: 0 is out of range; allowed is > 0"),
+        ({"errors": [0.1]}, "at, values and errors need one length"),
+        ({"at": [0, 1], "values": [1, 2]}, "2 points do not tell their error, and none is stated; 5 or more do"),
+    ],
+)
+def test_points_of_a_curve_need_errors_or_enough_points(field, said):
+    curve = {"curve": "heap.depth", "axis": "x", "at": [0, 1, 2, 3, 4], "values": [1, 1, 1, 1, 1]}
+    with pytest.raises(CaseError, match=said):
+        read(targets=[{**curve, **field}])
+    assert not read(targets=[curve]).targets[0].stated
+
+
 @pytest.mark.parametrize(
     ("columns", "said"),
     [
-        ("x=x,heap.depth=h ± -1", "the error of heap.depth is below 0"),
+        ("x=x,heap.depth=h ± -1", "the error of heap.depth is -1; allowed is > 0. Leave ± away where"),
+        ("x=x,heap.depth=h ± 0", "the error of heap.depth is 0; allowed is > 0"),
+        ("x=x,heap.depth=h ± x", "the error of heap.depth is 0; allowed is > 0"),
+        ("x=x,heap.depth=h", "2 points do not tell their error, and none is stated; 5 or more do. Else write it"),
         ("x=x,heap.depth=h ± dd", "has no column dd; there are x, h"),
         ("x=x,heap.depth=q", "has no column q; there are x, h"),
-        ("x=x,heep.depth=h", "no run has a table heep; there are"),
+        ("x=x,heep.depth=h ± 1", "no run has a table heep; there are"),
         ("x=x", "expected AXIS=COLUMN,TABLE.COLUMN=COLUMN"),
     ],
 )
