@@ -2,7 +2,8 @@
 """Depth profiles along the channel: a dump's frames binned in x, and their means over a window of time.
 
 Every disc is shared among the bins it straddles by the area on each side (exact circular segments), so mass,
-discharge and momentum over all bins and what lies outside add up to the discs' to round-off.
+discharge and momentum over all bins and what lies outside add up to the discs' to round-off. Where rows of an inlet
+let discs in, each counts over the way that it goes from turn to turn (`inlet_rows`).
 """
 
 from __future__ import annotations
@@ -15,10 +16,12 @@ import numpy as np
 from lammps_jump.core.library import BYTES, INTEGER, INTEGERS, REAL, REALS, core, entry, function
 from lammps_jump.dump.frame import Frame
 from lammps_jump.errors import DumpError
+from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.schedule import MOST_BINS
 from lammps_jump.scene.walls import Interval
 
 from .flow import Flow
+from .inlet_rows import NO_ROWS, OpenEnds, RunningRows, Ways, intervals_of, running_rows
 from .statistics import LEAST_SAMPLES, block_average, known_mean
 
 if TYPE_CHECKING:
@@ -43,8 +46,8 @@ REACH = 2.0
 """Centres up to this many diameters apart are neighbours: a whole disc would fit between two that are not."""
 
 _bin_frame = entry(
-    "jump_bin_frame", n=INTEGER, x=REALS, y=REALS, vx=REALS, vy=REALS, radius=REALS, mass=REALS, low=REAL, width=REAL,
-    bins=INTEGER, sums=REALS, beyond=REALS,
+    "jump_bin_frame", n=INTEGER, start=REALS, stop=REALS, weight=REALS, y=REALS, vx=REALS, vy=REALS, radius=REALS,
+    mass=REALS, begin=REAL, end=REAL, low=REAL, width=REAL, bins=INTEGER, sums=REALS, beyond=REALS,
 )  # fmt: skip
 _connected = function("jump_connected", INTEGER, REALS, REALS, REALS, REALS, REAL, REAL, BYTES)
 _top_discs = entry(
@@ -120,18 +123,33 @@ class Binner:
         bins, width = len(self.edges) - 1, flow.bin_width
         self.bed = flow.mean_bed(self.edges)
         lines = bins * max(1, int(np.ceil(LINES_PER_DIAMETER * width / flow.scene.diameter - 1e-9)))
-        self.bed_lines = flow.bed_height(self.edges[0] + (np.arange(lines) + 0.5) * (bins * width / lines))
+        places = self.edges[0] + (np.arange(lines) + 0.5) * (bins * width / lines)
+        self.bed_lines, self.ends = flow.bed_height(places), OpenEnds.of(flow)
+        # a line at an inlet sees discs on one side of it alone, and none of half of those that it should
+        away = 0.5 * flow.scene.largest
+        seen = ((places > self.ends.begin + away) & (places < self.ends.end - away)).reshape(bins, -1)
+        self.seen = seen | ~seen.any(axis=1, keepdims=True)
         self._kept: list[tuple[Any, ...]] = []
 
-    def add(self, frame: Frame, time: float) -> None:
-        """Add a frame."""
+    def add(self, frame: Frame, time: float, intervals: np.ndarray | None = None) -> None:
+        """Add a frame; `intervals` as of `inlet_rows.intervals_of`, where its x is not that of the inlet."""
         flow, low, width, bins = self.flow, self.edges[0], self.flow.bin_width, len(self.edges) - 1
         radius, mass = flow.radii(frame), flow.relative_masses(frame)
         discs = FrameDiscs.of(frame.x, frame.y, frame.vx, frame.vy, radius, mass)
-        known = np.isfinite(discs.u)
-        sums, beyond = bin_discs(discs, low, width, bins) if known.all() else bin_known(discs, known, low, width, bins)
+        rows = running_rows(flow, frame) if intervals is None else NO_ROWS
+        times = intervals_of(discs.y, rows) if intervals is None else intervals
+        counted, coming = discs.followed_by(rows, flow.scene), len(rows.x)
+        half = 0.5 * np.nan_to_num(np.abs(counted.u)) * np.append(times, rows.interval)
+        ways, known = self.ends.ways(counted.x, half), np.isfinite(counted.u)
+        sums, beyond = (
+            bin_discs(counted, low, width, bins, ways)
+            if known.all()
+            else bin_known(counted, known, low, width, bins, ways)
+        )
+        if coming:  # they are behind the inlet, and not there
+            beyond[0 if rows.u[0] > 0 else 1] -= counted.mass[-coming:].sum()
         joined = connected(discs, flow.bed_height(discs.x), REACH * 2.0 * flow.largest_radius(frame))
-        surface = surface_of(discs, joined, self.bed_lines, low, width, bins)
+        surface = surface_of(discs, joined, self.bed_lines, low, width, bins, self.seen)
         self._kept.append((time, frame.step, frame.n, mass.sum(), beyond, sums, *surface))
 
     @property
@@ -315,9 +333,22 @@ class FrameDiscs(NamedTuple):
         """The same, contiguous."""
         return cls(*(np.ascontiguousarray(column, float) for column in columns))
 
+    def followed_by(self, rows: RunningRows, scene: Scene) -> FrameDiscs:
+        """The discs, and behind them the next one of each row, of the mean mass."""
+        if not len(rows.x):
+            return self
+        size = np.full(len(rows.x), scene.mean_square)
+        coming = rows.x, rows.y, rows.u, rows.v, 0.5 * np.sqrt(size), size / scene.diameter**2
+        return FrameDiscs(*map(np.append, self, coming))
 
-def bin_discs(discs: FrameDiscs, low: float, width: float, bins: int) -> tuple[np.ndarray, np.ndarray]:
+
+def bin_discs(
+    discs: FrameDiscs, low: float, width: float, bins: int, ways: Ways | None = None
+) -> tuple[np.ndarray, np.ndarray]:
     """Sums of discs in bins from `low` on, by the shares of their areas.
+
+    A disc counts over its way, as far as that lies between the planes at which discs come and go; without `ways` where
+    it is.
 
     Returns
     -------
@@ -328,49 +359,94 @@ def bin_discs(discs: FrameDiscs, low: float, width: float, bins: int) -> tuple[n
     """
     sums, beyond = np.zeros((6, bins)), np.zeros(2)
     x, y, u, v, radius, mass = discs
+    start, stop, weight, (begin, end) = ways or Ways.none(x)
+    if np.isfinite([begin, end]).any():
+        away, left = (1.0 - weight) * mass, x < 0.5 * (begin + end)
+        beyond += away[left].sum(), away[~left].sum()
     if core() is not None:
         _bin_frame(
-            n=len(x), x=x, y=y, vx=u, vy=v, radius=radius, mass=mass, low=low, width=width, bins=bins, sums=sums,
-            beyond=beyond,
+            n=len(x), start=start, stop=stop, weight=weight, y=y, vx=u, vy=v, radius=radius, mass=mass, begin=begin,
+            end=end, low=low, width=width, bins=bins, sums=sums, beyond=beyond,
         )  # fmt: skip
         return sums, beyond
-    place, share = shares(x, radius, low, width, bins)
+    place, share = spread_shares((start, stop), radius, (begin, end), low, width, bins)
+    share = share * weight
     part, energy = share * mass, 0.5 * (u * u + v * v)
     for row, weight in enumerate((part, part * u, part * u * u, part * u * energy, part * y, share)):
         # all that is outside the range is one bin on either side
         row_sums = np.bincount(place.ravel(), weight.ravel(), bins + 2)
         sums[row] = row_sums[1:-1]
         if row == 0:
-            beyond[:] = row_sums[[0, -1]]
+            beyond += row_sums[[0, -1]]
     return sums, beyond
 
 
 def bin_known(
-    discs: FrameDiscs, known: np.ndarray, low: float, width: float, bins: int
+    discs: FrameDiscs, known: np.ndarray, low: float, width: float, bins: int, ways: Ways
 ) -> tuple[np.ndarray, np.ndarray]:
     """`bin_discs` where velocities are known of some discs only, bool, shape (n,).
 
     What moves in a bin is the mean of the discs whose velocity is known, by mass, times the mass of all; NaN without.
     """
-    sums, beyond = bin_discs(discs._replace(u=np.zeros(len(known)), v=np.zeros(len(known))), low, width, bins)
-    moved, _ = bin_discs(FrameDiscs.of(*(column[known] for column in discs)), low, width, bins)
+    still = discs._replace(u=np.zeros(len(known)), v=np.zeros(len(known)))
+    sums, beyond = bin_discs(still, low, width, bins, ways)
+    some = FrameDiscs.of(*(column[known] for column in discs))
+    start, stop, weight, ends = ways
+    moved, _ = bin_discs(some, low, width, bins, Ways(start[known], stop[known], weight[known], ends))
     with np.errstate(invalid="ignore", divide="ignore"):
         sums[1:4] = np.where(sums[0] > 0, moved[1:4] * sums[0] / moved[0], 0.0)
     return sums, beyond
 
 
 def shares(x: np.ndarray, radius: np.ndarray, low: float, width: float, bins: int) -> tuple[np.ndarray, np.ndarray]:
-    """In which bins each disc lies, 0 and bins + 1 for those beside them, and with which share; shape (most, n) each.
+    """Bins in which each disc lies, 0 and bins + 1 for those beside them, and its share in each; shape (most, n)."""
+    return spread_shares((x, x), radius, (-np.inf, np.inf), low, width, bins)
 
-    The share of a unit disc's area left of x = a is 1/2 + (a sqrt(1 - a^2) + asin a) / pi.
+
+def spread_shares(
+    ways: tuple[np.ndarray, np.ndarray], radius: np.ndarray, ends: Interval, low: float, width: float, bins: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """The same of discs that are anywhere on a way from one place to another, m, both between the ends (m).
+
+    What sticks out over an end is folded back.
     """
-    first = np.clip(np.floor((x - radius - low) / width), -1, bins)
-    most = int(np.ceil(2.0 * radius.max(initial=0.0) / width)) + 1
+    start, stop = ways
+    first = np.clip(np.floor((start - radius - low) / width), -1, bins)
+    most = int(np.ceil((stop - start + 2.0 * radius).max(initial=0.0) / width)) + 1
     place = first + np.arange(most)[:, None]
     edge = np.where(place < 0, low, np.where(place >= bins, np.inf, low + (place + 1) * width))
-    a = np.clip((edge - x) / radius, -1.0, 1.0)
-    upto = 0.5 + (a * np.sqrt(1.0 - a * a) + np.arcsin(a)) / np.pi
+    upto = left_share(edge, start, stop, radius)
+    for end, whole in zip(ends, (1.0, 0.0), strict=True):
+        if np.isfinite(end):
+            upto = upto + left_share(edge, 2.0 * end - stop, 2.0 * end - start, radius) - whole
+    upto = np.where(np.isinf(edge), 1.0, upto)
     return np.clip(place, -1, bins).astype(int) + 1, np.diff(upto, axis=0, prepend=0.0)
+
+
+SHORT = 1e-4
+"""Half of a way, in radii, below which it changes no share by more than 1e-9, and rounding would change it more."""
+
+
+def left_share(edge: np.ndarray, start: np.ndarray, stop: np.ndarray, radius: np.ndarray) -> np.ndarray:
+    """Share of a disc's area left of an edge, its centre anywhere from `start` to `stop` with the same chance; m.
+
+    The share of a unit disc left of x = a is 1/2 + (a sqrt(1 - a^2) + asin a) / pi.
+    """
+
+    def summed(a: np.ndarray) -> np.ndarray:
+        """Integral of the share up to a."""
+        b = np.clip(a, -1.0, 1.0)
+        height = np.sqrt(1.0 - b * b)
+        within = 0.5 * b + (height * (1.0 - height * height / 3.0) + b * np.arcsin(b)) / np.pi
+        return np.where(a <= -1.0, 0.0, np.where(a >= 1.0, a, within))
+
+    half, middle = 0.5 * (stop - start) / radius, (edge - 0.5 * (start + stop)) / radius
+    a = np.clip(middle, -1.0, 1.0)
+    still = 0.5 + (a * np.sqrt(1.0 - a * a) + np.arcsin(a)) / np.pi
+    moved = np.where(half < SHORT, SHORT, half)
+    far = np.clip(middle, -1.0 - moved, 1.0 + moved)
+    spread = (summed(far + moved) - summed(far - moved)) / (2.0 * moved)
+    return np.where(half < SHORT, still, np.clip(spread, 0.0, 1.0))
 
 
 def connected(discs: FrameDiscs, bed: np.ndarray, reach: float) -> np.ndarray:
@@ -397,12 +473,13 @@ def connected(discs: FrameDiscs, bed: np.ndarray, reach: float) -> np.ndarray:
 
 
 def surface_of(
-    discs: FrameDiscs, joined: np.ndarray, bed_lines: np.ndarray, low: float, width: float, bins: int
-) -> tuple[np.ndarray, np.ndarray]:
+    discs: FrameDiscs, joined: np.ndarray, bed_lines: np.ndarray, low: float, width: float, bins: int,
+    seen: np.ndarray | None = None,
+) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Depth of the free surface (m) and mean u of the discs that form it (m/s, NaN where dry), a value a bin.
 
     `bed_lines` is the bed's height at each line, m; line k of the range stands at ``low + (k + 1/2) spacing``. A line
-    without a bed makes its bin NaN.
+    without a bed makes its bin NaN. Of the lines those count that are `seen`, shape (bins, lines of a bin).
     """
     x, y, u, _, radius, _ = discs
     lines, each = len(bed_lines), len(bed_lines) // bins
@@ -417,12 +494,13 @@ def surface_of(
     dry = np.isnan(bed_lines)
     wet = ~dry & (depth > 0)
     speed = u[top] if len(u) else np.zeros(lines)
-    known = wet & np.isfinite(speed)
-    counted = np.where(wet, depth, np.where(dry, np.nan, 0.0)), np.where(known, speed, 0.0)
+    chosen = np.ones(lines, bool) if seen is None else seen.ravel()
+    known = wet & np.isfinite(speed) & chosen
+    counted = np.where(dry, np.nan, np.where(wet & chosen, depth, 0.0)), np.where(known, speed, 0.0)
     # one line after the other: a sum in pairs would round otherwise
     depths, speeds = (np.cumsum(values.reshape(bins, each), axis=1)[:, -1] for values in counted)
     number = known.reshape(bins, each).sum(axis=1)
-    return depths / each, np.where(number, speeds / np.maximum(number, 1), np.nan)
+    return depths / chosen.reshape(bins, each).sum(axis=1), np.where(number, speeds / np.maximum(number, 1), np.nan)
 
 
 def _top_of_lines(discs: FrameDiscs, joined: np.ndarray, low: float, spacing: float, lines: int) -> np.ndarray:

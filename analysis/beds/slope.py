@@ -16,6 +16,7 @@ import numpy as np
 from lammps_jump.analysis.budgets.head import EnergyFluxes
 from lammps_jump.analysis.contacts import ContactCollector
 from lammps_jump.analysis.flow import Flow
+from lammps_jump.analysis.inlet_rows import running_rows
 from lammps_jump.analysis.jump.found import TrackedJump
 from lammps_jump.analysis.passes import Gathered, Watcher
 from lammps_jump.analysis.profiles import Binner, add_means, bin_edges
@@ -162,10 +163,13 @@ class AlongBed:
 
     def add(self, frame: Frame, time: float) -> None:
         """Take in a frame of the flow as it is."""
-        turned = self.flow.turned(frame)
-        watchers: list[Watcher] = [*([self.contacts] if self.contacts else []), self.binner, self.fluxes]
+        turned, whole = self.flow.turned(frame), self.flow.whole
+        assert whole is not None
+        watchers: list[Watcher] = [*([self.contacts] if self.contacts else []), self.fluxes]
         for collector in watchers:
             collector.add(turned, time)
+        intervals = running_rows(whole, frame).interval  # heights do not tell rows down a slope
+        self.binner.add(turned, time, np.full(frame.n, intervals.mean() if len(intervals) else 0.0))
 
     def result(self) -> Gathered:
         """What was gathered along the stretch."""

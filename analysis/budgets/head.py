@@ -22,6 +22,7 @@ from lammps_jump.analysis.statistics import Mean, as_fields, mean_of
 from lammps_jump.core.law import jump_law
 from lammps_jump.core.library import INTEGER, INTEGERS, REAL, REALS, entry
 from lammps_jump.dump.frame import Frame
+from lammps_jump.scene.motion import way
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -50,8 +51,7 @@ class EnergyFluxes:
 
     def __init__(self, flow: Flow, contacts: object = None):
         self.flow, self.edges = flow, bin_edges(flow.x_range, flow.bin_width)
-        still = not (flow.scene.rubs or flow.scene.moves)
-        self.known = flow.knows_contacts and still and flow.time_step > 0 and flow.gravity > 0
+        self.known = flow.knows_contacts and not no_budget(flow) and flow.time_step > 0 and flow.gravity > 0
         # LAMMPS' dashpots act with the velocity of the half step, the thesis' with that of the step
         self.rounds = ROUNDS if flow.scene.integrator == "velocity_verlet" else 0
         self._times: list[float] = []
@@ -85,7 +85,7 @@ class EnergyFluxes:
         self._kept.append(fields / (width * flow.scene.density))
 
     def result(self) -> xr.Dataset | None:
-        """The fields of all frames; None where contacts are not known, or rub, which is not counted."""
+        """The fields of all frames; None where contacts are not known or rub, or bodies move: none of it is counted."""
         if not self.known:
             return None
         import xarray as xr  # 0.3 s
@@ -107,6 +107,24 @@ def energy_budget(fields: xr.Dataset | None, result: Jump) -> Budget | None:
     """
     if fields is None or not isinstance(result, MeasuredJump):
         return None
+    found = _budget_of_jump(fields, result)
+    return None if found is None or moved_between(result.flow, found) else found
+
+
+def moved_between(flow: Flow, budget: Budget) -> str:
+    """Name of a wall that moves between the stations of a budget, on its way of the window; empty where none does."""
+    margin, moved = flow.scene.largest, budget.speed * (budget.window[1] - budget.window[0])
+    low, high = budget.x[0] + min(0.0, moved) - margin, budget.x[1] + max(0.0, moved) + margin
+    for one in flow.scene.walls:
+        if one.motion.kind is not None:
+            (left, right), _ = way(one, *budget.window)
+            if left < high and right > low:
+                return one.wall.name
+    return ""
+
+
+def _budget_of_jump(fields: xr.Dataset, result: MeasuredJump) -> Budget | None:
+    """Budget of a jump, whatever moves between the stations."""
     asked, time, sign = result.flow.scene.stations, result.track.time, result.direction
     if asked is None:
         return budget_between(fields, result, (result.upstream.middle, result.downstream.middle))
@@ -178,8 +196,23 @@ def budget_between(
 
 
 def no_budget(flow: Flow) -> str:
-    """Why frames give no budget, as a sentence; empty where another reason than friction or moving walls holds."""
-    if not flow.knows_contacts or not (flow.scene.rubs or flow.scene.moves):
+    """Why frames give no budget, as a sentence; empty where another reason than friction or bodies holds."""
+    pushed = any(motion.is_pushed for _, motion in flow.scene.walls)
+    if not flow.knows_contacts or not (flow.scene.rubs or pushed):
         return ""
-    cause = "friction is not counted there" if flow.scene.rubs else "the work of moving walls is not counted there"
+    cause = (
+        "friction is not counted there" if flow.scene.rubs else "the work of what the discs push is not counted there"
+    )
     return f"Frames give no head lost: {cause}. The native engine counts it at every step (probes.stations)."
+
+
+def why_none(fields: xr.Dataset | None, result: Jump) -> str:
+    """Why there is no budget of a jump, as a sentence; empty where its stations are not in the frames."""
+    if fields is None or not isinstance(result, MeasuredJump):
+        return no_budget(result.flow) if isinstance(result, MeasuredJump) else ""
+    found = _budget_of_jump(fields, result)
+    name = moved_between(result.flow, found) if found else ""
+    return name and (
+        f"Frames give no head lost: wall '{name}' moves between the stations, and its work is not counted there. "
+        "The native engine counts it at every step (probes.stations)."
+    )

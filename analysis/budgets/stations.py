@@ -64,7 +64,7 @@ def section(summary: Mapping[str, Any]) -> Section | None:
     rows = [(words, _metres(ledger[f"stations_{key}"]), _of_frames(frames, key)) for key, words in ROWS.items()]
     text = f"Energy between stations at {place(ledger)}. Heads are energies over g and the mass that came in."
     if frames is None:
-        text += " Frames give no budget here: there is no jump, walls move, or friction takes energy."
+        text += " Frames give no budget here: there is no jump, a wall moves between them, or friction takes energy."
     return Section(
         "Energy between stations",
         [Table(rows, ("", "ledger, exact for this run", "from frames")), Text(text)],

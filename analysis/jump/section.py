@@ -13,7 +13,7 @@ import numpy as np
 
 from lammps_jump.analysis.beds.slope import TurnedFlow, in_place
 from lammps_jump.analysis.budgets import inflow, stations
-from lammps_jump.analysis.budgets.head import EnergyFluxes, energy_budget, no_budget
+from lammps_jump.analysis.budgets.head import EnergyFluxes, energy_budget, why_none
 from lammps_jump.analysis.draw.chart import Drawings
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
@@ -61,9 +61,10 @@ def _analysed(gathered: Gathered, whole: Gathered) -> TrackedJump:
     if not gathered.flow.timed:
         return untimed(found)
     found = worded(found)
-    budget = energy_budget(gathered.histories.get("jump"), found)
+    fluxes = gathered.histories.get("jump")
+    budget = energy_budget(fluxes, found)
     if budget is None:
-        why = no_budget(gathered.flow) if found.verdict in A_JUMP else ""
+        why = why_none(fluxes, found) if found.verdict in A_JUMP else ""
         return replace(found, reason=f"{found.reason} {why}".strip())
     lost = as_fields(head_lost=Mean(budget.lost, budget.inflow_error))
     return replace(found, budget=budget, **lost)

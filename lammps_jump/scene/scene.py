@@ -54,6 +54,17 @@ class InletRow:
             return self.turns[: bisect_right(self.turns, step)]
         return range(self.first_step, step + 1, self.every_steps)[: self.limit]
 
+    def turns_around(self, step: int) -> tuple[int, int] | None:
+        """Steps of the last attempt up to a step and of the first one after it; None where one of them is missing."""
+        if self.turns:
+            place = bisect_right(self.turns, step)
+            return (self.turns[place - 1], self.turns[place]) if 0 < place < len(self.turns) else None
+        done = (step - self.first_step) // self.every_steps
+        if done < 0 or (self.limit is not None and done + 1 >= self.limit):
+            return None
+        last = self.first_step + done * self.every_steps
+        return last, last + self.every_steps
+
     def speed_at(self, step: int) -> float:
         """Velocity along x of a disc that enters at a step, m/s; of an inflow against time at the last turn by then."""
         return self.speeds[max(0, bisect_right(self.turns, step) - 1)] if self.turns else self.vx

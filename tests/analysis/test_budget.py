@@ -15,6 +15,7 @@ from lammps_jump.analysis.budgets.head import (
     budget_between,
     energy_budget,
     no_budget,
+    why_none,
 )
 from lammps_jump.analysis.flow import from_scene
 from lammps_jump.analysis.jump.found import MeasuredJump, TrackedJump
@@ -31,9 +32,11 @@ from lammps_jump.case import load_case
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.engines.native.engine import take_frame
 from lammps_jump.scene.build import handmade_scene
+from lammps_jump.scene.motion import Motion, MovingWall
 from lammps_jump.scene.scene import Stations
 from lammps_jump.scene.sizes import Sizes
-from lammps_jump.scene.walls import Plane
+from lammps_jump.scene.tracks import Held, Loaded, Oscillate
+from lammps_jump.scene.walls import Block, Plane
 from lammps_jump.units import ABSENT, as_summary
 
 D = 0.2
@@ -187,6 +190,26 @@ def test_why_friction_has_no_budget_is_said():
     flow = from_scene(load_case(INPUTS / "quick_jump.yaml", ["contact.friction=0.01"]).scene())
     assert "friction is not counted" in no_budget(flow) and "probes.stations" in no_budget(flow)
     assert no_budget(from_scene(load_case(INPUTS / "quick_jump.yaml").scene())) == ""
+
+
+def test_a_gate_that_moves_beyond_the_stations_takes_no_budget_away(jump):
+    """A tailgate at x = 26 m, beyond the stations, and one between them; what discs push may be anywhere."""
+    fields, result = jump
+    scene, between = result.flow.scene, sum(energy_budget(fields, result).x) / 2
+
+    def gated(x, kind):
+        gate = MovingWall(Block("gate", (x, x + 0.5), (-1.0, 0.5)), Motion(kind=kind, time_step=scene.time_step))
+        return replace(result, flow=replace(result.flow, scene=replace(scene, walls=(*scene.walls, gate))))
+
+    hold = Held(depth=1.0, at=20.0, speed=0.3, range=(-0.2, 1.0))
+    assert energy_budget(fields, gated(26.0, hold)) == energy_budget(fields, result)
+    assert why_none(fields, gated(26.0, hold)) == ""
+    assert energy_budget(fields, gated(between, hold)) is None
+    assert "wall 'gate' moves between the stations" in why_none(fields, gated(between, hold))
+    swings = Oscillate(amplitude=(between - 26.0, 0.0), period=1.0)
+    assert energy_budget(fields, gated(26.0, swings)) is None
+    pushed = gated(26.0, Loaded(mass=100.0, force=(0.0, -1.0)))
+    assert EnergyFluxes(pushed.flow).result() is None and "what the discs push" in why_none(None, pushed)
 
 
 def test_friction_has_no_budget(jump):

@@ -9,6 +9,7 @@ from made_up import columns_of_discs, disc_frame, flow_context
 
 from lammps_jump.analysis.budgets import grade
 from lammps_jump.analysis.profiles import compute_profiles
+from lammps_jump.dump.frame import make_frame
 from lammps_jump.scene.walls import Block, Plane
 
 D, G = 0.2, 9.81
@@ -74,11 +75,21 @@ def test_a_step_of_the_bed_is_in_the_head():
 
 
 def test_what_is_stored_is_no_loss():
-    """Half of the discharge stays between the stations: no head lost is told, and why."""
-    found = grade_of(stream([(0.0, 10.0, 5, 0.0, 4.0, 0.0), (10.0, 20.0, 5, 0.0, 2.0, 0.0)]))
-    assert np.isnan(found.lost) and "the flow is not steady in the window" in found.reason
+    """A bore of 2 m that runs upstream at 2 m/s stores half of the discharge: no head lost is told, and why."""
+    parts = (([(0.0, 16.0 - 0.2 * k, 5, 0.0, 4.0, 0.0), (16.0 - 0.2 * k, 20.0, 10, 0.0, 1.0, 0.0)]) for k in range(20))
+    frames = [stream(part, 1)[0] for part in parts]
+    frames = [make_frame(k, 0.1 * k, one.box, one.columns) for k, one in enumerate(frames)]
+    found = grade_of(frames)
+    assert np.isnan(found.lost)
+    assert "the flow is not steady in the window, and what it stores (2 m2/s) is no loss" in found.reason
     outside = grade_of(stream([(0.0, 12.0, 5, 0.0, 4.0, 0.0)]), heads_at=(2.5, 18.5))
     assert outside.reason == "no stream runs at x = 18.5 m in the window; take another station"
+
+
+def test_a_stream_that_discs_leave_is_not_called_unsteady():
+    """Half of the discharge leaves through the floor at x = 10 m: nothing is stored."""
+    found = grade_of(stream([(0.0, 10.0, 5, 0.0, 4.0, 0.0), (10.0, 20.0, 5, 0.0, 2.0, 0.0)]))
+    assert np.isnan(found.lost) and "discs come or go there" in found.reason and "steady" not in found.reason
 
 
 @pytest.mark.parametrize("speed", [0.0, 1e-3])

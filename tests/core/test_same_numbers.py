@@ -3,6 +3,8 @@
 otherwise, else to the last bit.
 """
 
+from math import nan
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -13,6 +15,7 @@ from lammps_jump.analysis import fields
 from lammps_jump.analysis.cell_grid import close_pairs
 from lammps_jump.analysis.draw.painter import View, blank, paint_discs
 from lammps_jump.analysis.grains.layers import add_discs
+from lammps_jump.analysis.inlet_rows import OpenEnds
 from lammps_jump.analysis.profiles import FrameDiscs, bin_discs, connected, surface_of
 from lammps_jump.analysis.report.coder import encode
 from lammps_jump.analysis.report.player_check import holds_frames
@@ -44,6 +47,17 @@ def test_sums_of_bins(seed, count, width):
     one, two = both(bin_discs, discs_of(seed, count), 0.0, width, bins)
     np.testing.assert_allclose(one[0], two[0], rtol=1e-12, atol=1e-13)  # shares are differences of order one
     np.testing.assert_allclose(one[1], two[1], rtol=1e-12, atol=1e-13)
+
+
+@given(seeds, counts, st.sampled_from([0.05, 0.5, 3.0]), st.sampled_from([nan, 0.0, 5.0]))
+def test_sums_of_bins_over_the_ways_of_discs(seed, count, width, inlet):
+    draw, discs = np.random.default_rng(seed), discs_of(seed, count)
+    half = np.where(draw.random(count) < 0.3, 0.0, draw.uniform(0.0, 0.4, count))
+    ways = OpenEnds(0.0, 5.0, inlet).ways(discs.x, half)
+    one, two = both(bin_discs, discs, 0.0, width, int(5 / width), ways)
+    np.testing.assert_allclose(one[0], two[0], rtol=1e-11, atol=1e-12)  # shares are differences of order one
+    np.testing.assert_allclose(one[1], two[1], rtol=1e-11, atol=1e-12)
+    assert one[0][0].sum() + one[1].sum() == pytest.approx(discs.mass.sum(), rel=1e-12, abs=1e-13)
 
 
 @given(seeds, counts)

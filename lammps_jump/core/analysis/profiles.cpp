@@ -10,32 +10,41 @@
 #include "analysis/circular_segment.h"
 
 #define JUMP_BIN_FRAME(FIELD) \
-  FIELD(int64_t, n) FIELD(const double *, x) FIELD(const double *, y) FIELD(const double *, vx) FIELD(const double *, vy) \
-  FIELD(const double *, radius) FIELD(const double *, mass) FIELD(double, low) FIELD(double, width) FIELD(int64_t, bins) \
-  FIELD(double *, sums) FIELD(double *, beyond)
+  FIELD(int64_t, n) FIELD(const double *, start) FIELD(const double *, stop) FIELD(const double *, weight) \
+  FIELD(const double *, y) FIELD(const double *, vx) FIELD(const double *, vy) FIELD(const double *, radius) \
+  FIELD(const double *, mass) FIELD(double, begin) FIELD(double, end) FIELD(double, low) FIELD(double, width) \
+  FIELD(int64_t, bins) FIELD(double *, sums) FIELD(double *, beyond)
 JUMP_INPUT(jump_bin_frame, JUMP_BIN_FRAME)
 
 // Adds discs to sums[quantity * bins + bin], and the mass beyond the bins to beyond (left, right), in shares of area.
 // Quantities: mass; sum of u, of u^2, of u |v|^2 / 2 and of y, each times the mass; number.
+// The centre of a disc is anywhere from start to stop, and the disc counts with its weight. There are no discs before
+// `begin` and behind `end`, to fill what those between them leave free there: what sticks out is folded back.
 JUMP_API void jump_bin_frame(const jump_bin_frame_input *input)
 {
   JUMP_BIN_FRAME(JUMP_LOCAL)
   for (int64_t i = 0; i < n; i++) {
-    const double r = radius[i], m = mass[i], left = (x[i] - r - low) / width;
+    const double r = radius[i], from = start[i], to = stop[i], m = weight[i] * mass[i], left = (from - r - low) / width;
     if (left >= static_cast<double>(bins)) {
       beyond[1] += m;
       continue;
     }
-    if ((x[i] + r - low) / width <= 0.0) {
+    if ((to + r - low) / width <= 0.0) {
       beyond[0] += m;
       continue;
     }
+    const auto share_left_of = [=](double edge) {
+      double share = jump::spread_segment_area(edge, from, to, r);
+      if (from - r < begin) share += jump::spread_segment_area(edge, 2.0 * begin - to, 2.0 * begin - from, r) - 1.0;
+      if (to + r > end) share += jump::spread_segment_area(edge, 2.0 * end - to, 2.0 * end - from, r);
+      return share;
+    };
     const double u = vx[i], kinetic = 0.5 * (u * u + vy[i] * vy[i]);
     double done = 0.0;
     // all that is outside the range is one bin on either side
     for (int64_t k = left < 0.0 ? -1 : static_cast<int64_t>(left); done < 1.0; k++) {
       const double edge = low + static_cast<double>(k + 1) * width;
-      const double upto = k >= bins ? 1.0 : jump::circular_segment_area((edge - x[i]) / r);
+      const double upto = k >= bins ? 1.0 : share_left_of(edge);
       const double share = upto - done, part = share * m;
       done = upto;
       if (k < 0) {
@@ -49,7 +58,7 @@ JUMP_API void jump_bin_frame(const jump_bin_frame_input *input)
         sum[2 * bins] += part * u * u;
         sum[3 * bins] += part * u * kinetic;
         sum[4 * bins] += part * y[i];
-        sum[5 * bins] += share;
+        sum[5 * bins] += share * weight[i];
       }
     }
   }
