@@ -258,24 +258,40 @@ function entering(run, row, until, found) {
   if (run.inlets.some(inside)) put(found, run.disc[row], x, y, u, v);
 }
 
-// Mass depth of each bin at an instant, m: the share of each disc's area that lies in the bin counts, as in profiles.nc.
-// Discs of rough beds do not count.
+// Mass depth of each bin at an instant, m: the share of each disc's area that lies in the bin counts. Discs come and go
+// with their centres: what they have beyond an inlet or an outlet at an end of the bins is folded back. Discs of rough
+// beds do not count. (profiles.nc has means from turn to turn of an inlet's rows.)
 function massDepth(run, found, depth) {
   const { low, width, count } = run.bins, scale = run.area / run.share / width;
-  const [first, last] = run.fixed || [1, 0];
+  const [first, last] = run.fixed || [1, 0], [begin, end] = openEnds(run);
+  const add = (x, r) => {
+    let bin = Math.max(Math.floor((x - r - low) / width), -1), done = 0;
+    for (; done < 1 && bin < count; bin++) {
+      const upto = leftShare((low + (bin + 1) * width - x) / r);
+      if (bin >= 0) depth[bin] += scale * r * r * (upto - done);
+      done = upto;
+    }
+  };
   depth.fill(0);
   for (let k = 0; k < found.count; k++) {
     const id = run.ids[found.disc[k]];
     if (id >= first && id <= last) continue;
-    const r = run.radii[run.shade[found.disc[k]]], x = found.x[k], mass = scale * r * r;
-    let bin = Math.max(Math.floor((x - r - low) / width), -1), done = 0;
-    for (; done < 1 && bin < count; bin++) {
-      const upto = leftShare((low + (bin + 1) * width - x) / r);
-      if (bin >= 0) depth[bin] += mass * (upto - done);
-      done = upto;
-    }
+    const r = run.radii[run.shade[found.disc[k]]], x = found.x[k];
+    if (x < begin || x > end) continue;
+    add(x, r);
+    if (x - r < begin) add(2 * begin - x, r);
+    if (x + r > end) add(2 * end - x, r);
   }
   return depth;
+}
+
+// Planes at the ends of the bins at which discs come or go, m; infinite where there is none.
+function openEnds(run) {
+  const { low, width, count } = run.bins, high = low + width * count, near = (x, at) => Math.abs(x - at) < 1e-6 * width;
+  const planes = [...run.inlets.map(([at, sign]) => [at, sign > 0])];
+  for (const [axis, at, side] of run.outlets) if (axis === "x") planes.push([at, side === "below"]);
+  const there = (at, inward) => planes.some(([x, right]) => near(x, at) && right === inward);
+  return [there(low, true) ? low : -Infinity, there(high, false) ? high : Infinity];
 }
 
 // Share of the area of a unit disc left of x = a.
