@@ -39,6 +39,7 @@ from .parts.beds import beds_of
 from .parts.domain import Rectangle, domain_of, implied_speed, outlets_of
 from .parts.earlier import EarlierRun
 from .parts.inflow import PourInflow, RowsInflow
+from .parts.pushed import going_on
 from .parts.rows import Inlet, inlet_back, inlet_of
 from .parts.taken import Taken, for_walls, padded, take, with_given
 from .text import Runs
@@ -285,8 +286,10 @@ def _beginning(case: CaseFields, runs: Runs) -> tuple[Beginning, list[str]]:
     checks.check_engine(case)
     channel.check_fields(case)
     random, softness = np.random.default_rng(case.run.seed), _stiffness(case)[0]
-    standing = [(item.field, item.wall) for item in (*walls.joined(case), *walls.lifted(case))]
-    taken = take(case, runs, standing, case.discs.diameter / softness, random)
+    pushed = walls.pushed(case)
+    going, about = going_on(case, runs, pushed), {one.wall.name: one.about for one in pushed}
+    standing = [(item.field, going.placed(item.wall, about)) for item in (*walls.joined(case), *walls.lifted(case))]
+    taken = take(case, runs, standing, case.discs.diameter / softness, random, going)
     integrator, sizes = _integrator(case), with_given(disc_sizes(case), case.discs.diameter, taken)
     coefficients = _coefficients(case, integrator, sizes)
     warnings = checks.check_stability(case, coefficients, integrator, sizes)

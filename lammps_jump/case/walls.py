@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
-from math import hypot, inf, isinf, pi, sqrt
+from math import hypot, inf, isfinite, isinf, pi, sqrt
 from typing import Any, cast
 
 import numpy as np
@@ -17,13 +17,14 @@ from lammps_jump.scene import Beginning, Block, InletRow, Interval, MovingWall, 
 from lammps_jump.scene.chains import Point, boxes
 from lammps_jump.scene.motion import Motion, arms, largest_speed, way
 from lammps_jump.scene.shapes import ArcTo, PlaceError, flush, open_ends, tight_bend, vertices
-from lammps_jump.scene.tracks import Translate
+from lammps_jump.scene.tracks import Held, Loaded, Translate
 from lammps_jump.scene.walls import Line
 
 from .bodies.fields import Body
 from .fields import CaseFields
 from .groups.discs import Column
 from .parts.beds import RoughBed
+from .parts.pushed import Pushable
 from .text import nearest
 
 EASE = 10.0
@@ -213,7 +214,7 @@ def moving(item: CaseWall, case: CaseFields, begun: Beginning, laws: Laws) -> Mo
     """A wall with its motion."""
     wall, kind = item.wall, item.wall.motion
     if item.body is not None:
-        return item.body.moving(case.acceleration, begun)
+        return _gone_on(item.body.moving(case.acceleration, begun), begun)
     if kind is None:
         return MovingWall(wall)
     if kind.turns and not wall.finite:
@@ -223,7 +224,28 @@ def moving(item: CaseWall, case: CaseFields, begun: Beginning, laws: Laws) -> Mo
     rate = contact.angular_frequency(law_of(wall.name, begun, laws).stiffness, begun.coefficients.mass)
     ease = EASE * pi / rate if kind.eased else 0.0
     about = kind.about or wall.pivot_point
-    return MovingWall(wall, Motion(inf, kind, about, ease, begun.settle_steps, begun.time_step))
+    return _gone_on(MovingWall(wall, Motion(inf, kind, about, ease, begun.settle_steps, begun.time_step)), begun)
+
+
+def _gone_on(one: MovingWall, begun: Beginning) -> MovingWall:
+    """A wall with what it has of an earlier run, in which it was released."""
+    went = begun.earlier.walls.get(one.wall.name) if begun.earlier else None
+    if went is None or one.motion.kind is None:
+        return one
+    kind = replace(one.motion.kind, begin=-inf)
+    return MovingWall(one.wall, replace(one.motion, kind=kind, went=went))
+
+
+def pushed(case: CaseFields) -> list[Pushable]:
+    """Walls of a case whose pose is state: bodies, lids and tailgates."""
+    found = []
+    for item in joined(case):
+        body, motion = item.body, item.wall.motion
+        if body is not None:
+            found.append(Pushable(item.wall, "free", body.hinge or body.section.centre, body.begin))
+        elif isinstance(motion, (Loaded, Held)):
+            found.append(Pushable(item.wall, motion.kind, motion.about or item.wall.pivot_point, motion.begin))
+    return found
 
 
 def span(begun: Beginning | Scene) -> Interval:
@@ -376,7 +398,8 @@ def words_of_wall(one: MovingWall, scene: Scene) -> str:
         end = "" if kind.until is None else f" until {kind.until:zg} s"
         speed = largest_speed(one, *span(scene))
         pace = f", at up to {speed:z.3g} m/s" if speed else ""
-        parts.append(f"motion {kind.kind} from {kind.begin:zg} s{end}{pace}")
+        begin = f"from {kind.begin:zg} s" if isfinite(kind.begin) else "goes on"
+        parts.append(f"motion {kind.kind} {begin}{end}{pace}")
     return "; ".join(parts)
 
 

@@ -3,6 +3,7 @@ from .build import handmade_scene as handmade_scene
 from .chains import Chain as Chain
 from .motion import Motion as Motion
 from .motion import MovingWall as MovingWall
+from .motion import Went as Went
 from .motion import gate as gate
 from .scene import Beginning as Beginning
 from .scene import InletRow as InletRow

@@ -33,6 +33,38 @@ STILL = Pose()
 
 
 @dataclass(frozen=True)
+class Went:
+    """Where a wall whose pose is state of the run comes from, at the end of an earlier run.
+
+    All numbers are of its point of turning, in the order of `Pose`; None where they are not known.
+
+    Attributes
+    ----------
+    pose : Pose
+        At the start of this run, from where the case has the wall.
+    speed : Pose
+        There, m/s and rad/s.
+    half, before : Pose, optional
+        Half a step earlier, and a step before that.
+    force : Pose, optional
+        Of what touched it (N/m), and its moment (N).
+    listed : Pose, optional
+        Where it was when the lists of the earlier run were made.
+    area, since : float, optional
+        Of the discs that a tailgate saw last (m^2), and the time since then (s).
+    """
+
+    pose: Pose
+    speed: Pose = STILL
+    half: Pose | None = None
+    before: Pose | None = None
+    force: Pose | None = None
+    listed: Pose | None = None
+    area: float | None = None
+    since: float | None = None
+
+
+@dataclass(frozen=True)
 class Motion:
     """Where a wall is at each step; without fields it stands.
 
@@ -52,6 +84,8 @@ class Motion:
         s.
     holding : Holding, optional
         Of a tailgate: what it measures and how it answers.
+    went : Went, optional
+        Of a wall whose pose is state: where it is at the start, if it has moved in an earlier run.
     """
 
     gone: float = inf
@@ -61,6 +95,7 @@ class Motion:
     start: int = 0
     time_step: float = 1.0
     holding: Holding | None = None
+    went: Went | None = None
 
     @property
     def is_state(self) -> bool:
@@ -95,6 +130,8 @@ class Motion:
         """Pose at a step; None once the wall is gone. Where it is state, that of the start."""
         if step >= self.gone:
             return None
+        if self.went is not None:
+            return self.went.pose
         time = (step - self.start) * self.time_step
         x, y, angle = pose_py(self.track, 0, len(self.track), time)
         return Pose(float(x), float(y), float(angle))
@@ -121,6 +158,11 @@ class MovingWall(NamedTuple):
         before = self.motion.pose(step - 1)
         own = [(b - a) / self.motion.time_step for a, b in zip(before or now, now, strict=True)]
         return Placed(self.wall, pose or now, self.motion.about, Pose(*own) if pose is None else rate)
+
+    @property
+    def first(self) -> Wall:
+        """The wall where it is at the start."""
+        return self.wall if self.motion.went is None else self.at(0) or self.wall
 
 
 @dataclass(frozen=True)
@@ -212,7 +254,7 @@ def way(one: MovingWall, begin: float, end: float) -> tuple[Interval, Interval]:
     """Smallest rectangle (x, y) around a wall and its way between two times (s), m; of a pushed one where it begins."""
     wall, motion = one
     if motion.kind is None or motion.is_pushed:
-        return wall.extent
+        return one.first.extent
     if isinstance(motion.kind, Held):
         low, high = wall.extent[1]
         return wall.extent[0], (low + motion.kind.range[0], high + motion.kind.range[1])

@@ -17,7 +17,7 @@ from lammps_jump.physics.contact import Coefficients, WallLaw
 from lammps_jump.physics.hydrograph import Hydrograph
 from lammps_jump.physics.slip import FRICTION_LAWS, Springs, slots_of
 
-from .motion import STILL, MovingWall, Pose, arms
+from .motion import STILL, MovingWall, Pose, Went, arms
 from .sizes import Sizes
 from .walls import Interval, Wall
 
@@ -144,6 +144,13 @@ class Earlier:
         What an engine of the same kind needs to go on bit for bit, where all discs are there as they were.
     origins : tuple of str
         Where they come from, in words.
+    walls : mapping of str to Went
+        What walls whose pose is state have of that run, by name; the scene has it with their motions.
+    corners : ndarray of CONTACT
+        Contacts of corners of walls with faces, which go on: `disc` counts `corner_names` from 1, `partner` is as
+        above.
+    corner_names : tuple of str
+        As `lammps_jump.scene.bodies.meeting.corner_names`.
     """
 
     spins: np.ndarray
@@ -152,24 +159,36 @@ class Earlier:
     chains: tuple[str, ...]
     exact: Mapping[str, np.ndarray]
     origins: tuple[str, ...]
+    walls: Mapping[str, Went] = field(default_factory=dict)
+    corners: np.ndarray = field(default_factory=lambda: np.empty(0, CONTACT))
+    corner_names: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         """Text with the hash of all numbers, by which scenes are told apart."""
         found = sha256(repr(self.chains).encode())
-        for array in (self.spins, self.half, self.contacts, *self.exact.values()):
+        for array in (self.spins, self.half, self.contacts, *self.exact.values(), self.corners):
             found.update(array.tobytes())
         return f"Earlier({found.hexdigest()})"
 
     def slots(self, count: int) -> dict[str, np.ndarray]:
         """What each disc remembers, arrays of shape (n, count) by the names of `lammps_jump.physics.slots.Slots`."""
-        found = {name: np.zeros((len(self.spins), count)) for name in ("sigma", "spring", "roll")}
-        found["partner"] = np.zeros((len(self.spins), count), np.int64)
-        rows = self.contacts[np.argsort(self.contacts["disc"], kind="stable")]
-        slot = np.arange(len(rows)) - np.searchsorted(rows["disc"], rows["disc"])
-        rows, slot = rows[slot < count], slot[slot < count]
-        for name, own in (("partner", "partner"), ("sigma", "foot"), ("spring", "spring"), ("roll", "roll")):
-            found[name][rows["disc"] - 1, slot] = rows[own]
-        return found
+        return _slots(self.contacts, len(self.spins), count)
+
+    def corner_slots(self, count: int) -> dict[str, np.ndarray]:
+        """The same of each corner."""
+        return _slots(self.corners, len(self.corner_names), count)
+
+
+def _slots(contacts: np.ndarray, number: int, count: int) -> dict[str, np.ndarray]:
+    """Contacts in the slots of so many discs or corners, `count` each."""
+    found = {name: np.zeros((number, count)) for name in ("sigma", "spring", "roll")}
+    found["partner"] = np.zeros((number, count), np.int64)
+    rows = contacts[np.argsort(contacts["disc"], kind="stable")]
+    slot = np.arange(len(rows)) - np.searchsorted(rows["disc"], rows["disc"])
+    rows, slot = rows[slot < count], slot[slot < count]
+    for name, own in (("partner", "partner"), ("sigma", "foot"), ("spring", "spring"), ("roll", "roll")):
+        found[name][rows["disc"] - 1, slot] = rows[own]
+    return found
 
 
 def chains_of(walls: Iterable[MovingWall]) -> tuple[str, ...]:

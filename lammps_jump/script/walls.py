@@ -35,6 +35,8 @@ from .regions import (
 
 JOIN = " &\n                "
 """Goes on with a command in the next line."""
+BEFORE_ALL = -1e300
+"""Time before every other one, s: LAMMPS reads no infinite number."""
 
 
 def fix_names(lines: list[str]) -> list[str]:
@@ -280,7 +282,14 @@ def plugin_bodies(scene: Scene) -> list[str]:
     limit = min(LARGEST_OVERLAP * smallest, scene.overlap_limit or inf)
     damping = springs.tangential_damping_ratio if springs else 0.0
     head = f"bodies {scene.probe_steps} {BODIES} {numbers(limit, damping)}"
-    return [JOIN.join([f"{head} {len(lines)}", *lines, f"{len(pairs)}", *pairs])]
+    held = []
+    if scene.earlier is not None:
+        kept = scene.earlier.corners
+        held = [f"held {len(kept)}"] * bool(len(kept))
+        held += [
+            f"{row['disc'] - 1} {row['partner']} {numbers(row['foot'], row['spring'], row['roll'])}" for row in kept
+        ]
+    return [JOIN.join([f"{head} {len(lines)}", *lines, f"{len(pairs)}", *pairs, *held])]
 
 
 def plugin_wall(moving: MovingWall, own: WallLaw | None = None, *, seam: bool = False) -> str:
@@ -302,10 +311,10 @@ def plugin_wall(moving: MovingWall, own: WallLaw | None = None, *, seam: bool = 
         free = " ".join(str(int(axis)) for axis in body.freedom)
         speeds = (value * axis for value, axis in zip((*body.velocity, body.spin), body.freedom, strict=True))
         weight = numbers(body.mass, body.inertia_there, *body.weight, *body.arm)
-        lines += [f"body {place} {weight} {free} {numbers(body.begin, *speeds)}"]
+        lines += [f"body {place} {weight} {free} {numbers(max(body.begin, BEFORE_ALL), *speeds)}"]
     elif load := motion.load:
         free = f"{int(load.axis != 'y')} {int(load.axis != 'x')}"
-        lines += [f"lid {place} {numbers(load.mass, *load.force)} {free} {number(load.begin)}"]
+        lines += [f"lid {place} {numbers(load.mass, *load.force)} {free} {number(max(load.begin, BEFORE_ALL))}"]
     elif hold := motion.holding:
         gains = numbers(hold.proportional, hold.integral, hold.speed, hold.lowest, hold.highest)
         looks = f"{numbers(hold.low, hold.high)} {hold.bins} {numbers(hold.target, hold.level)}"
@@ -313,4 +322,7 @@ def plugin_wall(moving: MovingWall, own: WallLaw | None = None, *, seam: bool = 
     elif motion.kind:
         lines += [f"move {numbers(*motion.about)} {motion.start} {len(motion.track)}"]
         lines += [numbers(*row) for row in motion.track]
+    if went := motion.went:
+        lines += [f"went {numbers(*went.pose, *went.speed, *(went.half or went.speed))}"]
+        lines += [] if went.area is None else [f"saw {number(went.area)}"]
     return JOIN.join(lines)

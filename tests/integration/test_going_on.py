@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Runs that go on from other runs: `initial` of kind `run`."""
 
-import json
 import os
 import shutil
 from dataclasses import replace
@@ -10,14 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from made_up import analysed_again, call, choose_to_stop_at, plugin_or_skip
+from made_up import analysed_again, call, choose_to_stop_at, plugin_or_skip, reseal
 
 import lammps_jump as lj
 from lammps_jump.case.parts import taken
 from lammps_jump.dump.find import read_dump
 from lammps_jump.dump.side_files.ended import read_ended, write_ended
 from lammps_jump.errors import CaseError, RunInterrupted
-from lammps_jump.files import END_FILE, checksum
+from lammps_jump.files import END_FILE
 from lammps_jump.runs import engine
 
 D = 0.1
@@ -65,14 +64,6 @@ def bed(place):
 def settled(place):
     """A small heap at rest, a settled bed."""
     return lj.load_case(BED, {"run.duration": 3, "run.output_interval": 0.25}).run(place / "settled")
-
-
-def reseal(folder: Path) -> None:
-    """Give the summary of a run the checksum of the end state that is there."""
-    path = folder / "summary.json"
-    stored = json.loads(path.read_text())
-    stored["outputs"][END_FILE] = checksum(folder / END_FILE)
-    path.write_text(json.dumps(stored))
 
 
 def case_file(folder: Path, **changes) -> Path:

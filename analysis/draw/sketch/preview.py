@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import hypot
+from math import hypot, sqrt
 
 import numpy as np
 
@@ -32,6 +32,8 @@ MOST_EDGES = 100
 """Edges of a wall that labels had better not cross."""
 CROSS = 6.0
 """Pixels from a centre of mass to the ends of the cross there."""
+SLOW = 0.01
+"""Speed over sqrt(g d) below which a body that goes on from an earlier run counts as at rest."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +65,7 @@ def scene_drawing(
     drawing.add(Area("domain", (rectangle(*scene.domain),)))
     _draw_discs(drawing, scene, regions)
     for one, way in sorted(walls, key=lambda pair: not pair[0].wall.hollow):
-        _draw_wall(drawing, one.wall)
+        _draw_wall(drawing, one.first)
         if way:
             _draw_way(drawing, one, way)
     _draw_traffic(drawing, scene)
@@ -112,7 +114,7 @@ def _shown(
     far: list[np.ndarray] = []
     for one, way in walls:
         poses = way[:: SAMPLES // 20] or [Pose()]
-        extents = [np.array(_at(one, pose).extent if way else one.wall.extent).T for pose in poses]
+        extents = [np.array(_at(one, pose).extent if way else one.first.extent).T for pose in poses]
         low, high = np.min([ends[0] for ends in extents], axis=0), np.max([ends[1] for ends in extents], axis=0)
         solid = one.wall.finite and not one.wall.hollow and all(chain.closed for chain in one.wall.chains())
         points += [[(low[0], high[1]), high]] if solid else [[low, high]]
@@ -299,7 +301,7 @@ def _draw_sequent(drawing: Drawing, scene: Scene, sequent: float) -> None:
 
 def _name_wall(drawing: Drawing, one: MovingWall, scene: Scene) -> None:
     """The name of a wall and what becomes of it, on its solid or beside its edge."""
-    wall, motion = one
+    wall, motion = one.first, one.motion
     text = wall.name if motion.kind is None else f"{wall.name} ({motion.kind.kind})"
     if np.isfinite(motion.gone):
         text += f", opens at t = {scene.time(int(motion.gone)):z.3g} s"
@@ -311,11 +313,11 @@ def _name_wall(drawing: Drawing, one: MovingWall, scene: Scene) -> None:
             drawing.keep_free((begin[0] - thin_one, end[0] + thin_one), (begin[1] - thin_one, end[1] + thin_one))
     if not wall.hollow and (high - low).max() * drawing.scale < SMALL:
         drawing.keep_free((low[0], high[0]), (low[1], high[1]))
-    if motion.free is not None:
-        _draw_body(drawing, motion.free)
+    still = SLOW * sqrt(scene.diameter * hypot(*scene.gravity))
+    centre = None if motion.free is None else _draw_body(drawing, one, motion.free, still)
     on = None
     if not wall.hollow and float(wall.distance(*(0.5 * (low + high)))) < 0:
-        above = float(motion.free.centre[1]) + CROSS / drawing.scale if motion.free else -np.inf  # not on the cross
+        above = -np.inf if centre is None else float(centre[1]) + CROSS / drawing.scale  # not on the cross
         on = (float(low[0]), float(high[0])), (max(float(low[1]), above), float(high[1]))
     edge = ends.mean(axis=0)
     place = edge[np.argmax(edge[:, 1])]  # the middle of the highest edge
@@ -325,16 +327,20 @@ def _name_wall(drawing: Drawing, one: MovingWall, scene: Scene) -> None:
         drawing.arrow(np.array([place, place + 0.04 * (drawing.x[1] - drawing.x[0]) * force]), "red")
 
 
-def _draw_body(drawing: Drawing, free: Free) -> None:
-    """The centre of mass of a body as a cross, its hinge as a ring, and an arrow where it is thrown."""
-    arm, centre = CROSS / drawing.scale, np.array(free.centre)
+def _draw_body(drawing: Drawing, one: MovingWall, free: Free, still: float) -> np.ndarray:
+    """The centre of mass of a body as a cross, its hinge as a ring, and an arrow where it is thrown; that centre, m."""
+    went = one.motion.went
+    shown = _at(one, Pose() if went is None else went.pose)
+    arm, (centre, point) = CROSS / drawing.scale, np.column_stack(shown.outward(*np.array([free.centre, free.point]).T))
+    velocity = free.velocity if went is None else went.speed[:2]
     for x, y in ((1.0, 1.0), (1.0, -1.0)):
         drawing.add(Stroke("mark", centre + arm * np.array([(-x, -y), (x, y)]), "red"))
     drawing.keep_free((centre[0] - arm, centre[0] + arm), (centre[1] - arm, centre[1] + arm))
     if free.hinge is not None:
         turn = np.linspace(0.0, 2 * np.pi, 25)
-        ring = np.array(free.hinge) + arm * np.column_stack([np.cos(turn), np.sin(turn)])
+        ring = point + arm * np.column_stack([np.cos(turn), np.sin(turn)])
         drawing.add(Stroke("mark", ring, "red"))
-    if any(free.velocity):
-        way = np.array(free.velocity) / hypot(*free.velocity)
+    if hypot(*velocity) > (0.0 if went is None else still):  # one that goes on is never quite at rest
+        way = np.array(velocity) / hypot(*velocity)
         drawing.arrow(np.array([centre, centre + 0.04 * (drawing.x[1] - drawing.x[0]) * way]), "red")
+    return centre

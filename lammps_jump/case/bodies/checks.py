@@ -56,7 +56,7 @@ def check_bodies(
             other for other in walls if other is not one and not (other.motion.free and _later(other, one, walls))
         ]
         _check_free_of(begun, one, others, field)
-        notes += [*_hinge(one.wall, free), *_support(begun, one, walls), *_falls(begun, one.wall, free, law, ground)]
+        notes += [*_hinge(one.wall, free), *_support(begun, one, walls), *_falls(begun, one, free, law, ground)]
     return notes
 
 
@@ -130,14 +130,15 @@ def _check_step(begun: Beginning, wall: Wall, free: Free, law: WallLaw, integrat
 def _check_free_of(begun: Beginning, one: MovingWall, others: Sequence[MovingWall], field: str) -> None:
     """Refuse a body that lies in another wall or body at the start."""
     allowed = 0.5 * begun.overlap_limit
-    own = points_of(one.wall)
+    body = one.first
+    own = points_of(body)
     for other in others:
         wall = other.at(0)
         if wall is None:
             continue
         depth = _depth(wall, own, begun)
         if wall.finite:
-            depth = max(depth, _depth(one.wall, points_of(wall), begun) if not wall.hollow else -inf)
+            depth = max(depth, _depth(body, points_of(wall), begun) if not wall.hollow else -inf)
         if depth > allowed * (1 + 1e-9):
             what = "body" if other.motion.free else "wall"
             raise FieldError(
@@ -174,7 +175,7 @@ def _support(begun: Beginning, one: MovingWall, walls: Sequence[MovingWall]) -> 
     free = one.motion.free
     assert free is not None
     weight, place = np.array(free.weight), np.array(free.centre)
-    if free.hinge is not None or not weight.any() or not all(free.axes):
+    if free.hinge is not None or not weight.any() or not all(free.axes) or one.motion.went:
         return []
     down, across = weight / np.hypot(*weight), np.array([-weight[1], weight[0]]) / np.hypot(*weight)
     points = points_of(one.wall)
@@ -192,15 +193,16 @@ def _support(begun: Beginning, one: MovingWall, walls: Sequence[MovingWall]) -> 
     return [f"body '{one.wall.name}' stands with its centre of mass {off:z.3g} m beside its support: it tips at once"]
 
 
-def _falls(begun: Beginning, wall: Wall, free: Free, law: WallLaw, ground: float) -> list[str]:
+def _falls(begun: Beginning, one: MovingWall, free: Free, law: WallLaw, ground: float) -> list[str]:
     """A body that is so heavy or may fall so fast that its contacts are too soft."""
-    limit = begun.overlap_limit
+    limit, wall, went = begun.overlap_limit, one.first, one.motion.went
+    velocity = free.velocity if went is None else went.speed[:2]
     if not round_of(wall.faces, 0):
         limit = min(limit, LARGEST_OVERLAP * free.corner_radius)
     weight, k = hypot(*free.weight), law.stiffness
     (_, _), (low, _) = wall.extent
     fall = max(0.0, low - ground) if np.isfinite(ground) and free.freedom[1] else 0.0
-    speed = sqrt(hypot(*free.velocity) ** 2 + 2.0 * weight / free.mass * fall)
+    speed = sqrt(hypot(*velocity) ** 2 + 2.0 * weight / free.mass * fall)
     rests = 0.5 * weight / k  # on two corners
     overlap = 0.5 * rests + sqrt((0.5 * rests) ** 2 + free.mass * speed**2 / k)
     if overlap <= limit:

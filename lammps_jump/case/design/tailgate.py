@@ -75,7 +75,10 @@ def _holding(
         bins = max(2, ceil((face - left) / (0.5 * width)))
     proportional, integral = gate_gains(response, travel, length, rise / length)
     every = max(1, round(response / GATE_LOOKS / begun.time_step))
-    first = max(1, begun.settle_steps + ceil(kind.begin / begun.time_step))
+    first = max(1, begun.settle_steps + ceil(kind.begin / begun.time_step)) if isfinite(kind.begin) else 0
+    if one.motion.went is not None:  # the next look of a gate that goes on
+        since = one.motion.went.since or 0.0
+        first = every - min(round(since / begun.time_step), every - 1)
     return Holding(
         low, high, bins, place if kind.front is not None else depth, level, proportional, integral, kind.speed,
         *kind.range, first, every,

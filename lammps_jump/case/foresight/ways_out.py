@@ -55,7 +55,7 @@ def unguarded(
     highest = max(start.top for start in starts(case))
     fastest = max((largest_speed(one, 0.0, case.run.duration) for one in walls), default=0.0)
     highest += max(max(start.speed for start in starts(case)), fastest) ** 2 / (2 * case.gravity)
-    ends = [end for one in walls for end in one.wall.extent[1] if isfinite(end)]
+    ends = [end for one in walls for end in one.first.extent[1] if isfinite(end)]
     lowest = min([*ends, *begun.positions[:, 1], *(row.y for row in inlets)]) - BELOW * begun.largest
     room = (max(left, reach[0]), min(right, reach[1])), (max(bottom, lowest), min(top, highest + begun.largest))
     seeds = np.array([*begun.positions[: _loose(begun)], *((row.x, row.y) for row in inlets)]).reshape(-1, 2)

@@ -33,7 +33,7 @@ class EarlierDiscs(NamedTuple):
 
 
 class EarlierRun(Strict):
-    """Discs of an earlier run."""
+    """Discs of an earlier run, and its bodies, lids and tailgates that the case names too."""
 
     kind: Literal["run"]
     folder: Annotated[str, Field(min_length=1, max_length=1000)] = Field(
@@ -45,9 +45,9 @@ class EarlierRun(Strict):
         description="`last`: its end, with all digits. Or a time: the nearest frame of its dump. Without it, `last`",
     )
     within: Region | None = Field(
-        default=None, description="takes the discs whose centres lie there, before `shift`; without it, all"
+        default=None, description="takes what has its centre there, before `shift`; without it, all"
     )
-    shift: Point = Field(default=(0.0, 0.0), description="[x, y] that its discs are moved by")
+    shift: Point = Field(default=(0.0, 0.0), description="[x, y] that its discs and bodies are moved by")
     velocities: Literal["keep", "rest"] = Field(
         default="keep", description="`keep`: velocities and spins of the run; `rest`: none"
     )

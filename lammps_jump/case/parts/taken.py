@@ -16,18 +16,20 @@ import numpy as np
 
 from lammps_jump.case.fields import CaseFields
 from lammps_jump.case.text import Begun, CaseSource, PathKey, Runs, parse_source, read_text
-from lammps_jump.dump.side_files.ended import DISC, NONE, STOPPED, Ended, at_frame, read_ended
+from lammps_jump.dump.side_files.ended import DISC, STOPPED, Ended, at_frame, read_ended
 from lammps_jump.errors import CaseError, DumpError, FieldError
 from lammps_jump.files import END_FILE, START_FILE, SUMMARY_FILE, checksum, read_json
 from lammps_jump.folders import holder
 from lammps_jump.foreign import foreign
 from lammps_jump.quoting import echoed, one_line
 from lammps_jump.scene import MovingWall, Sizes, Wall
+from lammps_jump.scene.bodies.meeting import corner_names
 from lammps_jump.scene.scene import CONTACT, Earlier, Fixed, chains_of
 from lammps_jump.units import to_si
 
 from .earlier import EarlierDiscs, EarlierRun
 from .places import depths
+from .pushed import GoingOn, renumbered
 
 SAME_DENSITY = 1e-12
 """Relative difference of densities that is round-off."""
@@ -139,7 +141,7 @@ def read_state(folder: Path, time: float = inf) -> Ended:
         raise DumpError(f"its case.yaml cannot be read ({error})") from None
     if rough and last is None:
         raise DumpError(f"has rough beds and no {END_FILE}, so that its fixed discs are not known; run it again")
-    return at_frame(folder, time, density, diameter, NONE if last is None else last.fixed)
+    return at_frame(folder, time, density, diameter, last)
 
 
 def _summary(folder: Path) -> dict[str, Any]:
@@ -227,7 +229,7 @@ class Taken(NamedTuple):
 
 def take(
     case: CaseFields, runs: Runs, walls: Iterable[tuple[str, Wall]], allowed: float,
-    random: np.random.Generator,
+    random: np.random.Generator, going: GoingOn,
 ) -> Taken | None:  # fmt: skip
     """The discs of all earlier runs of a case, with ids from 1 on; None where it names none.
 
@@ -242,6 +244,8 @@ def take(
         Depth in a wall that is allowed, m.
     random : Generator
         Of the shifts.
+    going : GoingOn
+        Walls that go on.
 
     Raises
     ------
@@ -252,19 +256,24 @@ def take(
     for index, item in enumerate(case.initial):
         if isinstance(item, EarlierRun):
             state = runs["initial", index].state
-            parts.append(_one(case, index, state, walls, allowed, first, random))
-            first += len(parts[-1].positions)
+            part = _one(case, index, state, walls, allowed, first, random)
+            parts.append(part._replace(earlier=_without_memory_of(part.earlier, going.left[index])))
+            first += len(part.positions)
     if not parts:
         return None
     whole = len(parts) == len(case.initial) == 1
     chains = tuple(dict.fromkeys(name for part in parts for name in part.earlier.chains))
+    corners = tuple(dict.fromkeys(name for part in parts for name in part.earlier.corner_names))
     earlier = Earlier(
         np.concatenate([part.earlier.spins for part in parts]),
         np.concatenate([part.earlier.half for part in parts]),
         np.concatenate([renamed(part.earlier, chains) for part in parts]),
         chains,
         parts[0].earlier.exact if whole else {},
-        tuple(text for part in parts for text in part.earlier.origins),
+        (*(text for part in parts for text in part.earlier.origins), *going.said),
+        going.walls,
+        np.concatenate([of_corners(part.earlier, corners, chains) for part in parts]),
+        corners,
     )
     positions, velocities, sizes = (np.concatenate([part[k] for part in parts]) for k in range(3))
     return Taken(positions, velocities, sizes, earlier)
@@ -304,7 +313,7 @@ def _one(
     said += f"; the memory of {lost} contacts has lost its disc" if lost else ""
     origin = Earlier(
         moves[:, 2], np.full_like(half, np.nan) if rest else half, contacts, state.chains,
-        state.exact if unmoved else {}, (said,),
+        state.exact if unmoved else {}, (said,), {}, state.walls.corners, state.walls.corner_names,
     )  # fmt: skip
     return Taken(places, moves[:, :2], discs["diameter"].copy(), origin)
 
@@ -362,6 +371,21 @@ def renamed(earlier: Earlier, chains: Sequence[str]) -> np.ndarray:
     return found[~walls | (number >= 0)]
 
 
+def of_corners(earlier: Earlier, corners: Sequence[str], chains: Sequence[str]) -> np.ndarray:
+    """What corners remember, by these names of corners and chains; contacts of others are left out."""
+    found = renumbered(earlier.corners, "disc", earlier.corner_names, corners)
+    return renumbered(found, "partner", earlier.chains, chains)
+
+
+def _without_memory_of(earlier: Earlier, walls: frozenset[str]) -> Earlier:
+    """Nothing is remembered of contacts with these walls: their chains and corners have no name."""
+    chains, corners = (
+        tuple("" if name.rpartition(":")[0] in walls else name for name in names)
+        for names in (earlier.chains, earlier.corner_names)
+    )
+    return replace(earlier, chains=chains, corner_names=corners)
+
+
 def with_given(sizes: Sizes | None, diameter: float, taken: Taken | None) -> Sizes | None:
     """Sizes of all discs: those of earlier runs as they are, the others as drawn, equal ones of this diameter (m)."""
     if taken is None:
@@ -404,10 +428,17 @@ def for_walls(earlier: Earlier | None, walls: Iterable[MovingWall], *, remembers
     """What discs have of an earlier run, for a scene of these walls; it says how much memory finds no partner."""
     if earlier is None:
         return None
-    chains = chains_of(walls)
-    contacts = renamed(earlier, chains) if remembers else np.empty(0, CONTACT)
-    had, kept = len(earlier.contacts), len(contacts)
-    why = "their walls are gone" if remembers else "the law of this case remembers nothing"
+    walls = tuple(walls)
+    chains, corners = chains_of(walls), corner_names(walls)
+    none = np.empty(0, CONTACT)
+    contacts = renamed(earlier, chains) if remembers else none
+    held = of_corners(earlier, corners, chains) if remembers else none
+    had, kept = len(earlier.contacts) + len(earlier.corners), len(contacts) + len(held)
+    why = "the law of this case remembers nothing"
+    if remembers:
+        why = "their walls are gone or begin anew" if "" in earlier.chains else "their walls are gone"
     said = [f"the memory of {kept} contacts comes along"] if kept else []
     said += [f"that of {had - kept} contacts is dropped: {why}"] if had > kept else []
-    return replace(earlier, contacts=contacts, chains=chains, origins=(*earlier.origins, *said))
+    return replace(
+        earlier, contacts=contacts, chains=chains, origins=(*earlier.origins, *said), corners=held, corner_names=corners
+    )

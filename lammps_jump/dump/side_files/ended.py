@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""State of the discs at the end of a run, or at a frame of its dump, from which another run goes on.
+"""State of discs and pushed walls at the end of a run, or at a frame of its dump, from which another run goes on.
 
 Every engine writes ``end.npz``, with all digits. It holds no number of an engine's own but those of `Ended.exact`.
 """
@@ -23,6 +23,7 @@ from lammps_jump.foreign import foreign
 from lammps_jump.scene.scene import CONTACT, Scene
 
 from .lists import check_kept
+from .pushed import NO_WALLS, PushedWalls
 
 MOVES = ("vx", "vy", "spin", "half_vx", "half_vy", "half_spin")
 DISC = np.dtype([("id", np.int64), *((name, float) for name in ("x", "y", *MOVES, "diameter"))])
@@ -68,6 +69,8 @@ class Ended:
         First and last id of the discs of rough beds, which are left out.
     which : str
         Which state of the run it is, in words: `AT_END`, `STOPPED`, `AT_FRAME` or `NO_END`. It is in no hash.
+    walls : PushedWalls
+        Bodies, lids and tailgates.
     """
 
     time: float
@@ -78,6 +81,7 @@ class Ended:
     exact: Mapping[str, np.ndarray] = field(default_factory=dict)
     fixed: tuple[int, int] = NONE
     which: str = AT_END
+    walls: PushedWalls = NO_WALLS
 
     def __deepcopy__(self, memo: object) -> Ended:
         """Itself: nothing of it is ever changed."""
@@ -87,7 +91,7 @@ class Ended:
     def key(self) -> str:
         """Twelve hex digits, the hash of all numbers."""
         found = hashlib.sha256(repr((self.time, self.density, self.chains)).encode())
-        for array in (self.discs, self.contacts, *self.exact.values()):
+        for array in (self.discs, self.contacts, *self.exact.values(), *self.walls.arrays.values()):
             found.update(array.tobytes())
         return found.hexdigest()[:12]
 
@@ -98,6 +102,7 @@ def ended(
     columns: Mapping[str, np.ndarray],
     slots: tuple[np.ndarray, ...] | None = None,
     exact: Mapping[str, np.ndarray] | None = None,
+    walls: PushedWalls = NO_WALLS,
 ) -> Ended:
     """The state at a step.
 
@@ -110,6 +115,7 @@ def ended(
     slots : tuple of ndarray, shape (n, S), optional
         Partners, feet, springs and rolling springs that each disc remembers, in the same order.
     exact : mapping, optional
+    walls : PushedWalls, optional
     """
     ids = columns["id"].astype(np.int64)
     discs = np.zeros(len(ids), DISC)
@@ -125,7 +131,8 @@ def ended(
             contacts[name] = array[at]
     discs = discs[np.argsort(ids, kind="stable")]
     fixed = (scene.fixed.first, scene.fixed.last) if scene.fixed else NONE
-    return Ended(scene.time(step), scene.density, _without(discs, fixed), contacts, scene.chains, exact or {}, fixed)
+    moving = _without(discs, fixed)
+    return Ended(scene.time(step), scene.density, moving, contacts, scene.chains, exact or {}, fixed, walls=walls)
 
 
 def _without(discs: np.ndarray, fixed: tuple[int, int]) -> np.ndarray:
@@ -141,6 +148,7 @@ def write_ended(path: Path, found: Ended) -> None:
         contacts=found.contacts,
         chains=np.array(found.chains, str),
         which=np.array(found.which),
+        **found.walls.arrays,
         **{EXACT + name: array for name, array in found.exact.items()},
     )
 
@@ -163,7 +171,7 @@ def read_ended(path: Path) -> Ended:
             raise ValueError(f"its fixed discs have the numbers {first:g} to {last:g}")
         found = Ended(
             time, density, stored["discs"], stored["contacts"], tuple(map(str, stored["chains"])), exact,
-            (int(first), int(last)), str(stored["which"]),
+            (int(first), int(last)), str(stored["which"]), PushedWalls.of(stored, len(stored["chains"])),
         )  # fmt: skip
         _check(found)
         return found
@@ -219,7 +227,7 @@ def _check_contacts(found: Ended) -> None:
             raise ValueError(f"{name} of a contact is no length")
 
 
-def at_frame(folder: Path, time: float, density: float, diameter: float, fixed: tuple[int, int] = NONE) -> Ended:
+def at_frame(folder: Path, time: float, density: float, diameter: float, last: Ended | None = None) -> Ended:
     """The state at the frame of a folder's dump that is nearest to a time (s; infinite: the last frame).
 
     Parameters
@@ -228,8 +236,8 @@ def at_frame(folder: Path, time: float, density: float, diameter: float, fixed: 
     time : float
     density, diameter : float
         Of the discs, where the dump does not say, kg/m^3 and m.
-    fixed : (int, int)
-        As of `Ended`.
+    last : Ended, optional
+        State at the end of the run, where it kept one: it names fixed discs and pushed walls.
 
     Raises
     ------
@@ -255,9 +263,10 @@ def at_frame(folder: Path, time: float, density: float, diameter: float, fixed: 
         discs["id"], discs["x"], discs["y"], discs["vx"], discs["vy"] = frame.ids, frame.x, frame.y, frame.vx, frame.vy
         discs["spin"] = frame.columns.get("omegaz", 0.0)
         discs["diameter"] = diameter if frame.radii is None else 2.0 * frame.radii
+        when, fixed = float(times[index]), NONE if last is None else last.fixed
         found = Ended(
-            float(times[index]), density, _without(discs, fixed), fixed=fixed,
-            which=AT_FRAME if time < inf else NO_END,
+            when, density, _without(discs, fixed), fixed=fixed, which=AT_FRAME if time < inf else NO_END,
+            walls=PushedWalls(known=False) if last is None else last.walls.at(folder, when),
         )  # fmt: skip
         _check(found)
         return found

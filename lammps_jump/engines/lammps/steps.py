@@ -19,10 +19,13 @@ from typing import Any
 import numpy as np
 
 from lammps_jump.dump.side_files.ended import ended, write_ended
+from lammps_jump.dump.side_files.pushed import PushedWalls, pushed_walls
 from lammps_jump.engines import step_hook
 from lammps_jump.engines.interrupts import save_request, stop_request
 from lammps_jump.engines.setting import Job
 from lammps_jump.files import END_FILE, delete, move, open_to_write, read_arrays
+from lammps_jump.scene.bodies.meeting import SLOTS as CORNER_SLOTS
+from lammps_jump.scene.bodies.meeting import corners
 from lammps_jump.script.assemble import STOP_FILE, stop_at
 from lammps_jump.script.regions import LOOK_BACK
 from lammps_jump.script.resume import STATE
@@ -36,6 +39,8 @@ SAVED = ("id", "whole", "half")
 SLOTS = ("partner", "sigma", "spring", "roll")
 """Order of the numbers that fix `MOTION` of the plugin keeps for a disc."""
 MOTION, STEP_HOOK = "motion", "step_hook"
+PUSHED_WORDS = 18
+"""Numbers of a lid, gate or body that the fix hands out (`pushed_state` of fix_jump_step_walls.cpp)."""
 NEVER = 2_000_000_000
 """An interval that is longer than any run: of what happens at its first step alone."""
 BED = 1 << 1
@@ -142,7 +147,28 @@ class Steps:
         columns |= dict(zip(names, found["whole"].T, strict=True))
         columns |= {f"half_{name}": values for name, values in zip(names, found["half"].T, strict=True)}
         parts = None if slots is None else tuple(np.split(slots[found["order"]], len(SLOTS), axis=1))
-        write_ended(Path(END_FILE), ended(self.scene, self._step, columns, parts))
+        write_ended(Path(END_FILE), ended(self.scene, self._step, columns, parts, walls=self._pushed()))
+
+    def _pushed(self) -> PushedWalls:
+        """Walls whose pose is state, as the plugin's fix hands them out behind the numbers of the probes."""
+        scene = self.scene
+        if not scene.lids:
+            return PushedWalls()
+        behind = (4 if scene.moves else 3) * len(scene.probes)
+        corner_count = len(corners(scene)) if scene.bodies else 0
+        count = PUSHED_WORDS * len(scene.lids) + len(SLOTS) * CORNER_SLOTS * corner_count
+        words = np.array([self.engine.extract_fix(MOTION, 0, 1, behind + k) for k in range(count)])  # 0, 1: a vector
+        rows: dict[str, dict[str, Any]] = {}
+        told, held = np.split(words, [PUSHED_WORDS * len(scene.lids)])
+        for name, row in zip(scene.lids, told.reshape(-1, PUSHED_WORDS), strict=True):
+            parts = dict(zip(("place", "speed", "half", "before", "force"), np.split(row[1:16], 5), strict=True))
+            looked = {} if np.isnan(row[16]) else {"area": row[16], "since": row[17]}
+            rows[name] = {"released": bool(row[0]), **parts, **looked}
+        slots = None
+        if corner_count and scene.springs is not None:
+            partner, *values = held.reshape(len(SLOTS), corner_count, CORNER_SLOTS)
+            slots = (partner.astype(np.int64), *values)
+        return pushed_walls(scene, rows, slots)
 
     def _hook(self) -> None:
         """Let `fix external` call the step hook of a test."""

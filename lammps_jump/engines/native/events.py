@@ -175,13 +175,14 @@ class Tailgates:
     Attributes
     ----------
     areas : dict of name to float
-        Area of the discs that each gate saw last, m^2; none before its first look.
+        Area of the discs that each gate saw last, m^2, in an earlier run too; none before its first look.
     """
 
     def __init__(self, scene: Scene):
         self.scene = scene
         self.holdings = {wall.name: motion.holding for wall, motion in scene.walls if motion.holding}
-        self.areas: dict[str, float] = {}
+        went = ((wall.name, motion.went) for wall, motion in scene.walls if motion.holding and motion.went)
+        self.areas = {name: one.area for name, one in went if one.area is not None}
 
     def next_after(self, step: int) -> float:
         """First step after `step` at which a gate looks; infinite without gates."""
@@ -206,6 +207,13 @@ class Tailgates:
             self.areas[name] = total
             found[name] = gate_speed(holding, poses[name].y, seen, lost, interval)
         walls.set_speeds(found)
+
+    def looked(self, name: str, step: int) -> dict[str, float]:
+        """Area that a gate has seen last (m^2), and the time since then (s); nothing of another wall or before."""
+        if name not in self.areas:
+            return {}
+        one = self.holdings[name]
+        return {"area": self.areas[name], "since": (step - one.first) % one.every * self.scene.time_step}
 
 
 def _next_look(holding: Holding, step: int) -> int:

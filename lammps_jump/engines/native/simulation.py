@@ -28,7 +28,7 @@ from lammps_jump.scene.scene import Scene
 from .arrays import CHECK_OVERLAP, LIST_STALE, Grid, Loops, Pairs, State
 from .bound import Core
 from .constants import Memories, constants_of, lists_of
-from .discs import DiscArrays, starting
+from .discs import ROUND, DiscArrays, starting
 from .events import Event, EventList, OpenBoundaries, Tailgates, WindowForce, Windows
 from .ledger import (
     EnergyBalance,
@@ -131,7 +131,7 @@ class NativeSimulation:
         self.walls = self._walls()
         self._full, self._started = np.zeros(1, np.int64), False
         if self._grid is None and self.discs.take_lists(scene, self.skin):
-            self._list_walls()
+            self.walls.list_discs_again(self.discs.n, self.discs.x0, self.discs.y0, self.step)
         else:
             self._rebuild()
         self._check_overlap()
@@ -167,6 +167,7 @@ class NativeSimulation:
         self._start_half_step_back()
         if earlier is not None:
             d.keep_bits(self.scene, earlier, half_kicks(self.scene, d))
+            self.walls.end_start(earlier.walls, ROUND * self.scene.diameter / self.scene.time_step)
         forces = self.walls.sums[:, SumsOnWallColumns.FORCE]
         self.windows.see_bodies(self.step, self.walls, dict(zip(self.walls.names, forces, strict=True)))
         self.walls.sums[:] = 0.0

@@ -17,8 +17,10 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BaseModel, Field, NonNegativeFloat
 
+from lammps_jump.core.columns import Phase, PlacedColumns, PushedColumns, WallMotion
 from lammps_jump.dump.side_files.ended import Ended, ended
 from lammps_jump.dump.side_files.lists import BITS
+from lammps_jump.dump.side_files.pushed import PushedWalls, pushed_walls
 from lammps_jump.errors import ResumeError
 from lammps_jump.files import read_arrays, write_arrays
 from lammps_jump.foreign import foreign
@@ -206,4 +208,24 @@ def ended_of(simulation: NativeSimulation) -> Ended:
     exact |= {"discs": own, "skin": np.array(simulation.skin), "period": np.array(d.period or 0.0)}
     behind = rows[n - int(bed.sum()) :]
     exact |= {"fixed": np.column_stack([d.x[:n], d.y[:n]])[behind], "fixed_diameters": columns["diameter"][behind]}
-    return ended(scene, simulation.step, columns, slots, exact)
+    return ended(scene, simulation.step, columns, slots, exact, _pushed(simulation))
+
+
+def _pushed(simulation: NativeSimulation) -> PushedWalls:
+    """Walls whose pose is state, as they are now."""
+    scene, walls, bodies = simulation.scene, simulation.walls, simulation.walls.bodies
+    rows: dict[str, dict[str, Any]] = {}
+    if walls.moves is None:
+        return PushedWalls()
+    for number in np.flatnonzero(walls.moves.moving >= WallMotion.LOADED).tolist():
+        name, row = walls.names[number], walls.moves.pushed[number]
+        looked = simulation.gates.looked(name, simulation.step)
+        rows[name] = {
+            "released": row[PushedColumns.PHASE] == Phase.HAS_MOVED,
+            "place": row[PushedColumns.PLACE], "speed": walls.moves.now[number, PlacedColumns.CENTRED],
+            "half": row[PushedColumns.SPEED], "before": row[PushedColumns.BEFORE],
+            "force": row[PushedColumns.FORCE], "listed": walls.moves.listed[number], **looked,
+        }  # fmt: skip
+    d = None if bodies is None else bodies.discs
+    slots = None if d is None or scene.springs is None else (d.partner, d.sigma, d.spring, d.roll)
+    return pushed_walls(scene, rows, slots)

@@ -22,7 +22,7 @@ from lammps_jump.core.columns import (
 )
 from lammps_jump.scene.chains import BEFORE, LENGTH, Faces, boxes, lay
 from lammps_jump.scene.faces import MOST
-from lammps_jump.scene.motion import Motion, MovingWall, Pose, at_seam
+from lammps_jump.scene.motion import Motion, MovingWall, Pose, Went, at_seam
 from lammps_jump.scene.near import FaceGrid, grid_of
 from lammps_jump.scene.scene import Scene
 
@@ -59,6 +59,7 @@ def _moves(walls: list[MovingWall], faces: Faces, scene: Scene, skin: float) -> 
     moving = [_way_of(one.motion) for one in walls]
     rows, pushed = np.zeros((count, LoadColumns.width())), np.zeros((count, PushedColumns.width()))
     for row, state, (_, motion) in zip(rows, pushed, walls, strict=True):
+        begun = motion.went
         if load := motion.load:
             axes = load.axis != "y", load.axis != "x", False
             row[:] = _load(load.mass, load.mass, load.force, (0.0, 0.0), axes, load.begin)
@@ -67,8 +68,13 @@ def _moves(walls: list[MovingWall], faces: Faces, scene: Scene, skin: float) -> 
             velocity = np.multiply((*free.velocity, free.spin), free.freedom)
             state[PushedColumns.SPEED] = state[PushedColumns.BEFORE] = velocity
         elif motion.holding:
-            begin = scene.time(motion.holding.first)
+            begin = scene.time(motion.holding.first) if begun is None else -inf
             row[:] = _load(inf, inf, (0.0, 0.0), (0.0, 0.0), (0.0, 1.0, 0.0), begin)
+        if begun is not None:
+            free_there, half = row[LoadColumns.FREE], begun.half or begun.speed
+            state[PushedColumns.PLACE] = begun.pose
+            state[PushedColumns.SPEED] = np.multiply(half, free_there)
+            state[PushedColumns.BEFORE] = np.multiply(begun.before or half, free_there)
     centre = np.array([one.motion.about for one in walls], float).reshape(-1, 2)
     extrapolated = scene.integrator == "leapfrog_extrapolated"
     clock, now = np.zeros(StepClockColumns.width()), np.zeros((count, PlacedColumns.width()))
@@ -81,6 +87,12 @@ def _moves(walls: list[MovingWall], faces: Faces, scene: Scene, skin: float) -> 
         np.array([_far(faces, wall, *centre[wall]) for wall in range(count)]), rows, pushed,
         np.zeros((count, WallLoadsColumns.width())), clock,
     )  # fmt: skip
+
+
+def _resistance(load: np.ndarray) -> np.ndarray:
+    """Mass along x and y, and moment of inertia, of a row of `Moves.load`."""
+    mass = load[LoadColumns.MASS]
+    return np.array([mass, mass, load[LoadColumns.INERTIA]])
 
 
 def _far(faces: Faces, wall: int, x: float, y: float) -> float:
@@ -147,7 +159,7 @@ class Walls:
 
     def __init__(self, scene: Scene, loops: Loops, step: int, skin: float):
         self._loops = loops
-        there = [one for one in scene.walls if one.motion.pose(step) is not None]
+        self._there = there = [one for one in scene.walls if one.motion.pose(step) is not None]
         walls = [one.wall for one in there]
         self.names = [wall.name for wall in walls]
         self.faces: Faces = lay([(wall.chains(), wall.deep) for wall in walls])
@@ -177,6 +189,35 @@ class Walls:
         if self.bodies is not None and before.bodies is not None:
             self.bodies.go_on(before.bodies)
         self.place(int(before.moves.clock[StepClockColumns.STEP]))
+
+    def end_start(self, begun: Mapping[str, Went], limit: float) -> None:
+        """Speeds of the half step before the start of walls that go on, from that of the step and the force there.
+
+        Where both are those of the earlier run but for round-off, `limit` (m/s), it takes the bits of that.
+        """
+        if self.moves is None:
+            return
+        dt = self.moves.clock[StepClockColumns.DT]
+        for name, one in begun.items():
+            wall = self.names.index(name)
+            row, load = self.moves.pushed[wall], self.moves.load[wall]
+            free, speed = load[LoadColumns.FREE], np.array(one.speed)
+            kick = 0.5 * dt * free / _resistance(load)
+            row[PushedColumns.SPEED] = free * speed - kick * self._pull(wall)
+            if one.half is not None and one.force is not None:
+                off = row[PushedColumns.SPEED] - one.half, kick * (row[PushedColumns.FORCE] - one.force)
+                if (np.abs(off) * [1.0, 1.0, self.moves.far[wall]] <= limit).all():
+                    row[PushedColumns.SPEED], row[PushedColumns.FORCE] = one.half, one.force
+            self.moves.now[wall, PlacedColumns.CENTRED] = free * speed
+
+    def _pull(self, wall: int) -> np.ndarray:
+        """Force on a wall that is pushed (N/m), its constant one included, and moment (N)."""
+        assert self.moves is not None
+        load, now = self.moves.load[wall], self.moves.now[wall]
+        arm, force = load[LoadColumns.ARM], load[LoadColumns.FORCE]
+        c, s = now[PlacedColumns.C], now[PlacedColumns.S]
+        moment = (c * arm[0] - s * arm[1]) * force[1] - (s * arm[0] + c * arm[1]) * force[0]
+        return self.moves.pushed[wall, PushedColumns.FORCE] + np.array([*force, moment])
 
     def place(self, step: int) -> None:
         """Put the walls where they are at a step."""
@@ -255,14 +296,11 @@ class Walls:
         for wall, (row, load) in enumerate(zip(self.moves.pushed, self.moves.load, strict=True)):
             if self.moves.moving[wall] not in (WallMotion.LOADED, WallMotion.BODY):
                 continue
-            mass, inertia, force = load[LoadColumns.MASS], load[LoadColumns.INERTIA], load[LoadColumns.FORCE]
-            arm, free = load[LoadColumns.ARM], load[LoadColumns.FREE]
+            force, arm, free = load[LoadColumns.FORCE], load[LoadColumns.ARM], load[LoadColumns.FREE]
             c, s = now[wall, PlacedColumns.C], now[wall, PlacedColumns.S]
             turned = np.array([c * arm[0] - s * arm[1], s * arm[0] + c * arm[1]])
-            moment = turned[0] * force[1] - turned[1] * force[0]
-            resist = np.array([mass, mass, inertia])
-            whole = row[PushedColumns.FORCE] + np.array([*force, moment])
-            half = 0.5 * dt * whole / resist if row[PushedColumns.PHASE] == Phase.HAS_MOVED else 0.0
+            resist = _resistance(load)
+            half = 0.5 * dt * self._pull(wall) / resist if row[PushedColumns.PHASE] == Phase.HAS_MOVED else 0.0
             kinetic += 0.5 * float((free * resist) @ (row[PushedColumns.SPEED] + half) ** 2)
             place -= float(force @ (free[:2] * row[PushedColumns.PLACE][:2] + turned - arm))
         return kinetic, place
@@ -283,6 +321,25 @@ class Walls:
             self._loops, self.faces, self.grid, self.near, lambda wall: (n, *self._inward(wall, x, y))
         )
         self.list_corners()
+
+    def list_discs_again(self, n: int, x: np.ndarray, y: np.ndarray, step: int) -> None:
+        """The same as lists of an earlier run were made: its walls where they were then."""
+        went = [one.motion.went for one in self._there]
+        if self.moves is None or not any(went):
+            self.list_discs(n, x, y)
+            return
+        places = self.moves.pushed[:, PushedColumns.PLACE]
+        now = places.copy()
+        half_skin, far = float(self.moves.clock[StepClockColumns.HALF_SKIN]), self.moves.far
+        for place, one, size in zip(places, went, far, strict=True):
+            if one is not None and one.listed is not None:
+                dx, dy, turn = place - one.listed
+                if np.hypot(dx, dy) + (size * abs(turn) if turn else 0.0) <= half_skin:  # else it is of no list
+                    place[:] = one.listed
+        self.place(step)
+        self.list_discs(n, x, y)
+        places[:] = now
+        self.place(step)
 
     def list_corners(self) -> None:
         """List the corners near each wall, where there are bodies."""

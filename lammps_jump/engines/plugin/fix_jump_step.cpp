@@ -79,7 +79,7 @@ FixJumpStep::FixJumpStep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
   restart_global = lids > 0;
   window.assign(columns * probed.size(), 0.0);
   mean.assign(columns * probed.size(), 0.0);
-  size_vector = (int) window.size();
+  size_vector = (int) (window.size() + PUSHED_WORDS * lids + 4 * bodies.partner.size());
   vector_flag = size_vector > 0;
   extscalar = extvector = 0;
 }
@@ -408,6 +408,7 @@ double FixJumpStep::compute_scalar()
 
 double FixJumpStep::compute_vector(int n)
 {
+  if (n >= (int) mean.size()) return pushed_state(n - (int) mean.size());    // all ranks have it
   double sum;
   MPI_Allreduce(&mean[n], &sum, 1, MPI_DOUBLE, MPI_SUM, world);
   return sum;

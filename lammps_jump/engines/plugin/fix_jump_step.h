@@ -3,8 +3,10 @@
                         [wall NAME X0 Y0 DEEP N FACE... [law K GN GT MU] [roll MUR] [seam] [until STEP]
                               [move CX CY START N ROW...] [lid CX CY START MASS FX FY X Y BEGIN]
                               [hold CX CY START FIRST EVERY LOW HIGH BINS TARGET LEVEL P I SPEED LOWEST HIGHEST]
-                              [body CX CY START MASS INERTIA FX FY AX AY X Y TURN BEGIN VX VY SPIN]]...
-                        [bodies EVERY FILE LIMIT DAMPING N [X Y R TX0 TY0 TX1 TY1 WALL]... M [V W K C CT LAG MU]...]
+                              [body CX CY START MASS INERTIA FX FY AX AY X Y TURN BEGIN VX VY SPIN]
+                              [went X Y TURN VX VY SPIN HX HY HSPIN] [saw AREA]]...
+                        [bodies EVERY FILE LIMIT DAMPING N [X Y R TX0 TY0 TX1 TY1 WALL]... M [V W K C CT LAG MU]...
+                         [held N [CORNER PARTNER FOOT SPRING ROLL]...]]
                         [sizes EVERY DENSITY SHIFT TURN N [BEGIN END LOW SLOPE]...] [known ID]
                         [slots S] [contacts EVERY FILE] [poses EVERY FILE]
                         [probe EVERY NAME...]                                   (probe comes last)
@@ -27,8 +29,10 @@
      One with `body` is pushed by what touches it, with a weight that acts at (AX, AY) from the point (CX, CY), free along x and
      y and to turn, released at BEGIN with these velocities. Its law is that of a wall: dashpots are of the
      effective mass of each contact (core/walls/effective.h).
+     A lid, gate or body with `went` begins where an earlier run has left it: displaced, with the speeds of its last step and
+     of the half step before. A gate has seen AREA then.
    - bodies: N corners of walls as discs, and M contacts of a corner of wall V with faces of W (core/walls/bodies.h). Rows of all bodies
-     go to FILE every EVERY steps. An overlap beyond LIMIT ends the run.
+     go to FILE every EVERY steps. An overlap beyond LIMIT ends the run. N contacts of corners are `held` from an earlier run.
    - sizes: discs are inserted with the largest diameter. At the end of a step that is a multiple of EVERY new ones get
      their own diameter d by id, and the mass DENSITY d^2: u is the fraction of (id + SHIFT) TURN, d is
      LOW + SLOPE (u - BEGIN) in the one of N pieces with BEGIN <= u < END. Discs up to ID keep the diameter they have.
@@ -39,8 +43,8 @@
      about (X0, Y0).
 
    Global scalar: the largest overlap, m. Global vector: for each probe fx, fy (N) and moment (N m), per metre of width;
-   where any wall moves, the power of the probed wall on the discs (W) behind them. A restart begins a new window and keeps
-   the lids. */
+   where any wall moves, the power of the probed wall on the discs (W) behind them. Behind the probes stands the state of each
+   lid, gate and body (`pushed_state`), and what corners remember. A restart begins a new window and keeps the lids. */
 
 #ifndef LMP_FIX_JUMP_STEP_H
 #define LMP_FIX_JUMP_STEP_H
@@ -98,6 +102,8 @@ class FixJumpStep : public Fix {
     std::vector<jump::TrackRow> track;
     jump::Load load{};
     jump::Pushed pushed{};        // by the discs of all ranks
+    bool went = false;            // comes from an earlier run
+    double speed[3] = {};         // at the last step of that
     jump::Placed placed{{}, 1.0, 0.0, {}, {}};
     jump::Pose listed{};
   };
@@ -197,6 +203,12 @@ class FixJumpStep : public Fix {
   int add_lid(Wall &, int, int, char **) const;
   int add_hold(Wall &, int, int, char **) const;
   int add_body(Wall &, int, int, char **) const;
+  int add_went(Wall &, int, int, char **) const;
+  int add_saw(Wall &, int, int, char **) const;
+  int add_held(int, int, char **);
+  void step_back(Motion &) const;
+  static constexpr int PUSHED_WORDS = 18;
+  double pushed_state(int) const;
   int add_corners(int, int, char **);
   double far_of(const Wall &) const;
   void prepare_bodies();

@@ -82,6 +82,26 @@ int FixJumpStep::add_corners(int a, int narg, char **arg)
   bodies.make_slots();
   for (const auto &wall : walls)
     if (wall.motion.is_body) bodies.start = wall.motion.start;
+  return a < narg && std::string(arg[a]) == "held" ? add_held(a + 1, narg, arg) : a;
+}
+
+/** Contacts of corners that an earlier run has left, from their words. */
+int FixJumpStep::add_held(int a, int narg, char **arg)
+{
+  constexpr int HELD = 5;
+  const int n = a < narg ? utils::inumeric(FLERR, arg[a++], false, lmp) : -1;
+  if (n < 0 || a + n * HELD > narg) error->all(FLERR, "fix jump/step: held needs N and N contacts of five numbers");
+  for (int row = 0; row < n; row++) {
+    const int corner = utils::inumeric(FLERR, arg[a++], false, lmp);
+    if (corner < 0 || corner >= (int) bodies.corners.size())
+      error->all(FLERR, "fix jump/step: held names corner {}", corner);
+    size_t slot = (size_t) corner * bodies.SLOTS;
+    const size_t end = slot + bodies.SLOTS - 1;
+    while (bodies.partner[slot] != 0 && slot < end) slot++;
+    bodies.partner[slot] = utils::bnumeric(FLERR, arg[a++], false, lmp);
+    for (auto *const of : {&bodies.sigma, &bodies.spring, &bodies.roll})
+      (*of)[slot] = utils::numeric(FLERR, arg[a++], false, lmp);
+  }
   return a;
 }
 

@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <map>
 
 using namespace LAMMPS_NS;
 
@@ -37,6 +38,9 @@ int FixJumpStep::add_wall(int a, int narg, char **arg)
     error->all(FLERR, "fix jump/step: wall '{}' needs {} numbers for each of {} faces", wall.name, FACE_WORDS, n);
   wall.faces.reserve(n);
   for (int f = 0; f < n; f++, a += FACE_WORDS) wall.faces.push_back(face_of(wall, n, a, arg));
+  const std::map<std::string, int (FixJumpStep::*)(Wall &, int, int, char **) const> motions = {
+      {"move", &FixJumpStep::add_motion}, {"lid", &FixJumpStep::add_lid}, {"hold", &FixJumpStep::add_hold},
+      {"body", &FixJumpStep::add_body}, {"went", &FixJumpStep::add_went}, {"saw", &FixJumpStep::add_saw}};
   for (; a < narg; ) {
     const std::string key = arg[a];
     if (key == "until") {
@@ -58,14 +62,8 @@ int FixJumpStep::add_wall(int a, int narg, char **arg)
     } else if (key == "seam") {
       wall.seam = true;
       a++;
-    } else if (key == "move") {
-      a = add_motion(wall, a + 1, narg, arg);
-    } else if (key == "lid") {
-      a = add_lid(wall, a + 1, narg, arg);
-    } else if (key == "hold") {
-      a = add_hold(wall, a + 1, narg, arg);
-    } else if (key == "body") {
-      a = add_body(wall, a + 1, narg, arg);
+    } else if (const auto motion = motions.find(key); motion != motions.end()) {
+      a = (this->*motion->second)(wall, a + 1, narg, arg);
     } else break;
   }
   number_chains(wall);
@@ -124,6 +122,69 @@ int FixJumpStep::add_lid(Wall &wall, int a, int narg, char **arg) const
   if (!(lid.mass > 0.0)) error->all(FLERR, "fix jump/step: the mass of wall '{}' must be above 0", wall.name);
   note_ends(wall);
   return a;
+}
+
+/** Where an earlier run has left a wall, from its words. */
+int FixJumpStep::add_went(Wall &wall, int a, int narg, char **arg) const
+{
+  if (a + 9 > narg) error->all(FLERR, "fix jump/step: went of wall '{}' needs nine numbers", wall.name);
+  if (!wall.motion.is_lid) error->all(FLERR, "fix jump/step: wall '{}' that went is no lid, gate or body", wall.name);
+  auto &motion = wall.motion;
+  motion.went = true;
+  for (double *const of : {motion.pushed.place, motion.speed, motion.pushed.speed})
+    for (int axis = 0; axis < 3; axis++) of[axis] = utils::numeric(FLERR, arg[a++], false, lmp);
+  for (int axis = 0; axis < 3; axis++) {
+    if (!(motion.load.free[axis] > 0.0)) motion.speed[axis] = motion.pushed.speed[axis] = 0.0;
+    motion.pushed.before[axis] = motion.pushed.speed[axis];
+  }
+  return a;
+}
+
+/** The area that a gate saw last in an earlier run, m^2. */
+int FixJumpStep::add_saw(Wall &wall, int a, int narg, char **arg) const
+{
+  if (a >= narg) error->all(FLERR, "fix jump/step: what wall '{}' saw is missing", wall.name);
+  wall.hold.area = utils::numeric(FLERR, arg[a], false, lmp);
+  return a + 1;
+}
+
+/** Speeds of the half step before the start, of a wall that goes on, from that of the step and its force there. */
+void FixJumpStep::step_back(Motion &motion) const
+{
+  const auto &load = motion.load;
+  auto &pushed = motion.pushed;
+  for (int axis = 0; axis < 3; axis++) {
+    if (!(load.free[axis] > 0.0)) continue;
+    const double force = pushed.force[axis] + load.own(axis, pushed.place[2]);
+    pushed.speed[axis] = motion.speed[axis] - 0.5 * update->dt * force / load.resistance(axis);
+  }
+}
+
+/** What an earlier run gives to one that begins from it: released, place, speeds of the step, of the half step and of the one
+    before, force, area and time of a gate's last look; by wall. Behind it the slots of corners. */
+double FixJumpStep::pushed_state(int n) const
+{
+  for (const auto &wall : walls) {
+    if (!wall.motion.is_lid) continue;
+    if ((n -= PUSHED_WORDS) >= 0) continue;
+    n += PUSHED_WORDS;
+    const auto &motion = wall.motion;
+    const auto &pushed = motion.pushed;
+    if (n == 0) return pushed.phase == jump::HAS_MOVED;
+    if (n == 16) return wall.hold.area;
+    if (n == 17) {
+      const auto &hold = wall.hold;
+      return hold.every > 0 ? (double) ((update->ntimestep - hold.first) % hold.every) * update->dt : 0.0;
+    }
+    jump::Placed at = motion.placed;
+    jump::centre(at, pushed, motion.load, update->dt);
+    const double speed[3] = {at.centred.x, at.centred.y, at.centred.angle};
+    const double *const parts[] = {pushed.place, speed, pushed.speed, pushed.before, pushed.force};
+    return parts[(n - 1) / 3][(n - 1) % 3];
+  }
+  const size_t slots = bodies.partner.size(), at = n % slots;
+  const std::vector<double> *const values[] = {&bodies.sigma, &bodies.spring, &bodies.roll};
+  return n < (int) slots ? (double) bodies.partner[at] : (*values[n / slots - 1])[at];
 }
 
 bool FixJumpStep::is_there(const Wall &wall) const { return update->ntimestep < wall.until; }
@@ -360,6 +421,10 @@ void FixJumpStep::push_lids()
       force[0] += more.x;
       force[1] += more.y;
       force[2] += more.moment;
+      jump::centre(motion.placed, motion.pushed, motion.load, update->dt);
+    }
+    if (motion.went && update->setupflag && update->ntimestep == 0) {
+      step_back(motion);
       jump::centre(motion.placed, motion.pushed, motion.load, update->dt);
     }
     if (wall.probe < 0) continue;

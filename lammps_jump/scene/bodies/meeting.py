@@ -31,6 +31,11 @@ def corners(scene: Scene) -> list[tuple[int, BodyCorner]]:
     return found
 
 
+def corner_names(walls: Sequence[MovingWall]) -> tuple[str, ...]:
+    """Names of the corners of walls, in the order of `corners`: the wall, and the number of the corner there."""
+    return tuple(f"{wall.name}:{number}" for wall, _ in walls for number in range(len(corners_of(wall.faces, 0, 1.0))))
+
+
 def meets(there: Sequence[MovingWall]) -> np.ndarray:
     """Whether corners of the first wall meet faces of the second, shape (walls, walls).
 

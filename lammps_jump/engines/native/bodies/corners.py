@@ -73,6 +73,9 @@ class Bodies:
         self.numbers = [number for number, one in enumerate(there) if one.motion.free]
         self.corner = _corners(scene, there)
         self.discs = CornerDiscs(self.corner["radius"].copy())
+        if scene.earlier is not None:
+            for name, rows in scene.earlier.corner_slots(SLOTS).items():
+                getattr(self.discs, name)[:] = rows
         self._meets = meets(there)
         largest = float(self.discs.radius.max(initial=0.0))
         # a corner and a face have moved by half a skin each at most since they were listed
