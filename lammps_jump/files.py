@@ -19,6 +19,7 @@ import secrets
 import shutil
 import signal
 import stat
+import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -406,6 +407,25 @@ def open_regular(path: str, flags: int) -> int:
         kind = errno.EISDIR if os.path.isdir(path) else errno.EINVAL
         raise OSError(kind, os.strerror(kind) if kind == errno.EISDIR else "no regular file")
     return place
+
+
+def private_file(name: str, text: str) -> Path:
+    """A new file that this user alone can read, whose name begins and ends as this one.
+
+    It lies in the current folder where that is this user's own, for a browser in a container sees no other place;
+    else in the folder of temporary files.
+
+    Raises
+    ------
+    OSError
+        It can be made in neither.
+    """
+    here, wanted = os.stat("."), Path(name)
+    own = here.st_uid == os.geteuid() and not here.st_mode & 0o022 and os.access(".", os.W_OK)
+    folder = Path.cwd() if own else Path(tempfile.gettempdir())
+    path = folder / f"{wanted.stem}-{secrets.token_hex(4)}{wanted.suffix}"
+    _make(path, text.encode())
+    return path
 
 
 def real_path(path: Path) -> Path:

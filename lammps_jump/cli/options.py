@@ -177,8 +177,13 @@ def assignments(sets: list[str] | None, **given: str | None) -> list[str]:
 
 def open_page(address: str) -> None:
     """Open an address in the browser where there is a display."""
-    if os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"):
+    if has_display():
         webbrowser.open(address)
+
+
+def has_display() -> bool:
+    """Whether a browser can be seen here."""
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
 def sayer(quiet: bool) -> Callable[[str], None]:

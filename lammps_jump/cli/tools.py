@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import re
 import sys
+from contextlib import ExitStack, suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -20,7 +21,7 @@ from lammps_jump.errors import CaseError, SetupError
 from lammps_jump.quoting import echoed
 from lammps_jump.units import to_si, unit_in_words
 
-from .options import Accuracy, CaseFile, Commands, EngineName, Kernel, Sets, assignments, open_page, place
+from .options import Accuracy, CaseFile, Commands, EngineName, Kernel, Sets, assignments, has_display, open_page, place
 
 SCHEMA_LINE = """\
 # yaml-language-server: $schema=lammps-jump.schema.json
@@ -75,17 +76,25 @@ def open_(
         server = served.Server(pages, port)
     except OSError as error:
         raise SetupError(f"--port {port}: cannot be used ({error.strerror}); leave it out, and one is found") from None
-    with server, interrupts.terminate_as_interrupt():
+    with server, interrupts.terminate_as_interrupt(), ExitStack() as left:
         try:
             print(f"{server.address}\nopen this address in a browser; Ctrl+C here ends it", flush=True)
-            if browser:
-                open_page(server.address)
+            if browser and has_display():
+                with suppress(OSError):  # no place for the file: the address is printed
+                    open_page(_leading_file(server, left).as_uri())
             server.serve_forever()
         except KeyboardInterrupt:
             pass
         finally:
             for child in pages.close():
                 print(f"stopped, and can go on: {child.command}")
+
+
+def _leading_file(server: served.Server, left: ExitStack) -> Path:
+    """A file for the browser, which leads it to the pages; it is deleted once it has, and at the end."""
+    page = files.private_file("lammps-jump-open.html", server.ticket(lambda: files.delete(page)))
+    left.callback(files.delete, page)
+    return page
 
 
 @app.command()

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import hmac
+import html
 import io
 import json
 import logging
@@ -11,7 +12,7 @@ import re
 import secrets
 import socket
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import partial
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
@@ -48,6 +49,8 @@ FOREIGN = (
     "img-src data: blob:; media-src data: blob:; frame-ancestors 'self'; base-uri 'none'; form-action 'none'"
 )
 """The same for a report, which may come from anywhere: it acts within itself, as a file that is opened does."""
+NOTHING = "default-src 'none'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
+"""The same for a page that only leads to another."""
 SAFE = {
     "X-Content-Type-Options": "nosniff",
     "Referrer-Policy": "no-referrer",
@@ -106,6 +109,16 @@ def answer(data: object, status: int = 200) -> Reply:
     return Reply(json.dumps(plain(data), allow_nan=False).encode(), status=status)
 
 
+def leading_to(address: str) -> str:
+    """A page that leads a browser to an address at once."""
+    shown = html.escape(address)
+    return (
+        '<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>lammps-jump</title>'
+        f'<meta name="referrer" content="no-referrer"><meta http-equiv="refresh" content="0; url={shown}"></head>'
+        f'<body><p><a href="{shown}">lammps-jump</a></p></body></html>\n'
+    )
+
+
 class Server(ThreadingHTTPServer):
     """Serves pages on the loopback address.
 
@@ -127,6 +140,7 @@ class Server(ThreadingHTTPServer):
     def __init__(self, pages: Pages, port: int = 0):
         self.pages, self.token = pages, secrets.token_urlsafe(32)
         self._lock = Lock()
+        self._ticket: tuple[str, Callable[[], None]] | None = None
         self._unknown: dict[socket.socket, None] = {}
         self._known: set[socket.socket] = set()
         super().__init__((HOME, port), Handler)
@@ -135,6 +149,25 @@ class Server(ThreadingHTTPServer):
     def address(self) -> str:
         """What a browser is to open."""
         return f"http://{HOME}:{self.server_address[1]}/{self.token}/{self.pages.start}"
+
+    def ticket(self, used: Callable[[], None]) -> str:
+        """A page of its own that leads a browser to the pages, once; then `used` is called.
+
+        The command line of a browser shows what it opens to all users of the machine: it opens a file with this page.
+        """
+        self._ticket = secrets.token_urlsafe(32), used
+        return leading_to(f"http://{HOME}:{self.server_address[1]}/{self._ticket[0]}/")
+
+    def redeem(self, token: str) -> Reply | None:
+        """What the page of a ticket leads to: another one of this server, which leads on; None for no ticket."""
+        with self._lock:
+            if self._ticket is None or not hmac.compare_digest(self._ticket[0].encode(), token.encode()):
+                return None
+            used, self._ticket = self._ticket[1], None
+        used()
+        return Reply(
+            leading_to(f"/{self.token}/{self.pages.start}").encode(), "text/html; charset=utf-8", policy=NOTHING
+        )
 
     def process_request(self, request: Any, client_address: Any) -> None:
         """Answer a connection in a thread of its own; the oldest of too many that have not shown the token is cut."""
@@ -233,6 +266,10 @@ class Handler(BaseHTTPRequestHandler):
     def _reply(self, make: Any) -> Reply | None:
         """The answer to a request that shows the token of the pages, or one that is good for a single answer."""
         token, path, query = self._asked()
+        if make == self._get and not path and (reply := self.server.redeem(token)) is not None:
+            return reply
+        if self.headers.get("Sec-Fetch-Site", "same-origin") not in ("same-origin", "none"):
+            raise Refused(403, "another page asks")
         if hmac.compare_digest(token.encode(), self.server.token.encode()):
             self.server.know(self.connection)
             self._until.end = time.monotonic() + BODY_SECONDS
@@ -268,8 +305,6 @@ class Handler(BaseHTTPRequestHandler):
             raise Refused(421, "this server is for this machine alone")
         sent = self.headers.get_all("Origin") or []
         if len(sent) > 1 or (sent and sent[0] != f"http://{hosts[0]}"):
-            raise Refused(403, "another page asks")
-        if self.headers.get("Sec-Fetch-Site", "same-origin") not in ("same-origin", "none"):
             raise Refused(403, "another page asks")
         path, _, query = self.path.partition("?")
         root, token, rest = (*path.split("/", 2), "", "")[:3]

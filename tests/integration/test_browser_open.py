@@ -84,6 +84,18 @@ def until(page, what):
     return page.run(UNTIL.format(limit=LIMIT, what=what, told=repr(what)))
 
 
+def arrived(page, address):
+    """Wait for a page that leads to others."""
+    end = time.monotonic() + LIMIT
+    while time.monotonic() < end:
+        try:
+            if page.run("location.href") == address:
+                return
+        except RuntimeError:  # on its way
+            pass
+    raise AssertionError(f"never: {address}")
+
+
 def drawn(page):
     until(page, "document.querySelector('#drawing .sketch')")
 
@@ -291,6 +303,17 @@ def test_a_long_text_of_other_letters_is_saved(browser, case, letters):
         page.run(f"editor.replace(editor.text + '# ' + '\u0436'.repeat({letters}) + '\\n'), 0")
         saved(page, case, "\u0436" * letters)
         assert troubles(page, server) == []
+
+
+def test_a_file_leads_here(browser, case, tmp_path):
+    """What a browser is given to open: no part of the address of the pages stands on its command line."""
+    with serving(case) as server:
+        used = []
+        (tmp_path / "lead.html").write_text(server.ticket(lambda: used.append(1)))
+        PAGES.append(Page(browser, tmp_path / "lead.html"))
+        arrived(PAGES[-1], server.address)
+        drawn(PAGES[-1])
+        assert used == [1] and PAGES[-1].run("editor.text") == CASE
 
 
 def test_a_look_that_is_out_of_date_is_left(browser, case):

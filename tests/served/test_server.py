@@ -3,6 +3,7 @@
 
 import base64
 import json
+import re
 import socket
 
 import pytest
@@ -142,6 +143,19 @@ def test_a_defect_of_the_program_is_told_and_logged(server, case, monkeypatch, c
     assert status == 500 and "defect of lammps-jump" in json.loads(data)["refused"]
     assert "ZeroDivisionError" in caplog.text and "in broken" in caplog.text and server.token not in caplog.text
     assert asked(server, "file")["text"] == CASE
+
+
+def test_a_ticket_leads_a_browser_here_once(server):
+    """From a file, which is another site: to a page that leads on, and only while it has not."""
+    used = []
+    place = re.search(r"url=http://127\.0\.0\.1:\d+(/[\w-]+/)", server.ticket(lambda: used.append(1)))[1]
+    for path in (f"{place}file", f"{place}run/0/state"):
+        assert send(server, "GET", path, Sec_Fetch_Site="cross-site")[0] == 403
+    assert send(server, "POST", place, {}, Sec_Fetch_Site="cross-site")[0] == 403 and not used
+    status, told, body = send(server, "GET", place, Sec_Fetch_Site="cross-site")
+    assert status == 200 and f'url=/{server.token}/"'.encode() in body and used == [1]
+    assert told["Content-Security-Policy"].startswith("default-src 'none'") and told["Cache-Control"] == "no-store"
+    assert send(server, "GET", place)[0] == 403 and used == [1]
 
 
 def test_port_80_is_left_out_by_browsers(server):
