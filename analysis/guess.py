@@ -17,7 +17,7 @@ from lammps_jump.dump.read import Dump
 from lammps_jump.errors import DumpError
 from lammps_jump.physics import bodies
 from lammps_jump.physics.contact import Coefficients
-from lammps_jump.quoting import visible
+from lammps_jump.quoting import typed, visible
 from lammps_jump.scene.motion import MovingWall
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.walls import Block, Interval, Plane
@@ -184,7 +184,7 @@ def _require_a_plane(frames: Sequence[Frame], diameter: float, path: Path) -> No
             raise DumpError(
                 f"{path}: step {frame.step}: z runs from {low:z.6g} to {high:z.6g} m, further than a diameter "
                 f"({diameter:z.6g} m): this is a flow in three dimensions; allowed is one layer of discs. "
-                f"`lammps-jump slice {path} z={0.5 * (low + high):z.3g}`, or y=… where z is up, writes a slice one "
+                f"`{typed('slice', path, f'z={0.5 * (low + high):z.3g}')}`, or y=… where z is up, writes a slice one "
                 "diameter thick, which can be analysed."
             )
 

@@ -6,8 +6,10 @@ from __future__ import annotations
 import re
 import shlex
 import unicodedata
+from pathlib import Path
 from typing import Any
 
+PROGRAM = "lammps-jump"
 LONGEST = 500
 """Characters of a text field of a case."""
 MOST_ECHOED = 200
@@ -64,6 +66,16 @@ def lammps_comment(text: str) -> str:
 def shell_word(text: str) -> str:
     """A name as one word of a job file."""
     return shlex.quote(plain_name(text))
+
+
+def typed(*words: str | Path) -> str:
+    """A command of this program as one types it; a path that begins as an option does has its folder before it."""
+    return shlex.join([PROGRAM, *map(as_word, words)])
+
+
+def as_word(word: str | Path) -> str:
+    """A path as a word of a command line, which is no option."""
+    return f"./{word}" if isinstance(word, Path) and str(word).startswith("-") else str(word)
 
 
 def echoed(value: object) -> str:

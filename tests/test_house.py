@@ -15,6 +15,7 @@ import tomllib
 from collections import Counter
 from collections.abc import Iterator
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 
 import budget
@@ -199,6 +200,23 @@ def test_no_python_of_the_current_folder_is_run():
     ]
     commands = [items for items in lists if "sys.executable" in items]
     assert len(commands) >= 4 and all(items[items.index("sys.executable") + 1] == "'-P'" for items in commands)
+
+
+NAMES_A_PATH = re.compile(r"lammps-jump [a-z][a-z-]+(?: \S+)* ?$")
+
+
+def test_commands_that_are_told_can_be_typed():
+    """A path with spaces, or one that begins as an option does: `quoting.typed` writes the command."""
+    found = [
+        f"{file}:{node.lineno}"
+        for file, tree in trees().items()
+        for node in walked(tree)
+        if isinstance(node, ast.JoinedStr)
+        for part, behind in pairwise(node.values)
+        if isinstance(part, ast.Constant) and isinstance(behind, ast.FormattedValue)
+        if NAMES_A_PATH.search(part.value.rpartition("`")[2]) and part.value.count("`") % 2
+    ]
+    assert not found, "write the command by lammps_jump.quoting.typed"
 
 
 SHOWN = (

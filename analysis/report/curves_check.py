@@ -14,7 +14,7 @@ from pydantic import BaseModel, Field, FiniteFloat, RootModel, ValidationError, 
 from lammps_jump.analysis.quantities import captions
 from lammps_jump.errors import DumpError
 from lammps_jump.files import CURVES, MOST_JSON, read_file
-from lammps_jump.quoting import shortened
+from lammps_jump.quoting import shortened, typed
 
 MOST_LINES, MOST_VALUES, MOST_PANELS = 1_000, 10_000, 100
 Number = Annotated[FiniteFloat, Field(ge=-1e300, le=1e300)]
@@ -96,7 +96,7 @@ def read_curves(folder: Path) -> dict[str, dict[str, Any]]:
         first = error.errors(include_url=False)[0]
         place = ".".join(map(str, first["loc"]))
         raise DumpError(
-            f"{path}: {shortened(place)}: {shortened(first['msg'])}; `lammps-jump analyze {folder}` makes it again"
+            f"{path}: {shortened(place)}: {shortened(first['msg'])}; `{typed('analyze', folder)}` makes it again"
         ) from None
     known = captions()
     return {name: one.model_dump(exclude_unset=True) for name, one in stored.root.items() if name in known}

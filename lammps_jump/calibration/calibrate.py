@@ -17,6 +17,7 @@ from lammps_jump.errors import CaseError
 from lammps_jump.files import MOST_TEXT, STUDY_FILES, plain, read_file, read_json, write_json, write_text
 from lammps_jump.folders import Marker
 from lammps_jump.provenance import usable_cores, versions
+from lammps_jump.quoting import typed
 from lammps_jump.runs.folder import run_folder
 from lammps_jump.runs.run import Case, Run
 from lammps_jump.sweeps import Pool, Sweep, open_sweep, slurm
@@ -187,7 +188,7 @@ class Calibrated:
             self.data: dict[str, Any] = read_json(self.folder / ANSWER)
         except (OSError, ValueError):
             raise CaseError(
-                f"{folder}: holds no answer ({ANSWER}); `lammps-jump calibrate {folder}` goes on there"
+                f"{folder}: holds no answer ({ANSWER}); `{typed('calibrate', folder)}` goes on there"
             ) from None
 
     @property

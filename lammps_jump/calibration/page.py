@@ -23,6 +23,7 @@ from lammps_jump.analysis.report.page import (
     picture,
 )
 from lammps_jump.folders import require_no_link
+from lammps_jump.quoting import typed
 from lammps_jump.runs.run import Run
 from lammps_jump.sweeps.page import repeating, write_study_page
 from lammps_jump.sweeps.players.members import LARGEST, player_of
@@ -119,7 +120,8 @@ def sections(
 ) -> list[Section]:
     """The parts of the page; `pictures` are those of ``measured`` and ``posterior``."""
     drawn = {part: [picture(path, CAPTIONS[path.stem]) for path in paths] for part, paths in pictures.items()}
-    one = f"`lammps-jump analyze {folder}/RUN --set analysis.figures=default` makes the report of one of these runs."
+    again = typed("analyze", folder / "RUN", "--set", "analysis.figures=default")
+    one = f"`{again}` makes the report of one of these runs."
     told = f"{data['runs']} runs of at most {data['budget']}, {data['failed']} left out. All values in a range were "
     return [
         Section("", [Boxes(boxes(data)), Text(f"{told}equally likely before.", "sure")]),

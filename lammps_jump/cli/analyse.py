@@ -15,6 +15,7 @@ import lammps_jump as lj
 from lammps_jump import dump, runs, studies, sweeps
 from lammps_jump.analysis.quantities import LISTED
 from lammps_jump.errors import CaseError
+from lammps_jump.quoting import typed
 
 from .options import Quiet, Sets, Verbose, diameters, log_printed, open_page, place, places, plane_of, quantity
 from .progress import print_summary
@@ -159,9 +160,9 @@ def show(
     path = next((page for page in pages if page.is_file()), pages[0])
     if (folder / "study.yaml").is_file() and path == pages[0]:
         page, command = (pages[2], "calibrate") if (folder / "rounds.json").is_file() else (pages[1], "sweep")
-        raise CaseError(f"{page}: there is no page; `lammps-jump {command} {folder}` makes it")
+        raise CaseError(f"{page}: there is no page; `{typed(command, folder)}` makes it")
     if not path.is_file():
-        raise CaseError(f"{path}: there is no report; `lammps-jump analyze {folder}` makes the one of a run")
+        raise CaseError(f"{path}: there is no report; `{typed('analyze', folder)}` makes the one of a run")
     _open(path)
 
 
@@ -232,7 +233,7 @@ def cut(
     """Write the bodies near a plane of a dump of three dimensions as a dump of one layer."""
     written = out or target.with_name(f"{target.name.split('.')[0]}_slice.lammpstrj")
     most, thick = dump.write_slice(target, plane[0], plane[1], written, thickness)
-    print(f"{written}: at most {most} bodies, {thick:z.4g} m thick; `lammps-jump analyze {written}` analyses it")
+    print(f"{written}: at most {most} bodies, {thick:z.4g} m thick; `{typed('analyze', written)}` analyses it")
 
 
 @app.command()

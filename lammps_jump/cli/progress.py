@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import shlex
 import shutil
 import sys
 import textwrap
@@ -15,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TextIO
 
 from lammps_jump import analysis
 from lammps_jump.engines.result import Progress
-from lammps_jump.quoting import terminal_text
+from lammps_jump.quoting import terminal_text, typed
 
 if TYPE_CHECKING:
     import rich.progress
@@ -256,7 +255,7 @@ def ending(
     wide = width or min(WIDEST, shutil.get_terminal_size().columns)
     above = [*textwrap.wrap(said, wide), *(analysis.tables.rows.table(rows, wide) if rows else [])]
     above += [line for text in about for line in textwrap.wrap(text, wide)]
-    below = [f"page: lammps-jump show {shlex.quote(str(folder))}"] if folder is not None else []
+    below = [f"page: {typed('show', folder)}"] if folder is not None else []
     told = [line for text in notes for line in textwrap.wrap(f"note: {text}", wide, subsequent_indent="  ")]
     if told and len(above) + len(told) + len(below) > MOST_LINES:
         count = f"{len(notes)} note{'s' * (len(notes) > 1)}"

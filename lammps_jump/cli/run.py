@@ -11,6 +11,7 @@ import typer
 import lammps_jump as lj
 from lammps_jump import cli, runs, script, sweeps
 from lammps_jump.errors import CaseError, RunError
+from lammps_jump.quoting import typed
 
 from . import options
 from .progress import ProgressLine, print_summary
@@ -57,7 +58,7 @@ def build_and_run(
     if collect:
         raise CaseError(f"--collect {collect}: is for --members; one run writes all its numbers to summary.json")
     if at is not None:
-        raise CaseError(f"--slurm: is for --members; for one run use `lammps-jump build {case} --slurm`, then sbatch")
+        raise CaseError(f"--slurm: is for --members; for one run use `{typed('build', case, '--slurm')}`, then sbatch")
     folder = out or runs.folder.default_folder(loaded)
     return _run(loaded, folder, quiet=quiet, verbose=verbose, live=live, force=force, resume=resume)
 
@@ -85,7 +86,7 @@ def build(
         print(f"job file: {folder / 'job.slurm'}")
     alone = (folder / "in.lammps").exists() and not script.stock.lacking(loaded.scene())
     there = ", or there with `lmp -in in.lammps`" if alone else ""
-    print(f"{folder}: run it with `lammps-jump run {folder}`{there}")
+    print(f"{folder}: run it with `{typed('run', folder)}`{there}")
 
 
 @app.command()

@@ -12,6 +12,7 @@ import typer
 import lammps_jump as lj
 from lammps_jump import calibration, script, studies, sweeps
 from lammps_jump.errors import CaseError
+from lammps_jump.quoting import typed
 
 from . import options
 from .progress import CalibrationLine, StudyLine, ending, show_markdown
@@ -78,7 +79,7 @@ def site_of(site: Path | None, slurm: bool) -> script.job.Site | None:
 def submit(found: sweeps.Sweep, at: script.job.Site, *, jobs: int | None, retry: bool = False) -> None:
     """Submit what is left of a study, and print the number of its job."""
     number = sweeps.slurm.submit(found, at, at_once=jobs or sweeps.slurm.AT_ONCE, retry=retry)
-    done = f"nothing to submit: `lammps-jump sweep {found.folder}` writes table and page"
+    done = f"nothing to submit: `{typed('sweep', found.folder)}` writes table and page"
     print(f"{found.folder}: array job {number}" if number else f"{found.folder}: {done}")
 
 

@@ -18,7 +18,7 @@ import lammps_jump.case as cases
 from lammps_jump import cli, compiling, drawings, engines, files, runs, served, studies
 from lammps_jump.engines import interrupts
 from lammps_jump.errors import CaseError, SetupError
-from lammps_jump.quoting import echoed
+from lammps_jump.quoting import echoed, typed
 from lammps_jump.units import to_si, unit_in_words
 
 from .options import Accuracy, CaseFile, Commands, EngineName, Kernel, Sets, assignments, has_display, open_page, place
@@ -87,7 +87,7 @@ def open_(
             pass
         finally:
             for child in pages.close():
-                print(f"stopped, and can go on: {child.command}")
+                print(child.farewell)
 
 
 def _leading_file(server: served.Server, left: ExitStack) -> Path:
@@ -171,7 +171,7 @@ def import_(
     else:
         drawings.write_into(into, found)
         print(text, end="")
-        print(f"added to {into}: `lammps-jump preview {into}` draws it", file=sys.stderr)
+        print(f"added to {into}: `{typed('preview', into)}` draws it", file=sys.stderr)
     for note in (*taken.notes, *drawings.doubts(found, max(taken.extent()))):
         print(f"note: {note}", file=sys.stderr)
 

@@ -17,7 +17,7 @@ import numpy as np
 from lammps_jump.errors import DumpError
 from lammps_jump.files import EXPORTS, MOST_TEXT, read_file, write_bytes, write_text, writes
 from lammps_jump.folders import require_replaceable, standing
-from lammps_jump.quoting import csv_cell, shortened
+from lammps_jump.quoting import csv_cell, shortened, typed
 from lammps_jump.scene.shapes import thin
 from lammps_jump.scene.walls import Interval, Wall, parts_of
 
@@ -117,8 +117,8 @@ def export(
     place = Path(place)
     if not place.is_dir() and find_dump(place):
         raise DumpError(
-            f"{place}: is a dump; allowed is a run folder or the folder of a dump's results: `lammps-jump analyze "
-            f"{place}` makes one beside it."
+            f"{place}: is a dump; allowed is a run folder or the folder of a dump's results: "
+            f"`{typed('analyze', place)}` makes one beside it."
         )
     out = place if out is None else Path(out)
     for name in (name for kind in kinds for pattern in EXPORTS[kind] for name in standing(out, pattern)):
@@ -216,7 +216,7 @@ def netcdf_of(data: bytes, path: Path) -> xr.Dataset:
 
 def _no_netcdf(path: Path, error: Exception) -> DumpError:
     said = shortened(getattr(error, "strerror", None) or str(error))
-    return DumpError(f"{path}: cannot be read ({said}); `lammps-jump analyze {path.parent}` makes it from the dump.")
+    return DumpError(f"{path}: cannot be read ({said}); `{typed('analyze', path.parent)}` makes it from the dump.")
 
 
 def _frames_for_paraview(

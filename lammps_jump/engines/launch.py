@@ -16,6 +16,7 @@ from typing import Any
 
 from lammps_jump.files import delete, write_text
 from lammps_jump.folders import writable
+from lammps_jump.quoting import typed
 from lammps_jump.scene.scene import Scene
 from lammps_jump.script import write_continuation, write_script
 
@@ -135,4 +136,4 @@ def _without_result(job: Job, child: Child) -> RunResult:
     if found.status != "failed" or not outside or (again is None and not killed):
         return found
     how = "starts it again" if again is None else f"goes on from t = {again:z.4g} s"
-    return replace(found, message=f"{found.message} `lammps-jump run {job.folder} --resume` {how}.", outside=True)
+    return replace(found, message=f"{found.message} `{typed('run', job.folder, '--resume')}` {how}.", outside=True)

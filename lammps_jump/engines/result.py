@@ -5,7 +5,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import TYPE_CHECKING
+
+from lammps_jump.quoting import typed
 
 if TYPE_CHECKING:
     from lammps_jump.scene.scene import Scene
@@ -99,7 +102,7 @@ class RunResult:
     outside: bool = False
 
 
-def interruption(scene: Scene, step: int, folder: object, *, again: float | None = None, reason: str = "") -> str:
+def interruption(scene: Scene, step: int, folder: Path, *, again: float | None = None, reason: str = "") -> str:
     """What to tell the user of a run that was ended before its end: when, what is kept, how to go on.
 
     Parameters
@@ -115,11 +118,11 @@ def interruption(scene: Scene, step: int, folder: object, *, again: float | None
     """
     kept = (
         f"the run was ended at t = {scene.time(step):z.4g} s of {scene.time(scene.steps):z.4g} s; the frames up "
-        f"to there are kept in {folder}: `lammps-jump analyze {folder}` looks at them"
+        f"to there are kept in {folder}: `{typed('analyze', folder)}` looks at them"
     )
     if again is not None:
         return (
-            f"{kept}, `lammps-jump run {folder} --resume` (or the same command with --resume) goes on from "
+            f"{kept}, `{typed('run', folder, '--resume')}` (or the same command with --resume) goes on from "
             f"t = {again:z.4g} s, with --force in its place it starts anew"
         )
     return f"{kept}, the same command with --force starts anew" + (f"; it cannot go on: {reason}" if reason else "")

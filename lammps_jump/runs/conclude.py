@@ -25,6 +25,7 @@ from lammps_jump.errors import DumpError, RunError, RunInterrupted
 from lammps_jump.files import END_FILE, checksum, delete, text_of, write_text
 from lammps_jump.folders import clear, publish, read_marker, staging
 from lammps_jump.identity import analysis_key
+from lammps_jump.quoting import typed
 
 from .folder import case_text, own_files
 from .live_analysis import Ahead
@@ -32,7 +33,7 @@ from .state import OUTPUTS, outputs_of, without
 from .summary import compose, write_summary
 
 log = logging.getLogger(__name__)
-STOPPED = "the analysis was stopped; the files of the run are kept, and `lammps-jump analyze {}` analyses them"
+STOPPED = "the analysis was stopped; the files of the run are kept, and `{}` analyses them"
 NOT_ANALYSED = "the run is not analysed yet: `lammps-jump analyze` on its folder does that"
 
 
@@ -185,7 +186,7 @@ class Conclusion:
         check, packer = FrameCheck(self.case.scene()), runs.results.packer_for(self.case, flow)
         note = self.result.message if self.ahead is None else ""
         try:
-            with signals_end(STOPPED.format(self.folder)):
+            with signals_end(STOPPED.format(typed("analyze", self.folder))):
                 self._phase("reading")
                 whole = self.outputs if self.ended and not self.steady else {}
                 gathered = self.ahead.result(whole, self._read) if self.ahead else None

@@ -18,6 +18,7 @@ from lammps_jump.engines import Checkpoint, Job, ProgressCallback, RunResult, Se
 from lammps_jump.errors import CaseError, RunError, SetupError
 from lammps_jump.files import RANKS_FILE, SUMMARY_FILE
 from lammps_jump.folders import MARKER_FILE, clear, locked, read_marker, require_unlocked
+from lammps_jump.quoting import typed
 from lammps_jump.script.job import Site, write_job
 
 from .conclude import Conclusion, signals_end
@@ -152,13 +153,13 @@ def reanalyse(folder: Path, changes: Sequence[str] = ()) -> None:
         if change.split("=")[0].split(".")[0].strip() != "analysis":
             raise CaseError(
                 f"--set {change}: belongs to the run, which is done; allowed here is analysis.…: a run with other "
-                f"values is a new one: `lammps-jump build-and-run {folder / 'case.yaml'} --set {change} --out …`"
+                f"values is a new one: `{typed('build-and-run', folder / 'case.yaml', '--set', change)} --out …`"
             )
     path, marker = require_case(folder), read_marker(folder)
     if marker is None:
         raise SetupError(
             f"{folder}: was not made by lammps-jump (there is no {MARKER_FILE}), so nothing is written to it; "
-            f"`lammps-jump analyze DUMP --case {path} --out OTHER` analyses its dump"
+            f"`{typed('analyze', 'DUMP', '--case', path, '--out', 'OTHER')}` analyses its dump"
         )
     case, setting, notes = choose_setting(ReadCase.load(path, changes))
     if found := difference(case, None, marker):

@@ -15,6 +15,7 @@ from lammps_jump.errors import DumpError, ResumeError, SetupError
 from lammps_jump.files import CONTACTS_FILE, DUMP_NAMES, END_FILE, RUN_FILES, checksum
 from lammps_jump.folders import Marker, force_tables, read_marker, require_ours, standing
 from lammps_jump.identity import analysis_key, run_key, scene_key
+from lammps_jump.quoting import typed
 
 from .engine import program_of
 from .folder import result_of_files
@@ -66,7 +67,7 @@ def left_to_do(case: ReadCase, folder: Path, setting: Setting, *, force: bool = 
     if found and resume:
         raise ResumeError(
             f"{folder}: the run there differs from the case that was asked for ({found}), so it cannot go on as that "
-            f"case; `lammps-jump run {folder} --resume` goes on with the one in the folder, --out names another"
+            f"case; `{typed('run', folder, '--resume')}` goes on with the one in the folder, --out names another"
         )
     if found:
         raise SetupError(

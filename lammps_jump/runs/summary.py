@@ -34,7 +34,7 @@ from lammps_jump.files import MOST_TEXT, SUMMARY_FILE, plain, read_file, read_js
 from lammps_jump.folders import read_marker, standing
 from lammps_jump.identity import run_key, shown_key
 from lammps_jump.provenance import versions
-from lammps_jump.quoting import echoed, shortened
+from lammps_jump.quoting import echoed, shortened, typed
 
 from .engine import program_of
 
@@ -251,7 +251,7 @@ class Results:
         DumpError
             Not there, or another one than the summary means.
         """
-        path, again = self.folder / name, f"`lammps-jump analyze {self.folder}` makes the results again"
+        path, again = self.folder / name, f"`{typed('analyze', self.folder)}` makes the results again"
         if self.sums is not None and name not in self.sums:
             raise DumpError(f"{path}: is no result of this run; {again}")
         try:
@@ -321,7 +321,7 @@ def open_results(folder: Path) -> Results:
         said = f": {shortened(found.message)}" if found.message else ""
         raise DumpError(f"{folder}: the run there is {found.status or 'of no known status'}, not complete{said}")
     if found.analysed is None and "analysed" in found.model_fields_set:
-        raise DumpError(f"{folder}: was not analysed to the end; `lammps-jump analyze {folder}` does that")
+        raise DumpError(f"{folder}: was not analysed to the end; `{typed('analyze', folder)}` does that")
     return results_in(folder, found.model_dump())
 
 

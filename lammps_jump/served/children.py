@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import shlex
 import signal
 import subprocess
 import sys
@@ -11,16 +10,11 @@ import threading
 from collections import deque
 from pathlib import Path
 
-from lammps_jump.errors import SetupError
+from lammps_jump.errors import RunInterrupted, SetupError
+from lammps_jump.quoting import as_word, typed
 
 MOST_LINES = 40
 """Last lines of a command that are kept."""
-PROGRAM = "lammps-jump"
-
-
-def as_typed(*words: str | Path) -> str:
-    """A command of this program as one types it."""
-    return shlex.join([PROGRAM, *map(str, words)])
 
 
 class ServedChild:
@@ -28,16 +22,18 @@ class ServedChild:
 
     Attributes
     ----------
+    folder : Path
+        What it writes.
     command : str
         As one types it.
     """
 
-    def __init__(self, *words: str | Path):
-        self.command = as_typed(*words)
+    def __init__(self, folder: Path, *words: str | Path):
+        self.folder, self.command = folder, typed(*words)
         self._lines: deque[str] = deque(maxlen=MOST_LINES)
         # a session of its own: what ends this server does not end the run half way, see `Children.close`
         self.process = subprocess.Popen(
-            [sys.executable, "-P", "-m", "lammps_jump", *map(str, words)], stdin=subprocess.DEVNULL,
+            [sys.executable, "-P", "-m", "lammps_jump", *map(as_word, words)], stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace", start_new_session=True,
         )  # fmt: skip
         self._reader = threading.Thread(target=self._read, daemon=True)
@@ -58,6 +54,13 @@ class ServedChild:
     def status(self) -> int | None:
         """Its exit status; None while it goes on."""
         return self.process.poll()
+
+    @property
+    def farewell(self) -> str:
+        """What became of it, and the command that goes on with what was stopped."""
+        if self.status == RunInterrupted.exit_status:
+            return f"stopped, and can go on: {typed('run', self.folder, '--resume')}"
+        return f"ended with status {self.status}: {self.command}"
 
     def stop(self) -> None:
         """Ask it to save its state and end."""
@@ -90,7 +93,7 @@ class Children:
             before = self.of(folder)
             if before is not None and before.status is None:
                 raise SetupError(f"{folder}: a run that was started here still writes there")
-            self._of[folder.absolute()] = child = ServedChild(*words)
+            self._of[folder.absolute()] = child = ServedChild(folder, *words)
             return child
 
     def of(self, folder: Path) -> ServedChild | None:

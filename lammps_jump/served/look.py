@@ -17,6 +17,7 @@ from lammps_jump.case.case import ReadCase
 from lammps_jump.case.packing import disc_sizes, discs_at_start
 from lammps_jump.errors import CaseError, JumpError
 from lammps_jump.files import plain
+from lammps_jump.quoting import typed
 from lammps_jump.units import shown
 
 from .places import Places
@@ -89,7 +90,7 @@ def with_drawing(text: str, file: Path, dropped: DroppedFile) -> dict[str, Any]:
     if len(data) > MOST_DRAWN:
         raise CaseError(
             f"{name}: has {len(data) / 1e6:.1f} MB; the page takes up to {MOST_DRAWN / 1e6:g} MB, and "
-            f"`lammps-jump import {name} --into {file.name}` more"
+            f"`{typed('import', Path(name), '--into', Path(file.name))}` more"
         )
     ReadCase.parse(text, file.name, folder=file.parent)
     drawing = drawings.read_drawing(name, scale=scale, data=data)

@@ -12,12 +12,13 @@ from typing import Any
 from lammps_jump.case.case import ReadCase
 from lammps_jump.errors import JumpError, ScaleError, SetupError
 from lammps_jump.folders import read_marker
+from lammps_jump.quoting import typed
 from lammps_jump.runs.folder import default_folder, require_case
 
 from .assets import HERE, asset, html
 from .bounded import Bounded, OutOfDate, PageWork
 from .case_file import CaseFile
-from .children import Children, ServedChild, as_typed
+from .children import Children, ServedChild
 from .look import MOST_DRAWN, DroppedFile, look, with_drawing
 from .run_pages import RunPages
 from .server import Pages, Refused, Reply, answer
@@ -150,7 +151,7 @@ class CasePages(Opened):
         """What a text means; a look at an older text of the same page is left."""
         text, wide, page = text_of(asked, "text"), number_of(asked, "wide"), str(asked.get("page", ""))[:MOST_NAME]
         file = self.file.shown.absolute()  # the process that looks may stand elsewhere
-        remedy = f"`{as_typed('check', self.file.shown)}` has no such limit"
+        remedy = f"`{typed('check', self.file.shown)}` has no such limit"
         try:
             return answer(self._bounded.run(PageWork(partial(look, text, file, wide), LOOK_SECONDS, remedy, page)))
         except OutOfDate:
@@ -164,7 +165,7 @@ class CasePages(Opened):
         except ValueError:
             raise Refused(400, "data is not in base64") from None
         dropped = DroppedFile(Path(name).name, data, scale.strip() or None)
-        remedy = f"`{as_typed('import', name, '--into', self.file.shown)}` has no such limit"
+        remedy = f"`{typed('import', Path(name), '--into', self.file.shown)}` has no such limit"
         try:
             found = self._bounded.run(
                 PageWork(partial(with_drawing, text, self.file.shown.absolute(), dropped), DRAWING_SECONDS, remedy)
@@ -172,7 +173,7 @@ class CasePages(Opened):
         except ScaleError as error:
             return answer({"refused": str(error), "scale": True}, 422)
         given = ["--scale", scale.strip()] if scale.strip() else []
-        return answer({**found, "command": as_typed("import", name, *given, "--into", self.file.shown)})
+        return answer({**found, "command": typed("import", Path(name), *given, "--into", self.file.shown)})
 
     def _plan(self, text: str) -> dict[str, Any] | None:
         """What the button does: the command, and the number of a run of this case that is there already."""
@@ -181,9 +182,9 @@ class CasePages(Opened):
         except JumpError:
             return None  # the page shows what is wrong
         if case.fields.run.members:
-            return {"number": None, "command": as_typed("build-and-run", self.file.shown), "why": SEVERAL}
+            return {"number": None, "command": typed("build-and-run", self.file.shown), "why": SEVERAL}
         words = ["open", folder] if there else self._words(case, folder)
-        return {"number": self.runs.number(folder) if there else None, "command": as_typed(*words)}
+        return {"number": self.runs.number(folder) if there else None, "command": typed(*words)}
 
     def _run(self, key: str) -> Reply:
         """Run the case of the file with this key; the number of the run."""

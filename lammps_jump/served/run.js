@@ -24,7 +24,8 @@ function showState(data) {
   byId("name").textContent = data.name ? [data.name, data.description].filter(Boolean).join(": ") : data.folder;
   document.title = `${data.name || data.folder}: lammps-jump`;
   const at = data.time === null || data.time === undefined ? "" : `, ${data.time.toFixed(2)} of ${data.duration} s`;
-  const other = data.status === "running" && !data.own ? `; ${data.message} writes it` : "";
+  const writer = data.status === "running" && !data.own ? `; ${data.message} writes it` : "";
+  const other = data.cut_off && data.status === "interrupted" ? `; ${data.message}` : writer;
   const said = `${WORDS_OF[data.status] || data.status}${at}${other}. ${data.folder}`;
   if (byId("state").textContent !== said) byId("state").textContent = said;
   byId("progress").hidden = ["complete", "failed", "refused"].includes(data.status);

@@ -12,9 +12,10 @@ from typing import Any
 
 from lammps_jump.errors import SetupError
 from lammps_jump.files import MOST_TEXT, read_file
+from lammps_jump.quoting import typed
 
 from .assets import KINDS, run_page
-from .children import Children, as_typed
+from .children import Children
 from .server import FOREIGN, Refused, Reply, answer
 from .watched import Watched
 
@@ -89,10 +90,10 @@ class RunPages:
             found["status"] = "starting" if found["status"] in ("none", "interrupted") else found["status"]
         if child is not None and child.status and found["status"] == "none":
             found |= {"status": "refused", "message": "\n".join(child.lines)}
-        found["command"] = child.command if child else as_typed("run", run.folder)
+        found["command"] = child.command if child else typed("run", run.folder)
         found["stop"] = f"kill -TERM {child.process.pid}" if child is not None and own else None
-        found["go_on"] = as_typed("run", run.folder, "--resume") if found["status"] == "interrupted" else None
-        found["report"] = as_typed("show", run.folder) if _has_report(run.folder) else None
+        found["go_on"] = typed("run", run.folder, "--resume") if found["status"] == "interrupted" else None
+        found["report"] = typed("show", run.folder) if _has_report(run.folder) else None
         return found
 
     def _to_report(self, folder: Path) -> Reply | None:

@@ -9,12 +9,12 @@ from threading import Lock
 from typing import Any
 
 from lammps_jump import sweeps
+from lammps_jump.quoting import typed
 from lammps_jump.sweeps.members import Member, MemberState, failure_message, state_of
 from lammps_jump.sweeps.study_folder import StudyResults
 from lammps_jump.sweeps.words import heading, unit, words
 from lammps_jump.units import shown
 
-from .children import as_typed
 from .run_pages import RunPages
 
 
@@ -49,7 +49,7 @@ class StudyView:
                 "description": study.case.fields.description,
                 "folder": str(self.folder),
                 "status": self._held.status(),
-                "command": as_typed("sweep", self.folder),
+                "command": typed("sweep", self.folder),
                 "going": any(state.stage == "running" for state in states),
                 "axes": [_axis(axis.name, axis.values) for axis in study.axes],
                 "runs": [self._run(member, state) for member, state in zip(self._held.members, states, strict=True)],

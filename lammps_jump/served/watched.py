@@ -25,6 +25,7 @@ from lammps_jump.errors import JumpError
 from lammps_jump.files import DUMP_NAMES
 from lammps_jump.folders import holder
 from lammps_jump.runs.folder import require_case
+from lammps_jump.runs.state import has_output
 from lammps_jump.runs.summary import read_summary
 
 from .curves import SoFar
@@ -48,15 +49,18 @@ class WatchedState(NamedTuple):
         none, running, complete, interrupted, failed or unchecked.
     message : str
         Of the summary; of a running one, which process writes.
+    cut_off : bool
+        It was ended by force: its last frame may be a part of one.
     """
 
     status: str
     message: str = ""
+    cut_off: bool = False
 
     @property
     def goes_on(self) -> bool:
-        """Whether frames may still come."""
-        return self.status in ("none", "running")
+        """Whether the last frame may not be whole yet."""
+        return self.cut_off or self.status in ("none", "running")
 
 
 class Watched:
@@ -89,8 +93,11 @@ class Watched:
         if status := stored.get("status"):
             return WatchedState(str(status), str(stored.get("message") or ""))
         if has_checkpoint(self.folder):
-            return WatchedState("interrupted", "it was cut off and can go on from its checkpoint")
-        return WatchedState("none", "" if self._case is None else "it was cut off and left no summary")
+            return WatchedState("interrupted", "it was cut off and can go on from its checkpoint", cut_off=True)
+        if has_output(self.folder):
+            said = "it was cut off and left no checkpoint: to go on is to start from the beginning"
+            return WatchedState("interrupted", said, cut_off=True)
+        return WatchedState("none")
 
     def _open(self) -> bool:
         """Read the case of the folder once it is there."""
@@ -114,7 +121,7 @@ class Watched:
         """
         with self._lock:
             state = self.state
-            found: dict[str, Any] = {"status": state.status, "message": state.message, "frames": 0, "of": self._key}
+            found: dict[str, Any] = {**state._asdict(), "frames": 0, "of": self._key}
             if not self._open() or self._case is None:
                 return found
             if self._tail.was_cut:

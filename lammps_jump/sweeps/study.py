@@ -23,7 +23,7 @@ from lammps_jump.case.parts.base import Strict
 from lammps_jump.case.text import CaseSource, nearest, parse_source, read_source, read_text
 from lammps_jump.errors import CaseError, FieldError
 from lammps_jump.files import plain
-from lammps_jump.quoting import echoed, shortened
+from lammps_jump.quoting import echoed, shortened, typed
 from lammps_jump.runs.run import Case
 from lammps_jump.units import numbers_of, parse_accuracy
 
@@ -240,7 +240,7 @@ def read_study(source: str | Path | Mapping[str, object] | ReadCase, **given: An
     if not isinstance(source, Mapping):
         file.options = {name: OPTIONS.get(name, f"--{name}") for name in given if name in StudyFields.model_fields}
     if file.data.get("kind") == "calibrate":
-        said = f"this study is a calibration; `lammps-jump calibrate {file.file}` runs it"
+        said = f"this study is a calibration; `{typed('calibrate', Path(file.file))}` runs it"
         raise file.located(FieldError("kind", said))
     try:
         fields = StudyFields.model_validate(file.data)
@@ -279,7 +279,9 @@ def case_in(path: Path, changes: Mapping[str, object]) -> Case:
     except CaseError:
         known = set()
     if not known:
-        raise CaseError(f"{file}: is no case; `lammps-jump check {file}` says why, and case: in a study names a case")
+        raise CaseError(
+            f"{file}: is no case; `{typed('check', Path(file))}` says why, and case: in a study names a case"
+        )
     return Case.load(path, changes)
 
 

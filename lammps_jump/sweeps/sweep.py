@@ -21,6 +21,7 @@ from lammps_jump.errors import CaseError, RunInterrupted
 from lammps_jump.files import SWEEP_FILES, write_json, write_text
 from lammps_jump.folders import Marker, clear
 from lammps_jump.provenance import usable_cores
+from lammps_jump.quoting import typed
 from lammps_jump.runs.folder import run_folder
 from lammps_jump.runs.run import Case
 
@@ -140,7 +141,8 @@ def open_sweep(folder: str | Path) -> Sweep:
     """
     if not (Path(folder) / "study.yaml").is_file():
         raise CaseError(
-            f"{folder}: holds no study (no study.yaml); `lammps-jump sweep STUDY.yaml --out {folder}` makes one"
+            f"{folder}: holds no study (no study.yaml); "
+            f"`{typed('sweep', 'STUDY.yaml', '--out', Path(folder))}` makes one"
         )
     return Sweep(read_study(folder), Path(folder))
 

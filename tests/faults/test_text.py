@@ -12,6 +12,7 @@ import unicodedata
 from dataclasses import replace
 from functools import partial
 from html.parser import HTMLParser
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -267,3 +268,15 @@ def test_a_job_file_with_an_attack_is_read_as_one_word(tmp_path):
         head = job_text(scene_called(attack, attack), 1).split("\n#SBATCH --nodes")[0]
         subprocess.run(["bash", "-c", head], cwd=tmp_path, check=True, timeout=LIMIT)
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    "name", [*(name for name in ATTACKS if name.isprintable()), "--help.yaml", "-x", "a b", "~", "a'b", "$HOME", "*"]
+)
+def test_a_command_that_is_told_means_the_same_path(tmp_path, name):
+    """What a shell makes of it are the words again, and no path is taken for an option."""
+    told = quoting.typed("run", Path(name), "--resume")
+    shown = subprocess.run(["bash", "-c", f"printf '%s\\0' {told}"], capture_output=True, cwd=tmp_path, timeout=LIMIT)
+    program, command, path, option = shown.stdout.decode().split("\0")[:-1]
+    assert (program, command, option) == ("lammps-jump", "run", "--resume")
+    assert Path(path) == Path(name) and not path.startswith("-") and not list(tmp_path.iterdir())

@@ -6,6 +6,7 @@ import os
 import shutil
 import struct
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from serving import asked, send, serving
 
 import lammps_jump as lj
 from lammps_jump import folders
+from lammps_jump.served.children import ServedChild
 from lammps_jump.served.watched import Watched
 
 CASE = """\
@@ -174,6 +176,35 @@ def test_a_report_acts_within_itself(finished, tmp_path):
         (tmp_path / "run" / "report.html").symlink_to("/etc/passwd")
         assert send(server, "GET", f"/{server.token}/run/0/report")[0] == 404
         assert send(server, "GET", place)[0] == 403
+
+
+def test_a_run_that_was_cut_off_is_called_so(finished, tmp_path):
+    """Frames without a summary, a checkpoint or a process: they are shown, and there is a way to go on."""
+    whole = growing(finished, tmp_path / "run")
+    assert Watched(tmp_path / "run").update()["status"] == "none"  # built, and never run
+    (tmp_path / "run" / "dump.lammpstrj").write_bytes(whole[: 2 * len(whole) // 3])
+    found, _ = all_of(Watched(tmp_path / "run"))
+    assert (found["status"], found["cut_off"]) == ("interrupted", True) and 10 < found["frames"] < 26
+    assert "it was cut off and left no checkpoint" in found["message"]
+    with serving(tmp_path / "run") as server:
+        state = asked(server, "run/0/state")
+        assert state["go_on"] == f"lammps-jump run {tmp_path / 'run'} --resume"
+
+
+@pytest.mark.parametrize(
+    ("status", "said"),
+    [
+        (75, "stopped, and can go on: lammps-jump run './a run' --resume"),
+        (0, "ended with status 0: lammps-jump build-and-run ./--help.yaml --out 'a run'"),
+        (1, "ended with status 1: lammps-jump build-and-run ./--help.yaml --out 'a run'"),
+    ],
+)
+def test_what_is_said_of_a_run_at_the_end_can_be_typed(monkeypatch, tmp_path, status, said):
+    monkeypatch.chdir(tmp_path)
+    child = ServedChild(Path("a run"), "build-and-run", Path("./--help.yaml"), "--out", Path("a run"))
+    assert child.wait() == 2 and "--help.yaml: no such case file" in " ".join(child.lines)
+    monkeypatch.setattr(child.process, "poll", lambda: status)
+    assert child.farewell == said.replace("./a run", "a run")
 
 
 def test_runs_of_others_are_neither_stopped_nor_disturbed(finished, tmp_path):

@@ -21,7 +21,7 @@ from lammps_jump.errors import CaseError, DumpError, FieldError
 from lammps_jump.files import END_FILE, START_FILE, SUMMARY_FILE, checksum, read_json
 from lammps_jump.folders import holder
 from lammps_jump.foreign import foreign
-from lammps_jump.quoting import echoed, one_line
+from lammps_jump.quoting import echoed, one_line, typed
 from lammps_jump.scene import MovingWall, Sizes, Wall
 from lammps_jump.scene.bodies.meeting import corner_names
 from lammps_jump.scene.scene import CONTACT, Earlier, Fixed, chains_of
@@ -114,8 +114,8 @@ def _how_to_make(base: Path, folder: Path) -> str:
     case = base / f"{folder.name}.yaml"
     if not case.is_file():
         return "name the folder of a run that has ended"
-    shown = [os.path.relpath(path) for path in (case, folder)]
-    return f"`lammps-jump build-and-run {shown[0]} --out {shown[1]}` makes it"
+    shown = [Path(os.path.relpath(path)) for path in (case, folder)]
+    return f"`{typed('build-and-run', shown[0], '--out', shown[1])}` makes it"
 
 
 def read_state(folder: Path, time: float = inf) -> Ended:

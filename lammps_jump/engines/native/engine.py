@@ -260,7 +260,7 @@ class _EnginePart:
 
     def _ended(self, again: float | None) -> str:
         folder = self.folder or "memory"
-        return interruption(self.scene, self.simulation.step, folder, again=again, reason=self.reason)
+        return interruption(self.scene, self.simulation.step, Path(folder), again=again, reason=self.reason)
 
     def result(self, status: str, message: str) -> RunResult:
         """The result of all parts; a simulation that was read back counts on by itself, but for the clock."""

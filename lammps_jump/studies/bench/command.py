@@ -10,6 +10,7 @@ from lammps_jump.analysis.tables.markdown import paragraphs
 from lammps_jump.errors import CaseError
 from lammps_jump.files import plain
 from lammps_jump.provenance import machine
+from lammps_jump.quoting import typed
 from lammps_jump.studies.folder import held_folder
 from lammps_jump.studies.points import run_study
 from lammps_jump.studies.settings import Axes
@@ -89,5 +90,5 @@ def stored_table(path: Path, out: Path | None = None) -> str:
     file = (out or FOLDER / load_case(path).name) / "bench.json"
     data = Store(file).data
     if "rows" not in data:
-        raise CaseError(f"{file}: no finished benchmark is stored there; run `lammps-jump bench {path}` first")
+        raise CaseError(f"{file}: no finished benchmark is stored there; run `{typed('bench', path)}` first")
     return paragraphs(*page(data))
