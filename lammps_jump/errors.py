@@ -3,6 +3,10 @@
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Iterable
+from typing import Any
+
 
 class JumpError(Exception):
     """Base of every error that lammps-jump raises on purpose; the command line prints it without a traceback.
@@ -81,3 +85,23 @@ class RunInterrupted(RunError):
     """A run that the user ended; what it had is kept, and it can go on (exit status 75, EX_TEMPFAIL of sysexits.h)."""
 
     exit_status = 75
+
+
+def no_attribute(owner: Any, what: str, name: str, more: Iterable[str] = ()) -> AttributeError:
+    """The error for a name that an object does not have, with the nearest name that it has.
+
+    Parameters
+    ----------
+    owner : object
+    what : str
+        What it is, in words: "a run".
+    name : str
+        What was asked for.
+    more : iterable of str
+        Further names that may be meant.
+    """
+    known = [one for one in {*dir(owner), *more} if not one.startswith("_")]
+    close = difflib.get_close_matches(name, sorted(known), n=1, cutoff=0.6)
+    close = close or sorted(one for one in known if name in one or one in name)[:1]
+    hint = f"did you mean '{close[0]}'?" if close else f"use one of {', '.join(sorted(known))}"
+    return AttributeError(f"{what} has no '{name}'; {hint}", name=name, obj=None)

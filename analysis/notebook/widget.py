@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
+import sys
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,13 @@ SCRIPT = Path(__file__).parent / "widget.js"
 def widgets_are_there() -> bool:
     """Whether anywidget is installed."""
     return importlib.util.find_spec("anywidget") is not None
+
+
+def is_running() -> bool:
+    """Whether this program runs in a notebook: an IPython that has a kernel."""
+    ipython = sys.modules.get("IPython")
+    shell = None if ipython is None else ipython.get_ipython()
+    return hasattr(shell, "kernel")
 
 
 def player_widget(player: Player, title: str) -> Any:

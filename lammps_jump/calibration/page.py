@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
 
 from lammps_jump.analysis.draw.style import BLACK, BLUE, GOLD, GREY, RED, drawing, save
 from lammps_jump.analysis.report.page import (
@@ -180,6 +182,21 @@ def draw_posterior(
             panel.set(xlim=study.bounds[i], ylim=study.bounds[j])
             _mark_ridge(panel, (study.paths[i], study.paths[j]), hidden or {})
         return save(figure, path)
+
+
+def draw_samples(samples: xr.Dataset, parameters: Mapping[str, Mapping[str, Any]]) -> Figure:
+    """Histograms of the samples of the posterior, a panel for each varied number, with its 95 % range and its best."""
+    columns = min(len(parameters), 3)
+    rows = -(-len(parameters) // columns)
+    with drawing(3.4 * columns, 2.8 * rows, rows, columns, squeeze=False) as (figure, grid):
+        for empty in grid.flat[len(parameters) :]:
+            empty.axis("off")
+        for panel, (path, one) in zip(grid.flat, parameters.items(), strict=False):
+            panel.axvspan(one["low"], one["high"], color="#dfe7f2", lw=0)
+            panel.hist(samples[path].values, 40, color=BLUE, histtype="stepfilled")
+            panel.axvline(one["best"], color=RED)
+            panel.set(xlabel=heading(path), yticks=[], ylabel="likelihood")
+        return figure
 
 
 def _mark_ridge(panel: Any, pair: tuple[str, str], hidden: Ridges) -> None:

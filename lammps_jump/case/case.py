@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 import yaml
 from pydantic import ValidationError
 
-from lammps_jump.errors import CaseError, FieldError
+from lammps_jump.errors import CaseError, FieldError, no_attribute
 from lammps_jump.files import plain
 from lammps_jump.identity import case_key
 from lammps_jump.quoting import echoed, plain_name
@@ -24,11 +24,10 @@ from lammps_jump.scene.tracks import Held
 from .derived import Derived
 from .explain import explain
 from .fields import CaseFields
-from .parts.base import HOW_TO_CHANGE
 from .parts.taken import from_run, read_runs, with_found
 from .tables import read_tables
 from .templates import described, of_another_case
-from .text import CaseSource, override, parse_source, read_source
+from .text import CaseSource, override, parse_source, read_source, value_at
 from .to_scene import build_scene
 
 Changes = Mapping[str, object] | Iterable[str]
@@ -99,10 +98,23 @@ class ReadCase:
 
         def __getattr__(self, name: str) -> Any:
             if name in CaseFields.model_fields:
-                raise AttributeError(
-                    f"a case has no attribute '{name}': case.fields.{name} reads it, and {HOW_TO_CHANGE}"
-                )
-            return object.__getattribute__(self, name)  # raises what is missing, or what a property lacked
+                return getattr(self.fields, name)
+            if name.startswith("_") or hasattr(type(self), name):
+                return object.__getattribute__(self, name)  # raises what a property lacked
+            raise no_attribute(self, "a case", name, CaseFields.model_fields)
+
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__(), *CaseFields.model_fields})
+
+    def __getitem__(self, path: str) -> Any:
+        """The value at a path, as a case file has it: ``case["run.duration"]``, ``case["walls.sill.y"]``.
+
+        Raises
+        ------
+        CaseError
+            A path that is not there; the message has the nearest one.
+        """
+        return value_at(self.fields.model_dump(mode="json"), path)
 
     @property
     def name(self) -> str:

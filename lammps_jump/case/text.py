@@ -356,6 +356,35 @@ def override(source: CaseSource, assignment: str) -> None:
     source.overrides = {**kept, path: assignment}  # the last change stands last
 
 
+def value_at(data: Any, dotted: str) -> Any:
+    """The value at a path of a case's data; list items by index or by their name.
+
+    Raises
+    ------
+    CaseError
+        A path that is not there; the message has the nearest one.
+    """
+    told, here = f"case[{shortened(str(dotted))!r}]", data
+    path: PathKey = ()
+    for part in str(dotted).split("."):
+        key: str | int = part
+        if isinstance(here, list):
+            key = _item_index(here, part, told, path)
+        elif not isinstance(here, dict):
+            raise CaseError(f"{told}: {dotted_path(path)} is a single value and has no part '{shortened(part)}'")
+        elif part not in here:
+            inside = f" of {dotted_path(path)}" if path else ""
+            raise CaseError(f"{told}: there is no '{shortened(part)}'{inside}; {_hint(data, here, part, path)}")
+        here, path = here[key], (*path, key)
+    return here
+
+
+def _hint(data: Any, here: dict[str, Any], part: str, path: PathKey) -> str:
+    """The nearest name in a group, or the group of the case that has such a name."""
+    groups = [name for name, group in data.items() if isinstance(group, dict) and part in group]
+    return f"did you mean '{groups[0]}.{part}'?" if groups and not path else nearest(part, list(here))
+
+
 def _is_number(part: str) -> bool:
     return part.isascii() and part.isdigit() and len(part) < 10  # ² is a digit, and no number to int()
 

@@ -383,6 +383,24 @@ def draw(found: ResultsInMemory, folder: Path, name: str) -> Figure:
     return pipeline.figure(name, shown, find_dump(folder), found.gathered.flow)
 
 
+def figure_named(found: ResultsInMemory, name: str = "") -> str:
+    """Name of the first figure of the page whose name is `name`, begins so or holds it; without a name, of the first.
+
+    Raises
+    ------
+    DumpError
+        None; the message lists those that are there.
+    """
+    shown = {*pipeline.drawings(found.gathered, found.results), pipeline.DISCS}
+    there = [one for one in quantities.captions() if one in shown]
+    if not name or name in there:
+        return name or there[0]
+    fitting = [one for one in there if one.startswith(name)] or [one for one in there if name in one]
+    if not fitting:
+        raise DumpError(f"figure '{name}': the run has none of that name; use one of {', '.join(there)}")
+    return fitting[0]
+
+
 def draw_all(found: ResultsInMemory, folder: Path, ending: str = "png") -> list[Path]:
     """Draw every figure of a run folder into its ``figures``, in a format of `files.PICTURES`; the paths."""
     shown = pipeline.drawings(found.gathered, found.results)

@@ -6,30 +6,34 @@ from __future__ import annotations
 import base64
 import html
 import io
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import webbrowser
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack, cast
+from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack, cast, overload
 
 from lammps_jump import runs
 from lammps_jump.analysis import notebook
 from lammps_jump.analysis.quantities import QUANTITIES
-from lammps_jump.case.case import ReadCase
-from lammps_jump.dump import Frame, read_dump
+from lammps_jump.case.case import Changes, ReadCase
+from lammps_jump.case.fields import CaseFields
+from lammps_jump.case.parts.base import HOW_TO_CHANGE
 from lammps_jump.engines import NATIVE_KERNELS, ProgressCallback, RunResult, Setting
-from lammps_jump.errors import DumpError, RunError
+from lammps_jump.errors import CaseError, DumpError, RunError, no_attribute
 from lammps_jump.files import CURVES
 from lammps_jump.folders import holder, locked, require_replaceable
 from lammps_jump.scene.scene import Scene
 
 from .folder import default_folder, require_case, result_of
+from .frames import Frames
 from .summary import compose, open_results, read_summary, results_in
 from .view import case_html, number_table, write_preview
 
 if TYPE_CHECKING:
+    import numpy as np
     import xarray as xr
     from matplotlib.figure import Figure
 
@@ -100,6 +104,43 @@ def run(
     return Run(place)
 
 
+class BoundRun:
+    """What ``case.run`` is: a call runs the case, and a name is that of its field, such as ``case.run.duration``."""
+
+    def __init__(self, case: Case):
+        object.__setattr__(self, "_case", case)
+
+    def __call__(self, folder: str | Path | None = None, **given: Any) -> Run:
+        """Run the case; see `run`."""
+        return run(self._case, folder, **given)
+
+    def __getattr__(self, name: str) -> Any:
+        group = self.__dict__["_case"].fields.run
+        if name not in type(group).model_fields:
+            raise no_attribute(self, "the group 'run' of a case", name, type(group).model_fields)
+        return getattr(group, name)
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"run.{name}: the fields of a case do not change; {HOW_TO_CHANGE}")
+
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__(), *type(self._case.fields.run).model_fields})
+
+    def __repr__(self) -> str:
+        return repr(self._case.fields.run)
+
+
+class RunGroup:
+    """The attribute ``run`` of a case; of the class, the function `run`."""
+
+    @overload
+    def __get__(self, case: None, owner: type) -> Callable[..., Run]: ...
+    @overload
+    def __get__(self, case: Case, owner: type) -> BoundRun: ...
+    def __get__(self, case: Case | None, owner: type) -> Callable[..., Run] | BoundRun:
+        return run if case is None else BoundRun(case)
+
+
 @dataclass(frozen=True)
 class Case(ReadCase):
     """A validated case that can be run; made by `load_case`.
@@ -113,14 +154,60 @@ class Case(ReadCase):
         The values, every default filled in; frozen.
     """
 
-    run = run  # a method too: case.run(folder, …)
+    run = RunGroup()  # case.run(folder, …) and case.run.duration
     preview = write_preview
+
+    def set(self, path: str | Mapping[str, object], value: object = None) -> Case:
+        """The case with another value, ``case.set("run.duration", 2)``, or several, ``case.set({"slope": 3})``.
+
+        Raises
+        ------
+        CaseError
+            A path that is not there, or a value that is not allowed.
+        """
+        return self.replace(path if isinstance(path, Mapping) else {path: value})
+
+    def __or__(self, changes: Mapping[str, object]) -> Case:
+        return self.replace(changes) if isinstance(changes, Mapping) else NotImplemented
 
     def _repr_html_(self) -> str:
         return case_html(self.name, self.scene())
 
 
-load_case = Case.load
+def _no_field(name: str, value: object) -> CaseError:
+    """The error for a keyword of `load_case` that is no field of a case, with the group that has it."""
+    known = {group: getattr(field.annotation, "model_fields", {}) for group, field in CaseFields.model_fields.items()}
+    groups = [group for group, fields in known.items() if name in fields]
+    hint = f"write {groups[0]}={{'{name}': {value!r}}}" if groups else f"use one of {', '.join(known)}"
+    return CaseError(f"load_case: a case has no field '{name}'; {hint}")
+
+
+def load_case(source: str | Path | Mapping[str, object], changes: Changes | None = None, **more: object) -> Case:
+    """Read, change and validate a case; as `Case.load`.
+
+    Parameters
+    ----------
+    source : str, Path or mapping
+        A YAML file, a run folder (its ``case.yaml``), or the fields themselves.
+    changes : mapping or iterable of str, optional
+        Values by path, ``{"contact.friction": 0.1, "walls.sill.y": [-10, 3]}``.
+    **more
+        Changes by group: ``load_case(file, run={"duration": 2}, slope=3)``.
+
+    Raises
+    ------
+    CaseError
+        One paragraph with file:line, the field, the value, what is allowed and what to do.
+    """
+    given: dict[str, object] = {}
+    for name, value in more.items():
+        if name not in CaseFields.model_fields:
+            raise _no_field(name, value)
+        parts = value.items() if isinstance(value, Mapping) else [("", value)]
+        given |= {f"{name}.{part}".rstrip("."): one for part, one in parts}
+    if changes is None or isinstance(changes, Mapping):
+        return Case.load(source, {**(changes or {}), **given})
+    return Case.load(source, changes).replace(given)
 
 
 def open_run(folder: str | Path) -> Run:
@@ -131,6 +218,8 @@ def open_run(folder: str | Path) -> Run:
     CaseError
         The folder holds no run.
     """
+    if (Path(folder) / "study.yaml").is_file():
+        raise CaseError(f"{folder}: holds a study, not a run; lammps_jump.open({str(folder)!r}) opens it")
     require_case(Path(folder))
     return Run(folder)
 
@@ -219,7 +308,9 @@ class Run:
     def __getattr__(self, name: str) -> Any:
         if name in QUANTITIES:
             return self._found.results.get(name)
-        raise AttributeError(f"a run has no '{name}'")
+        if name.startswith("_"):
+            raise AttributeError(name)
+        raise no_attribute(self, "a run", name)
 
     def __dir__(self) -> list[str]:
         return sorted({*super().__dir__(), *QUANTITIES})
@@ -245,16 +336,25 @@ class Run:
         found = cast("Forces | None", self._found.results.get("force"))
         return {} if found is None else found.structures
 
-    def frames(self, start: int | None = None, stop: int | None = None, step: int | None = None) -> Iterator[Frame]:
-        """The frames of the dump, one by one; numbers as of a slice.
+    @property
+    def frames(self) -> Frames:
+        """The frames of the dump: ``run.frames[10]``, ``run.frames.at(1.5)``, or a loop over ``run.frames``."""
+        scene = self.scene
+        return Frames(self.folder, scene.time_step, scene.settle_steps)
 
-        Raises
-        ------
-        DumpError
-            No dump, or one that cannot be read.
-        """
-        dump = read_dump(self.folder)
-        return iter(dump) if start is stop is step is None else dump[start:stop:step]
+    @property
+    def times(self) -> np.ndarray:
+        """Times of the frames, s, shape (n,)."""
+        return self.frames.times
+
+    @property
+    def path(self) -> Path:
+        """The folder, by the name that pathlib has for it."""
+        return self.folder
+
+    def to_xarray(self) -> xr.Dataset:
+        """All frames over time and disc; `Frames.to_xarray`. Profiles are in `profiles`."""
+        return self.frames.to_xarray()
 
     def analyse(self, *, window: tuple[float, float] | None = None, bin_width: float | None = None) -> Run:
         """The same run analysed otherwise, in memory.
@@ -273,6 +373,30 @@ class Run:
         """
         given = {"analysis.window": window, "analysis.bin_width": bin_width}
         return Run(self.folder, self._changes | {path: value for path, value in given.items() if value is not None})
+
+    def plot(self, name: str = "") -> Figure:
+        """The main figure of the report, or one whose name is `name` or begins so: ``run.plot("depth")``.
+
+        Raises
+        ------
+        DumpError
+            No figure, or none of that name; the message lists those that are.
+        """
+        return runs.results.draw(self._found, self.folder, runs.results.figure_named(self._found, name))
+
+    def show(self) -> Any:
+        """Show the run: in a notebook its player, else its page in the browser; the page is written where it lacks.
+
+        Raises
+        ------
+        SetupError
+            In a notebook: anywidget is not installed.
+        """
+        if notebook.is_running():
+            return self.widget()
+        page = self.folder / "report.html"
+        webbrowser.open((page if page.is_file() else self.report()).resolve().as_uri())
+        return None
 
     def figure(self, name: str = "depth_profile") -> Figure:
         """A figure of the report, by the name of its file; matplotlib, without pyplot.

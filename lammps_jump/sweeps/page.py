@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import xarray as xr
+from matplotlib.figure import Figure
 
 from lammps_jump.analysis.draw.style import BLUE, DASHES, GOLD, GREY, RED, colour_bar, drawing, save
 from lammps_jump.analysis.report.page import (
@@ -67,27 +68,28 @@ def table_text(found: StudyResults) -> str:
     return markdown(dict.fromkeys(frame.columns, ""), frame.to_dict("records"))
 
 
+def figures_of(found: StudyResults) -> Iterator[tuple[str, str, Figure]]:
+    """Name, caption and figure of each axis, and of a map of two axes of numbers; without an axis, of the profiles."""
+    study = found.study
+    axes = [axis for axis in study.axes if found.table[axis.name].dtype.kind in "if" and len(axis.values) > 1]
+    for axis in axes:
+        caption = f"Against the {words(axis.name)}; band: interval over members"
+        yield f"sweep_{axis.name}", caption, draw_lines(found.table, study, axis)
+    if len(axes) == len(study.axes) == 2:
+        yield "sweep_map", "Means over both axes", draw_map(found.table, study, axes)
+    if not study.axes and found.runs:
+        yield "sweep_profiles", "Profiles, mean of the window; thin lines: members", draw_profiles(found)
+
+
 def draw(found: StudyResults, ending: str = "png") -> dict[Path, str]:
-    """Draw a figure for each axis, lines with bands, and a map for two axes of numbers; the captions by file."""
-    study, folder = found.study, found.folder / "figures"
+    """Draw the figures of a study into its folder; the captions by file."""
+    folder = found.folder / "figures"
     require_no_link(folder)
     folder.mkdir(exist_ok=True)
-    axes = [axis for axis in study.axes if found.table[axis.name].dtype.kind in "if" and len(axis.values) > 1]
-    files = {
-        save_lines(
-            found.table, study, axis, folder / f"sweep_{axis.name}.{ending}"
-        ): f"Against the {words(axis.name)}; band: interval over members"
-        for axis in axes
-    }
-    if len(axes) == len(study.axes) == 2:
-        files[save_map(found.table, study, axes, folder / f"sweep_map.{ending}")] = "Means over both axes"
-    if not study.axes and found.runs:
-        caption = "Profiles, mean of the window; thin lines: members"
-        files[save_profiles(found, folder / f"sweep_profiles.{ending}")] = caption
-    return files
+    return {save(figure, folder / f"{name}.{ending}"): caption for name, caption, figure in figures_of(found)}
 
 
-def save_profiles(found: StudyResults, path: Path) -> Path:
+def draw_profiles(found: StudyResults) -> Figure:
     """Draw mean profiles of the members of a case: each member as a thin line, the interval of the mean as a band."""
     panels = {"mass_depth_mean": "mass depth [m]", "velocity_mean": "velocity [m/s]"}
     members = [run.profiles for run in found.runs]
@@ -103,7 +105,7 @@ def save_profiles(found: StudyResults, path: Path) -> Path:
             panel.set_ylabel(label)
         axes[0].legend()
         axes[1].set_xlabel("x [m]")
-        return save(figure, path)
+        return figure
 
 
 @contextmanager
@@ -118,7 +120,7 @@ def _panels(study: Study) -> Iterator[tuple[Any, list[tuple[Any, Collected]]]]:
         yield figure, list(zip(panels.flat, study.collect, strict=False))
 
 
-def save_lines(table: xr.Dataset, study: Study, axis: Axis, path: Path) -> Path:
+def draw_lines(table: xr.Dataset, study: Study, axis: Axis) -> Figure:
     """Draw every number against one axis: the mean, and the interval over members as a band."""
     others = [other.name for other in study.axes if other.name != axis.name]
     with _panels(study) as (figure, panels):
@@ -140,7 +142,7 @@ def save_lines(table: xr.Dataset, study: Study, axis: Axis, path: Path) -> Path:
             name_axis(panel, axis.name)
         if others:
             panels[0][0].legend()
-        return save(figure, path)
+        return figure
 
 
 def name_axis(panel: Any, path: str) -> None:
@@ -151,7 +153,7 @@ def name_axis(panel: Any, path: str) -> None:
         panel.annotate(path, (0.5, -0.1), **place)
 
 
-def save_map(table: xr.Dataset, study: Study, axes: list[Axis], path: Path) -> Path:
+def draw_map(table: xr.Dataset, study: Study, axes: list[Axis]) -> Figure:
     """Draw the mean of every number over two axes."""
     y, x = axes
     with _panels(study) as (figure, panels):
@@ -164,7 +166,7 @@ def save_map(table: xr.Dataset, study: Study, axes: list[Axis], path: Path) -> P
             panel.set_ylabel(heading(y.name))
             panel.grid(visible=False)
             colour_bar(figure, image, item.heading, ax=panel)
-        return save(figure, path)
+        return figure
 
 
 def doubts(found: StudyResults) -> list[str]:

@@ -5,19 +5,20 @@ from __future__ import annotations
 
 import html
 import logging
+import webbrowser
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
 from threading import Thread
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import lammps_jump.sweeps as sweeps
 from lammps_jump.case.case import ReadCase
 from lammps_jump.dump.exports import csv_text, write_netcdf
-from lammps_jump.errors import CaseError, RunInterrupted
+from lammps_jump.errors import CaseError, DumpError, RunInterrupted, no_attribute
 from lammps_jump.files import SWEEP_FILES, write_json, write_text
 from lammps_jump.folders import Marker, clear
 from lammps_jump.provenance import usable_cores
@@ -27,8 +28,13 @@ from lammps_jump.runs.run import Case
 
 from .members import MemberState, require_no_links, run_members
 from .pool import Pool
-from .study import read_study
+from .study import Study, read_study
 from .study_folder import POINTS_FILE, StudyResults
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from .members import Start
 
 log = logging.getLogger(__name__)
 
@@ -92,7 +98,56 @@ class Board:
 
 
 class Sweep(StudyResults):
-    """A study, seen through its folder, with its page and figures; parameters as of `StudyResults`."""
+    """A study, seen through its folder, with its page and figures.
+
+    Parameters
+    ----------
+    study : str, Path or Study
+        The folder of a study; or a study that was read, with the folder of its runs.
+    folder : Path, optional
+    starts : sequence of Start, optional
+        Default those that the folder lists, else those of the study.
+
+    Raises
+    ------
+    CaseError
+        The folder holds no study.
+    """
+
+    def __init__(self, study: str | Path | Study, folder: Path | None = None, starts: Sequence[Start] | None = None):
+        if isinstance(study, str | Path):
+            folder, study = Path(study), _stored_study(Path(study))
+        super().__init__(study, folder or Path(), starts)
+
+    @property
+    def path(self) -> Path:
+        """The folder, by the name that pathlib has for it."""
+        return self.folder
+
+    def plot(self, name: str = "") -> Figure:
+        """The first figure of the page, or the one whose name is `name` or holds it, such as ``plot("friction")``.
+
+        Raises
+        ------
+        DumpError
+            No figure, or none of that name; the message lists those that are.
+        """
+        there = {key: figure for key, _, figure in sweeps.page.figures_of(self)}
+        fitting = [figure for key, figure in there.items() if name in key]
+        if not fitting:
+            known = ", ".join(there) or "none yet: no run is done"
+            raise DumpError(f"figure '{name}': the study has none of that name; there are {known}")
+        return fitting[0]
+
+    def show(self) -> None:
+        """Show the page of the study in the browser; it is written where it lacks."""
+        page = self.folder / "sweep.html"
+        webbrowser.open((page if page.is_file() else self.write()).resolve().as_uri())
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_") or hasattr(type(self), name):
+            raise AttributeError(name)
+        raise no_attribute(self, "a study", name)
 
     def write(self) -> Path:
         """Write table, figures and page into the folder; the path of the page."""
@@ -139,12 +194,16 @@ def open_sweep(folder: str | Path) -> Sweep:
     CaseError
         The folder holds no study.
     """
-    if not (Path(folder) / "study.yaml").is_file():
+    return Sweep(folder)
+
+
+def _stored_study(folder: Path) -> Study:
+    if not (folder / "study.yaml").is_file():
         raise CaseError(
             f"{folder}: holds no study (no study.yaml); "
             f"`{typed('sweep', 'STUDY.yaml', '--out', Path(folder))}` makes one"
         )
-    return Sweep(read_study(folder), Path(folder))
+    return read_study(folder)
 
 
 def sweep(
