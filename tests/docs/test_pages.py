@@ -14,6 +14,7 @@ sys.path.insert(0, str(DOCS))
 
 from making import fields, folder, pages  # noqa: E402
 
+from lammps_jump import Run  # noqa: E402
 from lammps_jump.analysis.quantities import QUANTITIES, result_files  # noqa: E402
 from lammps_jump.case.fields import CaseFields  # noqa: E402
 from lammps_jump.files import RESULT_FILES, RUN_FILES  # noqa: E402
@@ -27,14 +28,7 @@ GROUPS = {"discs", "contact", "run", "engine", "probes", "analysis", "inflow", "
 """Fields of a case whose fields are named with a dot."""
 SUMMARY = {
     "run.summary",
-    "run.jump",
-    "run.front",
-    "run.forces",
-    "run.energy",
-    "run.profiles",
-    "run.frames",
-    "run.analyse",
-    "run.results",
+    *(f"run.{name}" for name in dir(Run) if not name.startswith("_")),
 } | {f"run.{name}" for name in QUANTITIES}
 """Of the Python object that pages call ``run``."""
 OF_SUMMARY = {f"{key}.{name}" for key, quantity in QUANTITIES.items() for name in numbers_of(quantity.result)}
