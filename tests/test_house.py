@@ -90,7 +90,7 @@ OWN_DOOR = {"read_json", "read_text", "write_text", "write_bytes", "read_table"}
 """Names that functions of the house share with others: called by their bare name, they are ours."""
 NO_FILE = {
     ("analysis/draw/style.py", "savefig"): "into memory",
-    ("analysis/report/page.py", "open"): "Image.open of bytes in memory",
+    ("analysis/report/page.py", "open"): "Image.open of bytes in memory; webbrowser.open",
     ("lammps_jump/runs/run.py", "savefig"): "into memory",
     ("lammps_jump/dump/exports.py", "open_dataset"): "of bytes in memory",
     ("lammps_jump/cli/live.py", "imread"): "of bytes in memory",

@@ -12,6 +12,7 @@ import base64
 import hashlib
 import io
 import json
+import webbrowser
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from functools import lru_cache
@@ -375,3 +376,8 @@ def smaller(picture: Image) -> bytes:
     small.thumbnail((960, 4000))
     small.save(buffer, "WEBP", quality=20, method=2)
     return buffer.getvalue()
+
+
+def show_page(path: Path) -> None:
+    """Open a page in the browser of the user."""
+    webbrowser.open(path.resolve().as_uri())

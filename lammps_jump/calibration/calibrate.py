@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import html
-import webbrowser
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
 import numpy as np
 
+from lammps_jump.analysis.report.page import show_page
 from lammps_jump.calibration import page
 from lammps_jump.case.case import ReadCase
 from lammps_jump.dump.exports import netcdf_of, write_netcdf
@@ -231,7 +231,7 @@ class Calibrated:
         written = self.folder / "calibration.html"
         if not written.is_file():
             raise CaseError(f"{written}: is not there; `lammps-jump calibrate {self.folder}` writes it")
-        webbrowser.open(written.resolve().as_uri())
+        show_page(written)
 
     def _repr_html_(self) -> str:
         return f"<p>{html.escape(self.verdict)}</p>{self.table.to_html()}"

@@ -6,7 +6,6 @@ from __future__ import annotations
 import base64
 import html
 import io
-import webbrowser
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
@@ -18,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack, cast, overloa
 from lammps_jump import runs
 from lammps_jump.analysis import notebook
 from lammps_jump.analysis.quantities import QUANTITIES
+from lammps_jump.analysis.report.page import show_page
 from lammps_jump.case.case import Changes, ReadCase
 from lammps_jump.case.fields import CaseFields
 from lammps_jump.case.parts.base import HOW_TO_CHANGE
@@ -395,7 +395,7 @@ class Run:
         if notebook.is_running():
             return self.widget()
         page = self.folder / "report.html"
-        webbrowser.open((page if page.is_file() else self.report()).resolve().as_uri())
+        show_page(page if page.is_file() else self.report())
         return None
 
     def figure(self, name: str = "depth_profile") -> Figure:

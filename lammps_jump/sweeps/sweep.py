@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import html
 import logging
-import webbrowser
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
@@ -16,6 +15,7 @@ from threading import Thread
 from typing import TYPE_CHECKING, Any, Literal
 
 import lammps_jump.sweeps as sweeps
+from lammps_jump.analysis.report.page import show_page
 from lammps_jump.case.case import ReadCase
 from lammps_jump.dump.exports import csv_text, write_netcdf
 from lammps_jump.errors import CaseError, DumpError, RunInterrupted, no_attribute
@@ -142,7 +142,7 @@ class Sweep(StudyResults):
     def show(self) -> None:
         """Show the page of the study in the browser; it is written where it lacks."""
         page = self.folder / "sweep.html"
-        webbrowser.open((page if page.is_file() else self.write()).resolve().as_uri())
+        show_page(page if page.is_file() else self.write())
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_") or hasattr(type(self), name):
