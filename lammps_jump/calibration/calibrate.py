@@ -217,7 +217,7 @@ class Calibrated:
             No samples: the calibration has no answer yet.
         """
         if not self.samples.sizes.get("sample"):
-            raise CaseError(f"{self.folder}: holds no samples to draw; `lammps-jump calibrate {self.folder}` goes on")
+            raise CaseError(f"{self.folder}: holds no samples to draw; `{typed('calibrate', self.folder)}` goes on")
         return page.draw_samples(self.samples, self.parameters)
 
     def show(self) -> None:
@@ -230,7 +230,7 @@ class Calibrated:
         """
         written = self.folder / "calibration.html"
         if not written.is_file():
-            raise CaseError(f"{written}: is not there; `lammps-jump calibrate {self.folder}` writes it")
+            raise CaseError(f"{written}: is not there; `{typed('calibrate', self.folder)}` writes it")
         show_page(written)
 
     def _repr_html_(self) -> str:
