@@ -90,6 +90,8 @@ def test_the_gate_finds_the_crest_that_energy_asks_for(froude, off):
     rows = hold(Channel(u1, y1, 30.0, wanted + off), holding_of(u1, y1, 30.0), 140.0)
     assert np.abs(rows[int((60.0 if froude > 4 else 100.0) / STEP) :, 0] - wanted).max() < 0.1
     assert abs(rows[-1, 1] - 30.0) < 0.6
+    if froude > 4:  # with twice the reset time the front is off by more up to 56 s
+        assert np.abs(rows[int(45.0 / STEP) :, 1] - 30.0).max() < 0.5
 
 
 def test_a_front_without_its_change_of_area_swings():
