@@ -53,7 +53,9 @@ CORE_DRIFT, CORE_PAIRS, CORE_LISTS, CORE_SUMS = (
     f"lammps_jump/core/{name}.cpp" for name in ("step/integrate", "step/pair_forces", "step/lists", "sums/sums")
 )
 CORE_PARTITION, CORE_RELIST = "lammps_jump/core/step/thread_partition.h", "lammps_jump/core/step/relist.cpp"
+CORE_EVENTS = "lammps_jump/core/step/events.cpp"
 TWIN_TESTS = "engines/test_twin.py"
+ALONE_TESTS = "engines/test_native_alone.py"
 THREAD_TESTS = "engines/test_native_threads.py"
 CHECKPOINT = "lammps_jump/engines/checkpoint.py"
 WALLS_CPP = "lammps_jump/engines/plugin/fix_jump_step_walls.cpp"
@@ -114,6 +116,10 @@ DEFECTS = [
            "engines/test_native_ledger.py"),
     Defect("factor", LEDGER, "kinetic += 0.5 * inertia(scene)", "kinetic += 0.25 * inertia(scene)",
            "engines/test_native_ledger.py engines"),
+    Defect("off by one", CORE_EVENTS, "((step - first) / every + 1) * every", "((step - first) / every + 2) * every",
+           ALONE_TESTS),
+    Defect("left out", CORE_EVENTS, "  s.wall_sum[wall] = {};\n", "", ALONE_TESTS),
+    Defect("number", CORE_PARTITION, "  return --last;", "  return last;", ALONE_TESTS),
     Defect("off by one", EVENTS, "// self.every + 1) * self.every", "// self.every + 2) * self.every",
            "engines/test_native_inlets.py"),
     Defect("factor", EVENTS, "speed_down**2 + 2 * self.gravity", "speed_down**2 + self.gravity",

@@ -116,9 +116,9 @@ def digest(simulation) -> str:
         if array is not None:
             found.update(np.ascontiguousarray(array[: d.n] + 0).tobytes())
     walls = simulation.walls
-    found.update((walls.sums[:, SumsOnWallColumns.FORCE] + 0).tobytes())
+    found.update((walls.sums[walls.gone == 0][:, SumsOnWallColumns.FORCE] + 0).tobytes())
     if walls.moves is not None:
-        found.update((walls.moves.pushed[:, PUSHED] + 0).tobytes())
+        found.update((walls.moves.pushed[walls.gone == 0][:, PUSHED] + 0).tobytes())
     return found.hexdigest()[:16]
 
 

@@ -54,8 +54,8 @@ LONG_C_CALLS: dict[str, int] = {}
 TWO_MEANINGS: dict[str, int] = {}
 """Names that several classes have, with their number today."""
 ONE_THING = {
-    "Control", "DiscMass", "Face", "LawNumbers", "Motion", "Placed", "Pose", "Swarm", "Wall", "jump_grid", "jump_lists",
-    "jump_springs", "jump_state", "jump_stations",
+    "Control", "DiscMass", "Face", "LawNumbers", "Motion", "Placed", "Pose", "Swarm", "Wall", "jump_events",
+    "jump_grid", "jump_inlet", "jump_lists", "jump_outlet", "jump_springs", "jump_state", "jump_stations",
 }  # fmt: skip
 """Names that a class of Python and one of C++ share, because both hold the same."""
 PRIVATE_NAMES: set[tuple[str, str]] = set()

@@ -2,7 +2,7 @@
 // What the columns of Python's arrays are (core/columns.py), and what numbers stand for; compared where the core is loaded.
 
 #include "walls/faces.h"
-#include "step/native.h"
+#include "step/events.h"
 
 #include <cstddef>
 #include <string>
@@ -51,6 +51,9 @@ std::string numbers()
   text += "\nPhase" + JUMP_NUMBER(IS_HELD) + JUMP_NUMBER(IS_RELEASED) + JUMP_NUMBER(HAS_MOVED);
   text += "\nStationSum" + JUMP_NUMBER(MASS_LEFT) + JUMP_NUMBER(MASS_RIGHT) + JUMP_NUMBER(CARRIED) + JUMP_NUMBER(CONTACTS);
   text += JUMP_NUMBER(WALLS) + JUMP_NUMBER(DASHPOTS) + JUMP_NUMBER(FRICTION) + JUMP_NUMBER(BEGAN) + JUMP_NUMBER(HELD);
+  text += "\nRunEnd" + JUMP_NUMBER(AT_TARGET) + JUMP_NUMBER(NO_LISTS) + JUMP_NUMBER(TOO_DEEP) + JUMP_NUMBER(NO_SLOT);
+  text += "\nExchange" + JUMP_NUMBER(BROUGHT_IN) + JUMP_NUMBER(CARRIED_OUT) + JUMP_NUMBER(RELEASED_BY_GATES);
+  text += "\nTraffic" + JUMP_NUMBER(INSERTED) + JUMP_NUMBER(REMOVED) + JUMP_NUMBER(SIZED);
   text += "\nFaceKind" + JUMP_NUMBER(SEGMENT) + JUMP_NUMBER(ARC);
   text += "\nJoint" + JUMP_NUMBER(CONVEX) + JUMP_NUMBER(SMOOTH) + JUMP_NUMBER(CORNER) + JUMP_NUMBER(FREE) + JUMP_NUMBER(ENDLESS);
   return text;

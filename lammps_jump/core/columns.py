@@ -172,6 +172,31 @@ class StationSum(IntEnum):
     HELD = 8
 
 
+class RunEnd(IntEnum):
+    """Why a run of the core ends: at its step; no lists could be made; discs overlap too much, or have no slot left."""
+
+    AT_TARGET = 0
+    NO_LISTS = 1
+    TOO_DEEP = 2
+    NO_SLOT = 3
+
+
+class Exchange(IntEnum):
+    """Energy that is exchanged: that of discs which come and go, and what gates release."""
+
+    BROUGHT_IN = 0
+    CARRIED_OUT = 1
+    RELEASED_BY_GATES = 2
+
+
+class Traffic(IntEnum):
+    """Discs that have come, that have gone, and the last id of those that have their own size."""
+
+    INSERTED = 0
+    REMOVED = 1
+    SIZED = 2
+
+
 class FaceKind(IntEnum):
     """Kinds of faces."""
 
@@ -193,7 +218,9 @@ COLUMNS = (
     PlacedColumns, PushedColumns, LoadColumns, WallLoadsColumns, SumsOnWallColumns, StepClockColumns, WorkColumns,
     WorkPartsColumns, TrackRowColumns,
 )  # fmt: skip
-NUMBERS: tuple[type[IntEnum], ...] = (WallMotion, Phase, StationSum, FaceKind, Joint)
+NUMBERS: tuple[type[IntEnum], ...] = (
+    WallMotion, Phase, StationSum, RunEnd, Exchange, Traffic, FaceKind, Joint,
+)  # fmt: skip
 
 
 def lines() -> list[str]:

@@ -9,6 +9,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from numpy.ctypeslib import ndpointer
 
 from lammps_jump.compiling.build import library_path
@@ -17,7 +18,7 @@ from lammps_jump.errors import SetupError
 
 from .columns import require_columns
 
-VERSION = 6
+VERSION = 7
 """Of the interface, as in ``api.h``."""
 
 CORE = Product(
@@ -92,6 +93,13 @@ def require_core(what: str) -> ctypes.CDLL:
     if library is None:
         raise SetupError(f"{what} needs a C++ compiler, or a wheel of lammps-jump that carries the core: {reason}")
     return library
+
+
+def copied(place: int | None, kind: type, count: int) -> np.ndarray:
+    """A copy of so many numbers of a kind from an address of the core, shape (count,)."""
+    if not place or not count:
+        return np.empty(0, kind)
+    return np.frombuffer(ctypes.string_at(place, count * np.dtype(kind).itemsize), kind).copy()
 
 
 def function(name: str, *kinds: Any, result: Any = None) -> Callable[..., Any]:

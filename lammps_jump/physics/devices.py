@@ -185,7 +185,7 @@ def gate_sees(holding: Holding, areas: np.ndarray) -> tuple[float, float]:
         Mass over density of the discs in each part.
     """
     width = (holding.high - holding.low) / holding.bins
-    total = float(areas.sum())
+    total = float(np.cumsum(areas)[-1])  # one after the other, as the core sums
     if not holding.level:
         return total / (width * holding.bins), total
     before = 0.0

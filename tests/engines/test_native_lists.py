@@ -12,11 +12,11 @@ from lammps_jump.engines.twin import Twin
 
 
 class Seeing(Core):
-    """Loops that keep the state of the last call; `inside` as of `Lists`."""
+    """Loops that keep the state of the last call; `inside` as of `Lists`, else the driver steps."""
 
     def __init__(self, threads="1", *, inside=True):
         super().__init__(threads)
-        self.inside, self.state = inside, None
+        self.inside, self.runs_alone, self.state = inside, inside, None
 
     def advance(self, state, steps, owed):
         self.state = state._replace(lists=state.lists._replace(inside=self.inside))

@@ -11,6 +11,7 @@ from closed_forms import friction_impulse_factor
 from lammps_jump.dump.read import open_dump
 from lammps_jump.engines.checkpoint import read_checkpoint
 from lammps_jump.engines.native import NativeSimulation, run_native
+from lammps_jump.engines.native.bound import Core
 from lammps_jump.engines.native.cells import CellSimulation
 from lammps_jump.engines.native.state import load_state, save_state
 from lammps_jump.errors import RunError
@@ -238,7 +239,9 @@ def test_energy_of_a_disc_that_gets_its_size_in_a_contact_is_booked(monkeypatch)
     row = InletRow(0.0, 0.095, 3.0, -1.0, 1, 10**6, 0.1)
     sizes = given([0.24, 0.2, 0.26])
     scene = handmade_scene([[0.2, 0.12]], [[0, 0]], (FLOOR,), inlets=(row,), sizes=sizes, size_steps=5, **FREE, **rub)
-    simulation = NativeSimulation(scene)
+    loops = Core()
+    loops.runs_alone = False  # the driver gives the sizes, and the test looks before it
+    simulation = NativeSimulation(scene, loops=loops)
     simulation.run(4)
     residuals = [simulation.ledger["residual"]]
     give = simulation.loops.give_sizes

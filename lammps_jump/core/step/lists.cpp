@@ -67,21 +67,95 @@ template <class Place> static bool list_near(const jump_grid &g, int64_t n, Near
   return true;
 }
 
-bool list_walls(jump_state &s, const jump_lists &lists)
+/** List what is near each wall that is there; place(view, wall, i, x, y) puts a disc or corner of `s` in the frame of a wall. */
+template <class Place>
+static bool list_near_walls(const jump_state &walls, jump_state &s, const jump_grid *grids, const int64_t room[2], const Place &place)
 {
-  NearRows to{s.near_discs, s.near_plain, s.near_last, s.near_faces, {lists.rows_room, lists.faces_room}, 0, 0};
-  for (int64_t wall = 0; wall < s.walls; wall++) {
-    const WallView view(s, wall);
-    if (view.placed) s.listed[wall] = view.placed->now;
-    const bool whole = list_near(lists.grids[wall], s.n, to, [&](int64_t i, double &px, double &py) {
-      px = s.x0[i];
-      py = s.y0[i];
+  NearRows to{s.near_discs, s.near_plain, s.near_last, s.near_faces, {room[0], room[1]}, 0, 0};
+  for (int64_t wall = 0; wall < walls.walls; wall++) {
+    const WallView view(walls, wall);
+    const bool whole = walls.gone[wall] || list_near(grids[wall], s.n, to, [&](int64_t i, double &px, double &py) {
+      place(wall, i, px, py);
       view.see(px, py);
     });
     if (!whole) return false;
     s.near_rows[wall + 1] = to.row;
   }
   return true;
+}
+
+/** Faces that cells list, in all. */
+static int64_t listed_faces(const jump_grid *grids, int64_t walls)
+{
+  int64_t most_faces = 0;
+  for (int64_t wall = 0; wall < walls; wall++) {
+    const int64_t cells = grids[wall].first_cell + most<int64_t>(grids[wall].columns * grids[wall].rows, 1);
+    most_faces = most(grids[wall].start[cells], most_faces);
+  }
+  return most_faces;
+}
+
+/** List the corners of bodies and walls near each wall. */
+static void list_corners(jump_state &s, Rooms &rooms)
+{
+  jump_lists &l = *s.lists;
+  const auto place = [&](int64_t wall, int64_t i, double &px, double &py) {
+    const Corner &corner = s.corner[i];
+    px = py = NAN;    // near no wall
+    if (corner.wall < 0 || s.gone[corner.wall] || !l.meets[corner.wall * s.walls + wall]) return;
+    px = corner.x;
+    py = corner.y;
+    WallView(s, corner.wall).show(px, py);
+  };
+  int64_t room[2] = {l.corner_rows_room, l.corner_faces_room};
+  while (!list_near_walls(s, *s.corners, l.corner_grids, room, place))
+    rooms.grow_near(*s.corners, room[0], room[1], listed_faces(l.corner_grids, s.walls));
+  l.corner_rows_room = room[0];
+  l.corner_faces_room = room[1];
+}
+
+void list_walls(jump_state &s, Rooms &rooms)
+{
+  jump_lists &l = *s.lists;
+  for (int64_t wall = 0; wall < s.walls; wall++)
+    if (s.moving && s.moving[wall] != STANDS) s.listed[wall] = s.placed[wall].now;
+  int64_t room[2] = {l.rows_room, l.faces_room};
+  const auto place = [&](int64_t, int64_t i, double &px, double &py) {
+    px = s.x0[i];
+    py = s.y0[i];
+  };
+  while (!list_near_walls(s, s, l.grids, room, place)) rooms.grow_near(s, room[0], room[1], listed_faces(l.grids, s.walls));
+  l.rows_room = room[0];
+  l.faces_room = room[1];
+  if (s.corners) list_corners(s, rooms);
+}
+
+/** Work of weight along a channel from x = 0 to where the discs are, J per m of width. */
+static double fallen(const jump_state &s)
+{
+  double sum = 0.0;
+  for (int64_t i = 0; i < s.n; i++) sum += (s.radius ? s.radius[i] * s.radius[i] : 1.0) * s.x[i];
+  return s.weight_x * sum;
+}
+
+/** Let discs that have left a channel in at its other end. */
+static void wrap(const jump_state &s, const jump_lists &l)
+{
+  *l.slope_work += fallen(s);
+  for (int64_t i = 0; i < s.n; i++) s.x[i] -= l.period * std::floor((s.x[i] - l.xlo) / l.period);
+  *l.slope_work -= fallen(s);
+}
+
+/** Whether a wall that is pushed has come to the seam, as `at_seam` of scene/motion.py has it. */
+static bool is_at_seam(const jump_state &s, const jump_lists &l)
+{
+  const double half_skin = s.clock ? s.clock->half_skin : 0.0, margin = most(l.widest, 0.5 * l.widest + half_skin);
+  for (int64_t wall = 0; s.moving && wall < s.walls; wall++) {
+    const double way = s.pushed[wall].place[0];
+    const bool inside = l.ends[wall][0] + way >= l.xlo + margin && l.ends[wall][1] + way <= l.xhi - margin;
+    if (s.moving[wall] >= LOADED && !inside) return true;
+  }
+  return false;
 }
 
 bool search_cells(jump_state &s)
@@ -184,6 +258,43 @@ JUMP_API int64_t jump_image_rows(const jump_image_rows_input *input)
   }
   return rows;
 }
+
+namespace jump {
+
+/** Rows of the list for pairs across the seam of a channel; false where there is no room for them. */
+static bool list_images(jump_state &s, Rooms &rooms)
+{
+  const jump_lists &l = *s.lists;
+  const double widest = l.widest + l.skin, reach[4] = {s.radius ? l.skin : widest, widest, l.xlo, l.period};
+  rooms.owner.resize((size_t) (2 * s.n));
+  rooms.shift.resize((size_t) (2 * s.n));
+  rooms.right.resize((size_t) s.n + 1);
+  const jump_image_rows_input of{s.n, s.x, s.y, s.radius, reach, s.start, s.neighbours, s.room, rooms.owner.data(), rooms.shift.data(),
+                                 rooms.right.data()};
+  const int64_t rows = jump_image_rows(&of);
+  if (rows < 0) return false;
+  s.rows = rows;
+  s.owner = rooms.owner.data();
+  s.shift = rooms.shift.data();
+  return true;
+}
+
+int64_t list_all(jump_state &s, ThreadPartition &partition)
+{
+  const jump_lists &l = *s.lists;
+  const bool goes_round = l.period > 0.0;
+  if (goes_round) wrap(s, l);
+  while (true) {
+    const int64_t found = list_pairs(s, l, partition);
+    if (found >= 0) return found;
+    if (found == LISTED && (!goes_round || list_images(s, partition.rooms))) break;
+    partition.rooms.grow_neighbours(s, 0);
+  }
+  list_walls(s, partition.rooms);
+  return goes_round && is_at_seam(s, l) ? AT_SEAM : LISTED;
+}
+
+}    // namespace jump
 
 /** Square of the distance from a point to the closest disc; infinite where there is none. */
 double jump_closest(int64_t n, const double *x, const double *y, double px, double py)

@@ -9,6 +9,7 @@
 #include "step/forces.h"
 #include "step/kinds.h"
 #include "step/relist.h"
+#include "step/step.h"
 
 #include <algorithm>
 #include <initializer_list>
@@ -159,7 +160,7 @@ static int64_t forces_and_drift(const jump_state &s, ThreadPartition &partition)
 }
 
 /** Put the moving walls where they are at a step; true where one has gone over half the skin since it was listed. */
-static bool place_walls(const jump_state &s, double step)
+bool place_walls(const jump_state &s, double step)
 {
   const Clock clock = s.clock->clock();
   bool old = false;
@@ -182,25 +183,19 @@ static bool move_walls(const jump_state &s, double step)
   return place_walls(s, step);
 }
 
-/** What `advance` leaves to its caller: nothing but forces, lists that are too old, or to look for deep overlaps. */
-enum StopReason : int64_t { DONE, LIST_STALE, CHECK_OVERLAP };
 constexpr int64_t LISTS_A_LOOK = 16;
 
-/** Make the lists anew where that can be done here. */
-static StopReason relist(jump_state &s, ThreadPartition &partition)
+StopReason relist(jump_state &s, ThreadPartition &partition)
 {
   if (!s.lists) return LIST_STALE;
   const auto begun = WallClock::now();
-  if (list_pairs(s, *s.lists, partition) != LISTED || !list_walls(s, *s.lists)) return LIST_STALE;
+  if (list_all(s, partition) != LISTED) return LIST_STALE;
   s.lists->made[0] += 1.0;
   s.lists->made[1] += std::chrono::duration<double>(WallClock::now() - begun).count();
-  return s.listed_as % LISTS_A_LOOK == 0 ? CHECK_OVERLAP : DONE;
+  return ++partition.lists_made % LISTS_A_LOOK == 0 ? CHECK_OVERLAP : DONE;
 }
 
-/** Up to `steps` drifts with forces between them, and before them where `forces_pending`; without steps these alone.
-
-    The forces after the last drift are left to the caller. Returns the drifts done. */
-static int64_t advance(jump_state &s, ThreadPartition &partition, int64_t steps, bool forces_pending, StopReason &left)
+int64_t advance(jump_state &s, ThreadPartition &partition, int64_t steps, bool forces_pending, StopReason &left)
 {
   int64_t done = 0;
   const auto begin = [&]() {

@@ -68,25 +68,32 @@ struct jump_grid {
   double xlo, xhi, ylo, yhi, left, low, inverse, reach;
 };
 
-// what making lists anew takes: the domain, the skin and the diameter of the largest disc (m), the arrays that a sort takes
-// along with their words of a disc, the cells of each wall, and the room of near_last and of near_faces
+// what making lists anew takes: the domain, the skin and the diameter of the largest disc (m); all arrays of the discs with their
+// words of a disc, those first that a sort takes along; the cells of each wall, and the room of near_last and of near_faces
 struct jump_lists {
   double xlo, xhi, ylo, yhi, skin, widest;
-  int64_t columns;
-  int64_t *const *column;
+  int64_t columns, all_columns;
+  int64_t **column;
   const int64_t *width;
   const jump_grid *grids;
   int64_t rows_room, faces_room;
   double *made;    // lists that were made in a step, and the seconds that they took
+  double period;   // of a channel that begins at xlo, m; 0: it has none
+  double *slope_work;    // takes the work of weight on discs that go round it, J per m of width
+  const double (*ends)[2];    // of a channel: ends along x of walls that are pushed, where the case has them, m
+  // of bodies: cells that find the faces near corners with their room, and whether those of one wall meet the faces of another
+  const jump_grid *corner_grids;
+  int64_t corner_rows_room, corner_faces_room;
+  const int8_t *meets;
 };
 
 struct jump_state {
-  // discs
-  int64_t n;
-  const int64_t *ids;
+  // discs, and how many there is room for, in the list too
+  int64_t n, disc_room;
+  int64_t *ids;
   double *x, *y, *vx, *vy, *fx, *fy, *x0, *y0, *ux, *uy, *omega, *torque, *uomega, *dashpot_x, *dashpot_y, *friction_x, *friction_y,
       *radius;
-  const int64_t *fixed;
+  int64_t *fixed;
   // pairs: rows in use, those first of them that are sorted, number of the list, disc of each row (NULL: its number), what a row adds to x
   int64_t rows, sorted, listed_as;
   int32_t *owner;
@@ -102,6 +109,7 @@ struct jump_state {
   int64_t walls;
   const jump::Face *faces;
   const int64_t *deep;
+  int8_t *gone;    // 1 of a wall that has been taken away
   const jump::LawNumbers *at_wall;
   const double (*about)[2];
   int64_t *near_rows;
@@ -111,7 +119,8 @@ struct jump_state {
   jump::SumsOnWall *wall_sum;
   // moving walls; moving NULL: all stand
   const jump::TrackRow *track;
-  const int64_t *track_first, *moving;
+  const int64_t *track_first;
+  int64_t *moving;
   const double (*centre)[2];
   jump::Placed *placed;
   jump::Pose *listed;
@@ -119,7 +128,7 @@ struct jump_state {
   const jump::Load *load;
   jump::Pushed *pushed;
   jump::WallLoads *taken;
-  const jump::StepClock *clock;
+  jump::StepClock *clock;
   // law of two discs; its friction is NaN where nothing rubs
   double diameter;
   jump::LawNumbers pair;
@@ -135,11 +144,11 @@ struct jump_state {
   double memory_step;
   jump::Work *work;    // ledger
   // bodies; corners NULL: there are none
-  const jump_state *corners;      // corners as discs: the walls near them, and what they remember
+  jump_state *corners;            // corners as discs: the walls near them, and what they remember
   const jump::Corner *corner;
   const jump::BodyLaw *between;   // by the walls of a corner and of a face
   double *deepest;                // largest overlap since it was looked at, m, the walls of its corner and of its face
-  const jump_lists *lists;        // NULL: lists are made anew by the caller alone
+  jump_lists *lists;              // NULL: lists are made anew by the caller alone
 };
 
 struct jump_stations {
@@ -178,6 +187,14 @@ JUMP_API int64_t jump_contacts(const jump_state *state, const jump::ContactVeloc
                                double (*found)[5], int64_t room);
 JUMP_API double jump_give_sizes(const jump_state *state, int64_t known, const double *radii);
 JUMP_API void jump_between(const jump_state *state, const jump_stations *stations, double *sums);
+
+namespace jump {
+/** Elastic energy, J per m of width; the largest overlap, m, its disc and wall (-1: of two discs).
+
+    With a mask, those of the contacts of these discs alone. Contacts of bodies with walls and each other count where all
+    contacts do. */
+double elastic_of(const jump_state &state, ThreadPartition &partition, const int8_t *mask, double *worst, int64_t *where);
+}    // namespace jump
 
 namespace jump {
 /** Touching pairs by the thesis' contact search; false where a disc is outside the grid or the list is short. */

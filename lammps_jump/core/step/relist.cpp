@@ -242,7 +242,7 @@ int64_t list_pairs(jump_state &s, const jump_lists &l, ThreadPartition &partitio
   for (const BoxOfDiscs &part : parts) box.join(part);
   if (box.lost >= 0) return box.lost;
   s.rows = s.sorted = s.n;
-  s.listed_as = partition.next_list();
+  s.listed_as = next_list();
   s.start[0] = 0;
   if (s.n == 0) return LISTED;
   const double reach = l.widest + l.skin;

@@ -12,14 +12,18 @@
 namespace jump {
 
 /** What `list_pairs` returns in place of a disc outside the domain. */
-enum : int64_t { LISTED = -1, NO_ROOM = -2 };
+enum : int64_t { LISTED = -1, NO_ROOM = -2, AT_SEAM = -3 };
 
 /** Sort the discs by cell and list all pairs closer than the reach, sorted rows alone; the index of a disc outside the
     domain, or LISTED or NO_ROOM. A NaN is outside; then nothing is changed. */
 int64_t list_pairs(jump_state &s, const jump_lists &lists, ThreadPartition &partition);
 
-/** List the discs near each wall, from where they were when their pairs were listed; false where there is no room. */
-bool list_walls(jump_state &s, const jump_lists &lists);
+/** All of it where there is room, which grows: discs that go round a channel are let in at its other end, and the corners of
+    bodies are listed too. LISTED, a disc outside the domain, or AT_SEAM: a wall that is pushed has come to the ends of a channel. */
+int64_t list_all(jump_state &s, ThreadPartition &partition);
+
+/** List the discs and corners near each wall, from where discs were when their pairs were listed; the room grows. */
+void list_walls(jump_state &s, Rooms &rooms);
 
 }    // namespace jump
 

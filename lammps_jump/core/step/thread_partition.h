@@ -6,9 +6,19 @@
 
 #include "step/integrate.h"
 #include "step/thread_tuner.h"
+#include "step/rooms.h"
 #include "step/thread_part.h"
 
 namespace jump {
+
+/** Number of a list: no two have the same, in this process or, as good as surely, another, so that a state may come from there.
+
+    Those of Python are positive. */
+inline int64_t next_list()
+{
+  static std::atomic<int64_t> last{-(int64_t) std::chrono::system_clock::now().time_since_epoch().count()};
+  return --last;
+}
 
 /** Room for lists that are made anew. */
 struct ListRoom {
@@ -23,6 +33,8 @@ class ThreadPartition {
  public:
   ThreadTuner tuner;
   ListRoom lists;
+  Rooms rooms;
+  int64_t lists_made = 0;
   std::vector<ThreadPart> parts;
   std::vector<Dissipated> taken;    // of each block of discs
 
@@ -94,9 +106,6 @@ class ThreadPartition {
     return reach;
   }
 
-  /** Number of a list that is made here; those of Python are positive. */
-  int64_t next_list() { return --number; }
-
   /** Place and velocity of each disc, as contacts see them; and the rows of the next step. */
   double (*rows())[4] { return rows_of(now); }
   double (*other_rows())[4] { return rows_of(1 - now); }
@@ -114,7 +123,6 @@ class ThreadPartition {
   };
 
   ThreadPool pool;
-  int64_t number = -1;    // of the list made last
   int64_t listed_as = -1, sorted = -1;            // the list that is known
   int64_t divided_as = -1, n = -1;                // and that by which discs are divided
   int64_t reach = 0;             // a pair of a sorted row has its second disc at most so far behind the first

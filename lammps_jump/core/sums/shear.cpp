@@ -14,7 +14,7 @@
 /** Slots of the discs, as of `jump_state`. */
 struct jump_springs {
   int64_t slots;
-  const int64_t *ids;
+  int64_t *ids;
   int64_t *partner, *full;
   double *sigma, *spring, *roll;
   int8_t *used;

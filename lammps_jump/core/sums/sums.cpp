@@ -274,19 +274,20 @@ JUMP_SIZE(jump_stations)
 using jump_velocities = ContactVelocities;
 JUMP_SIZE(jump_velocities)
 
-/** Elastic energy, J per m of width; the largest overlap, m, its disc and wall (-1: of two discs).
-
-    With a mask, those of the contacts of these discs alone. Contacts of bodies with walls and each other count where all
-    contacts do. */
-double jump_elastic(const jump_state *state, ThreadPartition *partition, const int8_t *mask, double *worst, int64_t *where)
+double jump::elastic_of(const jump_state &state, ThreadPartition &partition, const int8_t *mask, double *worst, int64_t *where)
 {
-  const Chosen chosen{mask, partition->reach_of(*state)};
+  const Chosen chosen{mask, partition.reach_of(state)};
   *worst = 0.0;
   where[0] = where[1] = -1;
   double energy = 0.0;
-  with_normal(state->pair, [&](const auto &law) { energy = elastic(*state, law, chosen, worst, where); });
-  if (state->corners && !mask) energy += body_elastic(*state);
+  with_normal(state.pair, [&](const auto &law) { energy = elastic(state, law, chosen, worst, where); });
+  if (state.corners && !mask) energy += body_elastic(state);
   return energy;
+}
+
+double jump_elastic(const jump_state *state, ThreadPartition *partition, const int8_t *mask, double *worst, int64_t *where)
+{
+  return elastic_of(*state, *partition, mask, worst, where);
 }
 
 /** List the contacts with the forces of the velocities `seen`; their number, or -1 where there is no room.

@@ -179,16 +179,22 @@ class BodyState(NamedTuple):
         Largest overlap since it was looked at (m), and the walls of its corner and of its face.
     corners : State
         Corners as discs: the faces near them, and what they remember.
+    grid : FaceGrid
+        Cells that find the faces near corners.
+    meets : ndarray of int8, shape (walls, walls)
+        1 where corners of the first wall meet faces of the second.
     """
 
     corner: np.ndarray
     between: np.ndarray
     deepest: np.ndarray
     corners: State
+    grid: FaceGrid
+    meets: np.ndarray
 
 
 CORNER = np.dtype([*((name, float) for name in ("x", "y", "radius", "tx0", "ty0", "tx1", "ty1")), ("wall", np.int64)])
-"""A corner (`lammps_jump.scene.bodies.corners`) and its wall among those that are there; -1: it is gone."""
+"""A corner (`lammps_jump.scene.bodies.corners`) and its wall."""
 
 
 class Constants(NamedTuple):
@@ -212,6 +218,12 @@ class Lists(NamedTuple):
         Whether loops may make them within `Loops.advance`.
     made : ndarray, shape (2,)
         Takes the number of lists that were made there, and the wall time that they took, s.
+    period : float
+        Length of a periodic channel, m; 0 of another.
+    slope_work : ndarray, shape (1,)
+        Takes the work of weight on discs that go round it, J per m of width.
+    ends : ndarray, shape (walls, 2)
+        Of a periodic channel: ends along x of each wall where the case has it, m.
     """
 
     domain: tuple[float, float, float, float]
@@ -219,6 +231,9 @@ class Lists(NamedTuple):
     widest: float
     inside: bool
     made: np.ndarray
+    period: float
+    slope_work: np.ndarray
+    ends: np.ndarray
 
 
 class State(NamedTuple):
@@ -276,6 +291,9 @@ LISTED, NO_ROOM = -1, -2
 
 class Loops(Protocol):
     """The loops under `NativeSimulation`: those of the core, or of the twin."""
+
+    runs_alone: bool
+    """Whether they step a scene with all that happens at its steps: `Core.run`."""
 
     @property
     def threads(self) -> int:

@@ -4,13 +4,14 @@
 from __future__ import annotations
 
 import weakref
-from ctypes import POINTER, addressof, byref, c_char_p, c_double, c_int64, c_void_p, pointer
+from ctypes import POINTER, Array, addressof, byref, c_char_p, c_double, c_int64, c_void_p, pointer
 from typing import Any, ClassVar
 
 import numpy as np
 
+from lammps_jump.core.columns import PlacedColumns, RunEnd, SumsOnWallColumns
 from lammps_jump.core.law import jump_law, laws_of
-from lammps_jump.core.library import INTEGER, INTEGERS, REAL, REALS, Struct, entry, function
+from lammps_jump.core.library import INTEGER, INTEGERS, REAL, REALS, Struct, copied, entry, function
 from lammps_jump.scene.chains import Faces, records_of
 from lammps_jump.scene.near import FaceGrid
 
@@ -20,6 +21,8 @@ ARRAY = c_void_p
 DISCS = "ids x y vx vy fx fy x0 y0 ux uy omega torque uomega dashpot_x dashpot_y friction_x friction_y radius fixed"
 MOVES = "track first moving centre now listed far load pushed taken clock"
 MEMORY = "chain around full"
+WINDOW_WIDTH = SumsOnWallColumns.width() + PlacedColumns.width()
+"""Numbers of a wall in a window of the probes."""
 
 
 def fields(kind: Any, names: str) -> list[tuple[str, Any]]:
@@ -31,7 +34,7 @@ class jump_state(Struct):
     """State of the engine, in the order of ``native.h``."""
 
     _fields_: ClassVar = [
-        *fields(c_int64, "n"),
+        *fields(c_int64, "n disc_room"),
         *fields(c_void_p, DISCS),
         *fields(c_int64, "rows sorted listed_as"),
         *fields(c_void_p, "owner shift start neighbours"),
@@ -40,7 +43,9 @@ class jump_state(Struct):
         *fields(c_int64, "grid_columns grid_rows"),
         *fields(c_void_p, "grid_first grid_used"),
         *fields(c_int64, "walls"),
-        *fields(c_void_p, "faces deep at_wall about near_rows near_discs near_plain near_last near_faces wall_sum"),
+        *fields(
+            c_void_p, "faces deep gone at_wall about near_rows near_discs near_plain near_last near_faces wall_sum"
+        ),
         *fields(c_void_p, "track track_first moving centre placed listed far load pushed taken clock"),
         *fields(c_double, "diameter"),
         ("pair", jump_law),
@@ -67,10 +72,14 @@ class jump_lists(Struct):
 
     _fields_: ClassVar = [
         *fields(c_double, "xlo xhi ylo yhi skin widest"),
-        *fields(c_int64, "columns"),
+        *fields(c_int64, "columns all_columns"),
         *fields(c_void_p, "column width grids"),
         *fields(c_int64, "rows_room faces_room"),
         *fields(c_void_p, "made"),
+        *fields(c_double, "period"),
+        *fields(c_void_p, "slope_work ends corner_grids"),
+        *fields(c_int64, "corner_rows_room corner_faces_room"),
+        *fields(c_void_p, "meets"),
     ]
 
 
@@ -78,6 +87,59 @@ class jump_stations(Struct):
     """As `StationStep`."""
 
     _fields_: ClassVar = [*fields(c_double, "left width speed"), *fields(c_int64, "moved pushed")]
+
+
+class jump_inlet(Struct):
+    """A row of an inlet."""
+
+    _fields_: ClassVar = [
+        *fields(c_double, "x y vx vy clearance"),
+        *fields(c_int64, "first every limit first_turn turns"),
+    ]
+
+
+class jump_outlet(Struct):
+    """An outlet."""
+
+    _fields_: ClassVar = [*fields(c_double, "at"), *fields(c_int64, "axis above every")]
+
+
+class jump_tailgate(Struct):
+    """A tailgate (``walls/tailgate_controller.h``)."""
+
+    _fields_: ClassVar = [
+        *fields(c_int64, "first every"),
+        *fields(c_double, "low high"),
+        *fields(c_int64, "bins"),
+        *fields(c_double, "target level proportional integral speed lowest highest area"),
+    ]
+
+
+class jump_events(Struct):
+    """What happens at certain steps (``step/events.h``)."""
+
+    _fields_: ClassVar = [
+        *fields(c_int64, "step"),
+        *fields(c_double, "disc_steps"),
+        *fields(c_int64, "inlets"),
+        *fields(c_void_p, "inlet turn_step turn_speed entered"),
+        *fields(c_double, "weight_x weight_y"),
+        *fields(c_int64, "outlets"),
+        *fields(c_void_p, "outlet traffic own_radius"),
+        *fields(c_int64, "size_every"),
+        *fields(c_void_p, "until"),
+        *fields(c_int64, "tailgates"),
+        *fields(c_void_p, "tailgate tailgate_wall"),
+        *fields(c_int64, "window_steps window_begin"),
+        *fields(c_void_p, "window_sum"),
+        *fields(c_double, "station_left station_width station_speed"),
+        *fields(c_int64, "station_first station_last"),
+        *fields(c_void_p, "station_sums"),
+        *fields(c_int64, "ledger"),
+        *fields(c_double, "gravity_x gravity_y"),
+        *fields(c_void_p, "exchanged"),
+        *fields(c_double, "overlap_limit"),
+    ]
 
 
 class jump_velocities(Struct):
@@ -92,6 +154,10 @@ _free_partition = function("jump_free_partition", c_void_p)
 _threads = function("jump_partition_threads", c_void_p, result=INTEGER)
 _advance = function("jump_advance", STATE, c_void_p, INTEGER, INTEGER, POINTER(c_int64), result=INTEGER)
 _place_walls = function("jump_place_walls", STATE, INTEGER)
+_run = function("jump_run", STATE, POINTER(jump_events), c_void_p, INTEGER, result=INTEGER)
+_windows = function("jump_windows", c_void_p, POINTER(c_int64), result=c_void_p)
+_forget_windows = function("jump_forget_windows", c_void_p)
+_forget_rooms = function("jump_forget_rooms", c_void_p)
 _search_cells = function("jump_search_cells", STATE, result=INTEGER)
 _elastic = function("jump_elastic", STATE, c_void_p, ARRAY, POINTER(c_double), ARRAY, result=REAL)
 _contacts = function(
@@ -132,6 +198,8 @@ class Core:
         As of `Setting.threads`.
     """
 
+    runs_alone = True
+
     def __init__(self, threads: str = "1") -> None:
         self._partition = _partition(threads.encode())
         weakref.finalize(self, _free_partition, self._partition)
@@ -156,7 +224,7 @@ class Core:
     def _bind(self, state: State) -> Any:
         """The state of the core for this one; what is bound already is looked at as a whole."""
         bound, put, d, walls = self._state, self._put, state.discs, state.walls
-        bound.n = d.n
+        bound.n, bound.disc_room = d.n, d.room
         if self._held.get("x") is not d.x:  # room grows for all of them together
             for name in DISCS.split():
                 put(name, getattr(d, name))
@@ -165,6 +233,8 @@ class Core:
         if self._held.get("near") is not walls.near:
             self._bind_walls(walls)
             self._held["grids"] = None
+        if state.bodies is not None:
+            self._bind_bodies(state.bodies)
         if state.lists is not None:
             self._bind_lists(state.lists, d, walls)
         put("wall_sum", walls.sums)
@@ -173,8 +243,6 @@ class Core:
             self._bind_constants(state.constants)
         if self._held.get("memory", False) is not state.memory:
             self._bind_memory(state.memory)
-        if state.bodies is not None:
-            self._bind_bodies(state.bodies)
         return byref(bound)
 
     def _bind_bodies(self, bodies: BodyState) -> None:
@@ -182,8 +250,18 @@ class Core:
             self._put(name, getattr(bodies, name))
         if self._corners is None:
             self._corners = Core()
-        self._corners._bind(bodies.corners)
-        self._state.corners = addressof(self._corners._state)
+        corners, near, lists = self._corners, bodies.corners.walls.near, self._lists
+        if corners._held.get("near") is not near:
+            faces = bodies.corners.walls.faces
+            self._held["corner grids"] = grids = corners._grids_of(faces, bodies.grid)
+            lists.corner_grids, lists.meets = addressof(grids), address(bodies.meets)
+            lists.corner_rows_room, lists.corner_faces_room = near.last.size, near.faces.size
+        corners._bind(bodies.corners)
+        self._state.corners = addressof(corners._state)
+
+    def _grids_of(self, faces: Faces, grid: FaceGrid) -> Array[jump_grid]:
+        grids = [self._grid(wall, faces, grid) for wall in range(len(faces.deep))]
+        return (jump_grid * len(grids))(*grids)
 
     def _bind_lists(self, lists: Lists, discs: Any, walls: Any) -> None:
         """Bind what making lists takes: the arrays that a sort takes along, and the cells of walls."""
@@ -191,18 +269,19 @@ class Core:
         if held.get("lists") is not lists:
             bound.xlo, bound.xhi, bound.ylo, bound.yhi = lists.domain
             bound.skin, bound.widest, bound.made = lists.skin, lists.widest, address(lists.made)
+            bound.period, bound.slope_work, bound.ends = lists.period, address(lists.slope_work), address(lists.ends)
             held["lists"] = lists
         if held["columns"] is None:
-            kept = {name: column for name, column in discs.columns.items() if column.sorted}
-            columns = (c_void_p * len(kept))(*(address(getattr(discs, name)) for name in kept))
-            widths = (c_int64 * len(kept))(*(max(1, column.width) for column in kept.values()))
-            bound.columns, bound.column, bound.width = len(kept), addressof(columns), addressof(widths)
+            kept = sorted(discs.columns.items(), key=lambda item: not item[1].sorted)
+            columns = (c_void_p * len(kept))(*(address(getattr(discs, name)) for name, _ in kept))
+            widths = (c_int64 * len(kept))(*(max(1, column.width) for _, column in kept))
+            bound.columns, bound.all_columns = sum(column.sorted for _, column in kept), len(kept)
+            bound.column, bound.width = addressof(columns), addressof(widths)
             held["columns"] = columns, widths
         if held["grids"] is None:
-            grids = [self._grid(wall, walls.faces, walls.grid) for wall in range(len(walls.faces.deep))]
             bound.rows_room, bound.faces_room = walls.near.last.size, walls.near.faces.size
-            held["grids"] = together = (jump_grid * len(grids))(*grids)
-            bound.grids = addressof(together)
+            held["grids"] = grids = self._grids_of(walls.faces, walls.grid)
+            bound.grids = addressof(grids)
 
     def _bind_walls(self, walls: Any) -> None:
         put, near = self._put, walls.near
@@ -211,8 +290,9 @@ class Core:
         self._held["at_wall"] = laws = laws_of(*near.laws)
         self._state.at_wall = addressof(laws)
         for name, array in (
-            ("deep", walls.faces.deep), ("about", near.about), ("near_rows", near.rows), ("near_discs", near.discs),
-            ("near_plain", near.plain), ("near_last", near.last), ("near_faces", near.faces),
+            ("deep", walls.faces.deep), ("gone", walls.gone), ("about", near.about), ("near_rows", near.rows),
+            ("near_discs", near.discs), ("near_plain", near.plain), ("near_last", near.last),
+            ("near_faces", near.faces),
         ):  # fmt: skip
             put(name, array)
         self._bind_moves(walls.moves)
@@ -261,12 +341,56 @@ class Core:
         left, bound = c_int64(), self._bind(state)
         self._state.lists = addressof(self._lists) if state.lists and state.lists.inside else None
         done = _advance(bound, self._partition, steps, bool(forces_pending), byref(left))
-        self._take_list(state.discs)
+        self._take_rooms(state)
         return done, left.value
 
-    def _take_list(self, discs: Any) -> None:
-        """Tell the discs of the list that the core has made."""
-        discs.sorted_rows, discs.listed_as = self._state.sorted, self._state.listed_as
+    def struct(self, state: State) -> jump_state:
+        """A state as the core has it; its arrays are those of Python."""
+        self._bind(state)
+        self._state.lists = addressof(self._lists)
+        return self._state
+
+    def run(self, state: State, events: jump_events, target: int) -> tuple[RunEnd, np.ndarray]:
+        """Steps up to `target` with all that happens at them; why they end, and the windows of probes that have ended.
+
+        A window has its step, the steps in it, and of each wall the sums that it felt and where it is.
+        """
+        end = RunEnd(_run(byref(self.struct(state)), byref(events), self._partition, target))
+        state.discs.n = self._state.n
+        self._take_rooms(state)
+        count = c_int64()
+        windows = copied(_windows(self._partition, byref(count)), np.float64, count.value)
+        _forget_windows(self._partition)
+        return end, windows.reshape(-1, 2 + len(state.walls.sums) * WINDOW_WIDTH)
+
+    def _take_rooms(self, state: State) -> None:
+        """Take the list that the core has made, and arrays that have grown there into those of Python."""
+        bound, lists, d, walls = self._state, self._lists, state.discs, state.walls
+        d.sorted_rows, d.listed_as = bound.sorted, bound.listed_as
+        grown = False
+        if bound.disc_room > d.room:
+            names = sorted(d.columns, key=lambda name: not d.columns[name].sorted)
+            d.take_room(bound.disc_room, dict(zip(names, self._held["columns"][0], strict=True)))
+            d.start, grown = copied(bound.start, np.int64, d.room + 1), True
+        if bound.room > d.neighbours.size:
+            d.neighbours, grown = copied(bound.neighbours, np.int32, bound.room), True
+        if d.period is not None and bound.owner != address(d.owner):
+            d.owner, d.shift = copied(bound.owner, np.int32, bound.rows), copied(bound.shift, np.float64, bound.rows)
+        if lists.rows_room > walls.near.last.size:
+            walls.near, grown = self._near_of(walls.near, lists.rows_room, lists.faces_room), True
+        if self._corners is not None and lists.corner_rows_room > walls.bodies.near.last.size:
+            rooms = lists.corner_rows_room, lists.corner_faces_room
+            walls.bodies.near, grown = self._corners._near_of(walls.bodies.near, *rooms), True
+        if grown:
+            _forget_rooms(self._partition)
+
+    def _near_of(self, near: Near, rows: int, faces: int) -> Near:
+        """Lists of what is near walls from arrays of the core with room for so many rows and faces."""
+        of = self._state
+        return near._replace(
+            discs=copied(of.near_discs, np.int32, rows), plain=copied(of.near_plain, np.int8, rows),
+            last=copied(of.near_last, np.int64, rows), faces=copied(of.near_faces, np.int64, faces),
+        )  # fmt: skip
 
     @property
     def threads(self) -> int:
@@ -322,7 +446,7 @@ class Core:
         bound = self._bind(state)
         self._state.lists = addressof(self._lists)
         found = _list_pairs(bound, self._partition)
-        self._take_list(state.discs)
+        state.discs.sorted_rows, state.discs.listed_as = self._state.sorted, self._state.listed_as
         return found
 
     def closest(self, discs: Any, x: float, y: float) -> float:

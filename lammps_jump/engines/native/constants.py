@@ -53,9 +53,8 @@ def motion_of(scene: Scene, skin: float) -> StepConstants:
 
 
 def lists_of(scene: Scene, skin: float, *, inside: bool) -> Lists:
-    """What lists of this skin (m) take; where `inside` is true, loops make them within `Loops.advance`.
-
-    They do not where bodies have corners that are listed too, nor where there is a seam to look at.
-    """
-    inside = inside and scene.period is None and not scene.bodies
-    return Lists((*scene.domain[0], *scene.domain[1]), skin, scene.largest, inside, np.zeros(2))
+    """What lists of this skin (m) take; where `inside` is true, loops make them within `Loops.advance`."""
+    domain, ends = (*scene.domain[0], *scene.domain[1]), [wall.extent[0] for wall, _ in scene.walls if scene.period]
+    return Lists(
+        domain, skin, scene.largest, inside, np.zeros(2), scene.period or 0.0, np.zeros(1), np.reshape(ends, (-1, 2))
+    )

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from lammps_jump.core.library import copied
 from lammps_jump.dump.side_files.lists import check_list
 from lammps_jump.scene.scene import Earlier, Scene
 
@@ -255,6 +256,15 @@ class DiscArrays:
             array = getattr(self, name)
             setattr(self, name, np.concatenate([array, np.zeros((more, *array.shape[1:]), array.dtype)]))
         self.start = np.concatenate([self.start, np.zeros(self._rows + 1 - len(self.start), np.int64)])
+        self._make_work_arrays()
+
+    def take_room(self, room: int, places: dict[str, int]) -> None:
+        """Take arrays with more room from these addresses."""
+        self.room = room
+        for name, place in places.items():
+            before = getattr(self, name)
+            shape = (room, *before.shape[1:])
+            setattr(self, name, copied(place, before.dtype.type, int(np.prod(shape))).reshape(shape))
         self._make_work_arrays()
 
     def outside(self, scene: Scene, skin: float) -> int:

@@ -117,6 +117,10 @@ class OpenBoundaries:
         """Next step at which discs may enter; infinite for never."""
         return min((state.next_after(step) for state in (*self.rows, *self.pours)), default=inf)
 
+    def next_pour(self, step: int) -> float:
+        """Next step at which a pour tries; infinite for never."""
+        return min((state.next_after(step) for state in self.pours), default=inf)
+
     def next_leaving(self, step: int) -> float:
         """Next step at which discs may leave; infinite for never."""
         return min(((step // one.every_steps + 1) * one.every_steps for one in self.scene.outlets), default=inf)
@@ -261,14 +265,18 @@ class Windows:
     def close(self, step: int, walls: Walls) -> None:
         """End the window with this step, and begin the next one."""
         self.take(walls)
-        for name in self.probes:
-            mean = self.sums.get(name, np.zeros(4)) / (step - self.begin)
-            self.forces.append((step, name, *(float(v) for v in mean[: self._columns])))
-        self.see_bodies(
-            step, walls, {name: self.sums[name][SumsOnWallColumns.FORCE] / (step - self.begin) for name in self._bodies}
-        )
+        placed = np.empty(0) if walls.moves is None else walls.moves.now
+        self.end(step, step - self.begin, self.sums, walls, placed)
         self.sums, self.begin = {}, step
 
-    def see_bodies(self, step: int, walls: Walls, forces: Mapping[str, np.ndarray]) -> None:
-        """Add a row for each body, with these forces of the discs."""
-        self.bodies += [(step, name, row) for name, row in walls.body_rows(forces)]
+    def end(self, step: int, steps: int, sums: Mapping[str, np.ndarray], walls: Walls, placed: np.ndarray) -> None:
+        """Add the rows of a window of so many steps; `sums` of it, and `placed` as of `Moves.now` at its end."""
+        for name in self.probes:
+            mean = sums.get(name, np.zeros(4)) / steps
+            self.forces.append((step, name, *(float(v) for v in mean[: self._columns])))
+        forces = {name: sums[name][SumsOnWallColumns.FORCE] / steps for name in self._bodies}
+        self.see_bodies(step, walls, forces, placed)
+
+    def see_bodies(self, step: int, walls: Walls, forces: Mapping[str, np.ndarray], placed: np.ndarray) -> None:
+        """Add a row for each body where it is `placed`, with these forces of the discs."""
+        self.bodies += [(step, name, row) for name, row in walls.body_rows(forces, placed)]

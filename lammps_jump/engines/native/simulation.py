@@ -19,14 +19,15 @@ from time import perf_counter
 
 import numpy as np
 
-from lammps_jump.core.columns import SumsOnWallColumns, WorkColumns
+from lammps_jump.core.columns import RunEnd, SumsOnWallColumns, WorkColumns
 from lammps_jump.errors import CaseError, RunError
 from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.scene.motion import PUSHED_THERE
 from lammps_jump.scene.scene import Scene
 
+from .alone import SceneEvents
 from .arrays import CHECK_OVERLAP, LIST_STALE, Grid, Loops, Pairs, State
-from .bound import Core
+from .bound import Core, jump_events, jump_state
 from .constants import Memories, constants_of, lists_of
 from .discs import ROUND, DiscArrays, starting
 from .events import Event, EventList, OpenBoundaries, Tailgates, WindowForce, Windows
@@ -107,10 +108,10 @@ class NativeSimulation:
         self.rebuild_seconds = 0.0
         self.skin = scene.skin if scene.skin > 0 else DEFAULT_SKIN * scene.diameter
         self._share = (scene.largest / scene.diameter) ** 2  # of a disc that enters, in the nominal mass
-        self._weight = scene.mass * self._share * scene.gravity[0], scene.mass * self._share * scene.gravity[1]
+        self.weight = scene.mass * self._share * scene.gravity[0], scene.mass * self._share * scene.gravity[1]
         self._constants, self._memories = constants_of(scene, self.skin), Memories(scene)
         self._lists = lists_of(scene, self.skin, inside=self._grid is None)
-        self._ledger_on = ledger
+        self.ledger_on = ledger
         self.boundaries = OpenBoundaries(scene)
         self.windows = Windows(scene)
         self.gates = Tailgates(scene)
@@ -128,8 +129,9 @@ class NativeSimulation:
             Event(self.gates.next_after, lambda: self.gates.move(self.step, self.discs, self.walls)),
         )
         self.discs = DiscArrays(scene, self.loops, ledger=ledger)
-        self.walls = self._walls()
+        self.walls = Walls(scene, self.loops, self.step, self.skin)
         self._full, self._started = np.zeros(1, np.int64), False
+        self._events = SceneEvents(self) if self.loops.runs_alone and self._grid is None else None
         if self._grid is None and self.discs.take_lists(scene, self.skin):
             self.walls.list_discs_again(self.discs.n, self.discs.x0, self.discs.y0, self.step)
         else:
@@ -140,16 +142,6 @@ class NativeSimulation:
 
     # --- set-up -------------------------------------------------------------------------------------------------
 
-    def _walls(self) -> Walls:
-        """The walls of this step."""
-        return Walls(self.scene, self.loops, self.step, self.skin)
-
-    def lay_walls(self) -> None:
-        """Lay the walls of this step anew; sums of the window go on, also those of one that has been taken away."""
-        self.windows.take(self.walls)
-        before, self.walls = self.walls, self._walls()
-        self.walls.go_on(before)
-
     def _start(self) -> None:
         """Forces of the start, weight included, the velocities of half a step before, and the energy.
 
@@ -157,7 +149,7 @@ class NativeSimulation:
         Where walls and law are the same too, these are its forces, and the run goes on bit for bit.
         """
         d, share = self.discs, shares_of(self.scene, self.discs) / self._share
-        d.fx[: d.n], d.fy[: d.n] = np.multiply.outer(self._weight, share)
+        d.fx[: d.n], d.fy[: d.n] = np.multiply.outer(self.weight, share)
         earlier = self.scene.earlier
         if earlier is not None:
             d.see_half_step(self.scene, earlier)
@@ -169,7 +161,9 @@ class NativeSimulation:
             d.keep_bits(self.scene, earlier, half_kicks(self.scene, d))
             self.walls.end_start(earlier.walls, ROUND * self.scene.diameter / self.scene.time_step)
         forces = self.walls.sums[:, SumsOnWallColumns.FORCE]
-        self.windows.see_bodies(self.step, self.walls, dict(zip(self.walls.names, forces, strict=True)))
+        if self.walls.moves is not None:
+            placed = self.walls.moves.now
+            self.windows.see_bodies(self.step, self.walls, dict(zip(self.walls.names, forces, strict=True)), placed)
         self.walls.sums[:] = 0.0
         self.books.start, self.books.start_work = self.energy(), self.books.work[WorkColumns.WHOLE] + self._half_work()
         self.books.start_fallen = fallen(self.scene, self.discs)
@@ -194,12 +188,39 @@ class NativeSimulation:
     def run_some(self, target: int) -> None:
         """Go on towards step `target` for at most about a tenth of a second of work."""
         limit = self.step + max(1, WORK_PER_CALL // max(32, self.discs.n))
+        alone = min(target, limit, self.boundaries.next_pour(self.step) - 1)
+        if self._events is not None and alone > self.step:
+            self._run_alone(int(alone))
+            return
         stop = int(min(target, limit, self._between.next_after(self.step), self._after.next_after(self.step)))
         if stop > self.step:
             self._drift(stop)
             self._between.happen(stop)
             self._forces()
             self._after.happen(stop)
+
+    def for_host(self, target: int) -> tuple[jump_state, jump_events]:
+        """State and events as structs of the core, for a host that goes on from here to step `target` by `jump_run`.
+
+        Their arrays are those of this simulation, which must not step beside that host.
+        """
+        assert isinstance(self.loops, Core) and self._events is not None
+        self.walls.place(self.step)
+        return self.loops.struct(self._state(self.scene.time_step)), self._events.put(target)
+
+    def _run_alone(self, target: int) -> None:
+        """Let the core step up to `target`, with all that happens at its steps but pours."""
+        assert isinstance(self.loops, Core) and self._events is not None
+        self.walls.place(self.step)
+        end, windows = self.loops.run(self._state(self.scene.time_step), self._events.put(target), target)
+        self._events.take(windows)
+        self._see_core()
+        if end is RunEnd.AT_TARGET:
+            return
+        if end is RunEnd.NO_LISTS:
+            self._rebuild()  # tells what is wrong, and so does the look at overlaps
+        self._check_overlap()
+        raise RunError(f"step {self.step}: the core went no further ({end.name})")
 
     def _drift(self, stop: int) -> None:
         """To the drift of step `stop`, its forces excluded; lists that have become too old are made anew."""
@@ -230,6 +251,11 @@ class NativeSimulation:
     def _advance(self, steps: int, forces_pending: bool) -> tuple[int, int]:
         self.walls.place(self.step)
         found = self.loops.advance(self._state(self.scene.time_step if self._started else 0.0), steps, forces_pending)
+        self._see_core()
+        return found
+
+    def _see_core(self) -> None:
+        """Count the lists that the core has made, and look for what ends a run."""
         lists, seconds = self._lists.made.tolist()
         self._lists.made[:] = 0.0
         self.rebuilds += int(lists)
@@ -239,8 +265,10 @@ class NativeSimulation:
                 f"disc {self._full[0]} touches more than the {self.scene.slots} others it can remember: contacts "
                 f"are too deep; {self.scene.stiffer}."
             )
+        if self.scene.period is not None:
+            self.books.exchanged["work_of_slope"] += float(self._lists.slope_work[0])
+            self._lists.slope_work[:] = 0.0
         self._require(self.walls.trouble_of_bodies())
-        return found
 
     def _require(self, wrong: str) -> None:
         """RunError where something is wrong now."""
@@ -265,7 +293,7 @@ class NativeSimulation:
         leaving = self.boundaries.leaving(self.step, self.discs)
         if leaving is None:
             return
-        if self._ledger_on:
+        if self.ledger_on:
             for energy in (*energy_of_leaving(self.scene, self.discs, leaving), self._elastic_of(leaving)):
                 self.books.exchanged["carried_out"] += energy
         self.boundaries.removed += int(leaving.sum())
@@ -277,16 +305,17 @@ class NativeSimulation:
         known = self.boundaries.inserted
         skin = 1.5 * self.skin  # the others may have moved half a skin since the list was made
         for new in self.boundaries.arrivals(self.step, self.discs, self.walls.poses()):
-            self.discs.append(new, self._weight, skin, self.scene.largest)
+            self.discs.append(new, self.weight, skin, self.scene.largest)
             self.books.exchanged["brought_in"] += free_energy(self.scene, (new.x, new.y), (new.vx, new.vy), self._share)
         if self.boundaries.inserted > known:
             self._list_newcomers()
             self.books.exchanged["brought_in"] += self._elastic_of_newcomers(known)
 
     def _change_walls(self) -> None:
-        """Lay the walls anew where one of them goes."""
+        """Take away the walls that go at this step."""
         elastic = self._elastic()
-        self.lay_walls()
+        self.windows.take(self.walls)
+        self.walls.take_away(self.step)
         self._list_walls()
         self.books.exchanged["released_by_gates"] += elastic - self._elastic()
 
@@ -295,7 +324,7 @@ class NativeSimulation:
 
     def _elastic_of(self, chosen: np.ndarray) -> float:
         """Elastic energy of the contacts of some discs, a mask of shape (n,); 0 without a ledger."""
-        return self.loops.elastic(self._state(), chosen)[0] if self._ledger_on else 0.0
+        return self.loops.elastic(self._state(), chosen)[0] if self.ledger_on else 0.0
 
     def _elastic_of_newcomers(self, known: int) -> float:
         """That of the contacts of discs with ids above `known`."""
@@ -433,12 +462,12 @@ class NativeSimulation:
         return EnergyNow(found.kinetic + kinetic, found.gravitational + place, found.elastic)
 
     def _half_work(self) -> np.ndarray:
-        return half_work(self.scene, self.discs, self.books.work) if self._ledger_on else np.zeros(3)
+        return half_work(self.scene, self.discs, self.books.work) if self.ledger_on else np.zeros(3)
 
     @property
     def ledger(self) -> dict[str, float] | None:
         """Energy ledger since the start, J per m of width (see `EnergyBalance`); None if it is not kept."""
-        if not self._ledger_on:
+        if not self.ledger_on:
             return None
         moves = self.walls.moves is not None
         found = self.books.balance(self.energy(), self._half_work(), fallen(self.scene, self.discs), walls_move=moves)

@@ -137,7 +137,7 @@ def _loaded(scene: Scene, path: Path, ledger: bool, loops: Loops | None) -> Nati
     for name in COUNTS:
         setattr(simulation, name, getattr(plain, name))
     _load_discs(simulation.discs, plain.n, stored)
-    simulation.lay_walls()  # those of this step: gates may have gone
+    simulation.walls.take_away(simulation.step)
     books, windows = simulation.books, simulation.windows
     books.work[:], books.start_work[:] = stored["work"], stored["start_work"]
     simulation.walls.sums[:] = stored["wall_sum"]

@@ -29,6 +29,8 @@ from lammps_jump.scene.scene import Scene
 from .arrays import BodyState, Constants, Loops, Memory, Moves, Near
 from .bodies.corners import Bodies
 
+FOR_EVER = np.iinfo(np.int64).max
+"""Step at which a wall goes that stays."""
 UPWARDS = 1
 """The axis along which a tailgate goes."""
 
@@ -52,7 +54,7 @@ def _load(
     return row
 
 
-def _moves(walls: list[MovingWall], faces: Faces, scene: Scene, skin: float) -> Moves:
+def _moves(walls: Sequence[MovingWall], faces: Faces, scene: Scene, skin: float) -> Moves:
     """The tracks of walls, some of which move."""
     count = len(walls)
     track = [one.motion.track for one in walls]
@@ -131,7 +133,7 @@ def _chains(scene: Scene, names: list[str], faces: Faces) -> tuple[np.ndarray, n
 
 
 class Walls:
-    """Walls that are there now, and the discs near them.
+    """Walls of a scene, and the discs near those that are there.
 
     Parameters
     ----------
@@ -145,6 +147,8 @@ class Walls:
     Attributes
     ----------
     names : list of str
+    until, gone : ndarray, shape (walls,)
+        Step from which each wall is gone, and whether it is now: 1 or 0.
     faces : Faces
     near : Near
     moves : Moves or None
@@ -159,8 +163,10 @@ class Walls:
 
     def __init__(self, scene: Scene, loops: Loops, step: int, skin: float):
         self._loops = loops
-        self._there = there = [one for one in scene.walls if one.motion.pose(step) is not None]
+        self._there = there = scene.walls
         walls = [one.wall for one in there]
+        self.until = np.array([min(one.motion.gone, FOR_EVER) for one in there], np.int64)
+        self.gone = np.zeros(len(there), np.int8)
         self.names = [wall.name for wall in walls]
         self.faces: Faces = lay([(wall.chains(), wall.deep) for wall in walls])
         self.moves = _moves(there, self.faces, scene, skin) if any(one.motion.kind for one in there) else None
@@ -177,18 +183,15 @@ class Walls:
         )  # fmt: skip
         self.chain, self.around = _chains(scene, self.names, self.faces)
         free = any(one.motion.free for one in there)
-        self.bodies = Bodies(scene, there, self.faces, loops, skin) if free else None
+        self.bodies = Bodies(scene, self.faces, self.gone, loops, skin) if free else None
+        self.take_away(step)
         self.place(step)
 
-    def go_on(self, before: Walls) -> None:
-        """Take over the walls that discs push, where they are and as fast."""
-        if self.moves is None or before.moves is None:
-            return
-        for row, name in zip(self.moves.pushed, self.names, strict=True):
-            row[:] = before.moves.pushed[before.names.index(name)]
-        if self.bodies is not None and before.bodies is not None:
-            self.bodies.go_on(before.bodies)
-        self.place(int(before.moves.clock[StepClockColumns.STEP]))
+    def take_away(self, step: int) -> None:
+        """Take away the walls that are gone at a step; what they have felt stays."""
+        self.gone[:] = self.until <= step
+        if self.moves is not None:
+            self.moves.moving[self.gone == 1] = WallMotion.STANDS
 
     def end_start(self, begun: Mapping[str, Went], limit: float) -> None:
         """Speeds of the half step before the start of walls that go on, from that of the step and the force there.
@@ -234,22 +237,24 @@ class Walls:
             name: Pose(*row[PushedColumns.PLACE].tolist()) for name, moving, row in walls if moving >= WallMotion.LOADED
         }
 
-    def centre_of(self, wall: int) -> tuple[float, float]:
-        """Centre of mass of a body, m."""
+    def centre_of(self, wall: int, placed: np.ndarray | None = None) -> tuple[float, float]:
+        """Centre of mass of a body, m; where it is `placed` as of `Moves.now`, or now."""
         assert self.moves is not None  # a body moves
-        now = self.moves.now[wall]
+        now = (self.moves.now if placed is None else placed)[wall]
         (x, y, _), c, s = now[PlacedColumns.NOW].tolist(), float(now[PlacedColumns.C]), float(now[PlacedColumns.S])
         arm, about = self.moves.load[wall, LoadColumns.ARM].tolist(), self.moves.centre[wall].tolist()
         return about[0] + x + c * arm[0] - s * arm[1], about[1] + y + s * arm[0] + c * arm[1]
 
-    def body_rows(self, forces: Mapping[str, np.ndarray]) -> Iterator[tuple[str, tuple[float, ...]]]:
+    def body_rows(
+        self, forces: Mapping[str, np.ndarray], placed: np.ndarray
+    ) -> Iterator[tuple[str, tuple[float, ...]]]:
         """Name of each body; centre of mass (m), turn (rad), velocities (m/s, rad/s), and the force given with it."""
         if self.bodies is None or self.moves is None:
             return
         for wall in self.bodies.numbers:
-            name, now = self.names[wall], self.moves.now[wall]
+            name, now = self.names[wall], placed[wall]
             here_x, here_y, angle = now[PlacedColumns.NOW].tolist()
-            x, y = self.centre_of(wall)
+            x, y = self.centre_of(wall, placed)
             ax, ay = x - self.moves.centre[wall, 0] - here_x, y - self.moves.centre[wall, 1] - here_y
             vx, vy, spin = now[PlacedColumns.CENTRED].tolist()
             yield name, (x, y, angle, vx - spin * float(ay), vy + spin * float(ax), spin, *forces[name].tolist())
@@ -317,9 +322,7 @@ class Walls:
 
     def list_discs(self, n: int, x: np.ndarray, y: np.ndarray) -> None:
         """List the discs near each wall, and the corners of bodies; `x` and `y` (m) are of the first n discs."""
-        self.near = _list_near(
-            self._loops, self.faces, self.grid, self.near, lambda wall: (n, *self._inward(wall, x, y))
-        )
+        self.near = _list_near(self._loops, self, self.grid, self.near, lambda wall: (n, *self._inward(wall, x, y)))
         self.list_corners()
 
     def list_discs_again(self, n: int, x: np.ndarray, y: np.ndarray, step: int) -> None:
@@ -352,20 +355,19 @@ class Walls:
         (here_x, here_y, _), c, s = now[PlacedColumns.NOW], now[PlacedColumns.C], now[PlacedColumns.S]
         places = cx + here_x + c * dx - s * dy, cy + here_y + s * dx + c * dy
         bodies.near = _list_near(
-            bodies.loops, self.faces, bodies.grid, bodies.near,
+            bodies.loops, self, bodies.grid, bodies.near,
             lambda wall: (bodies.discs.n, *self._inward(wall, *bodies.seen_from(wall, *places))),
         )  # fmt: skip
 
     def list_all(self, n: int) -> None:
         """List every disc at every wall with all its faces."""
-        first = self.faces.first
-        parts = [np.tile(np.arange(*ends), n) for ends in pairwise(first)]
-        counts = np.repeat(np.diff(first), n)
+        first, there = self.faces.first, self.gone == 0
+        parts = [np.tile(np.arange(*ends), n) for ends, here in zip(pairwise(first), there, strict=True) if here]
+        counts = np.repeat(np.diff(first)[there], n)
         last = np.concatenate([[0], np.cumsum(counts)])
-        discs = np.tile(np.arange(n, dtype=np.int32), len(self.names))
-        self.put(
-            n * np.arange(len(self.names) + 1), discs, 0 * discs, last, np.concatenate([*parts, np.empty(0, np.int64)])
-        )
+        discs = np.tile(np.arange(n, dtype=np.int32), int(there.sum()))
+        rows = n * np.concatenate([[0], np.cumsum(there)])
+        self.put(rows, discs, 0 * discs, last, np.concatenate([*parts, np.empty(0, np.int64)]))
         self.list_corners()
 
     @property
@@ -395,14 +397,17 @@ class Walls:
 
 
 def _list_near(
-    loops: Loops, faces: Faces, grid: FaceGrid, near: Near, seen: Callable[[int], tuple[int, np.ndarray, np.ndarray]]
+    loops: Loops, walls: Walls, grid: FaceGrid, near: Near, seen: Callable[[int], tuple[int, np.ndarray, np.ndarray]]
 ) -> Near:
     """Lists of what is near each wall; `seen` gives number and places (m) as the frame of a wall has them."""
     row = count = 0
-    for wall in range(len(near.rows) - 1):
+    for wall, gone in enumerate(walls.gone.tolist()):
+        near.rows[wall + 1] = row
+        if gone:
+            continue
         places = seen(wall)
         while True:
-            found = loops.list_near(places, wall, faces, grid, near, (row, count))
+            found = loops.list_near(places, wall, walls.faces, grid, near, (row, count))
             if found[1] >= 0:
                 break
             near = _with_room(near, 2 * len(near.discs) + 256, 2 * len(near.faces) + 4 * len(grid.faces) + 256)

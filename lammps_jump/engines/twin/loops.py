@@ -27,6 +27,7 @@ class Twin:
     """The loops of the twin; each is described in `Loops`."""
 
     threads = 1
+    runs_alone = False
     outside = staticmethod(lists.outside)
     list_pairs = staticmethod(lists.list_pairs)
     closest = staticmethod(lists.closest)

@@ -13,7 +13,6 @@ from lammps_jump.physics.slots import Slots
 from lammps_jump.scene.bodies.meeting import LARGEST_OVERLAP, SLOTS, corners, laws_between, meets
 from lammps_jump.scene.chains import Faces
 from lammps_jump.scene.faces import MOST
-from lammps_jump.scene.motion import MovingWall
 from lammps_jump.scene.near import grid_of
 from lammps_jump.scene.scene import Scene
 
@@ -22,7 +21,8 @@ class CornerDiscs:
     """Corners in the place of discs, as the loops take these; what corners lack is None."""
 
     def __init__(self, radius: np.ndarray):
-        self.n, self.radius = len(radius), radius
+        self.n = self.room = len(radius)
+        self.radius = radius
         self.ids = np.arange(1, self.n + 1)
         self.x, self.y = np.zeros(self.n), np.zeros(self.n)
         self.partner = np.zeros((self.n, SLOTS), np.int64)
@@ -37,6 +37,7 @@ class CornersBeside(NamedTuple):
     """Walls as the loops take them, with the corners near them in place of discs."""
 
     faces: Faces
+    gone: np.ndarray
     near: Near
     moves: Any
     chain: np.ndarray
@@ -45,15 +46,15 @@ class CornersBeside(NamedTuple):
 
 
 class Bodies:
-    """Bodies of a scene among the walls that are there.
+    """Bodies of a scene among its walls.
 
     Parameters
     ----------
     scene : Scene
-    there : list of MovingWall
-        The walls that are there.
     faces : Faces
-        Of these.
+        Of all walls.
+    gone : ndarray of int8, shape (walls,)
+        1 of walls that have been taken away.
     loops : Loops
     skin : float
         m.
@@ -61,22 +62,23 @@ class Bodies:
     Attributes
     ----------
     numbers : list of int
-        Of the bodies, among the walls that are there.
+        Of the bodies, among the walls.
     discs : CornerDiscs
         Corners of all walls of the scene, in its order.
     near : Near
         Corners near each wall, and the faces near each corner.
     """
 
-    def __init__(self, scene: Scene, there: list[MovingWall], faces: Faces, loops: Loops, skin: float):
-        self.scene, self._faces, self.loops = scene, faces, type(loops)()
+    def __init__(self, scene: Scene, faces: Faces, gone: np.ndarray, loops: Loops, skin: float):
+        self.scene, self._faces, self._gone, self.loops = scene, faces, gone, type(loops)()
+        there = scene.walls
         self.numbers = [number for number, one in enumerate(there) if one.motion.free]
-        self.corner = _corners(scene, there)
+        self.corner = np.array([(*corner, number) for number, corner in corners(scene)], CORNER)
         self.discs = CornerDiscs(self.corner["radius"].copy())
         if scene.earlier is not None:
             for name, rows in scene.earlier.corner_slots(SLOTS).items():
                 getattr(self.discs, name)[:] = rows
-        self._meets = meets(there)
+        self.meets = meets(there).astype(np.int8)
         largest = float(self.discs.radius.max(initial=0.0))
         # a corner and a face have moved by half a skin each at most since they were listed
         self.grid = grid_of(faces, max(scene.largest, 2.0 * largest), largest + skin, self.loops.mark_cells)
@@ -91,15 +93,10 @@ class Bodies:
         self._full, self._sums, self._work = np.zeros(1, np.int64), np.zeros((len(there), 4)), np.zeros(6)
         self._held: tuple[Any, ...] = ()
 
-    def go_on(self, before: Bodies) -> None:
-        """Take over what corners remember; they are those of the same scene."""
-        for name in ("partner", "sigma", "spring", "roll"):
-            getattr(self.discs, name)[:] = getattr(before.discs, name)
-
     def seen_from(self, wall: int, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Places of corners (m), without those that a wall does not meet."""
-        meets = np.append(self._meets[:, wall], False)[self.corner["wall"]]  # the last one: of walls that are gone
-        return np.where(meets, x, np.nan), y
+        own = self.corner["wall"]
+        return np.where((self.meets[own, wall] == 1) & (self._gone[own] == 0), x, np.nan), y
 
     def state(self, constants: Constants, memory: Memory | None, walls: Any) -> BodyState:
         """What the loops take; springs go on as those of `memory` do."""
@@ -109,9 +106,11 @@ class Bodies:
             if memory is not None:
                 slots = Slots(d.partner, d.sigma, d.spring, d.roll, d.touched)
                 own = memory._replace(slots=slots, ids=d.ids, full=self._full)
-            beside = CornersBeside(self._faces, self.near, walls.moves, walls.chain, walls.around, self._sums)
+            beside = CornersBeside(
+                self._faces, self._gone, self.near, walls.moves, walls.chain, walls.around, self._sums
+            )
             corners = State(d, self._pairs, beside, constants, own, self._work)
-            bodies = BodyState(self.corner, self.between, self.deepest, corners)
+            bodies = BodyState(self.corner, self.between, self.deepest, corners, self.grid, self.meets)
             self._held = held = constants, memory, self.near, bodies
         return held[3]
 
@@ -138,10 +137,3 @@ class Bodies:
                     "a wall there"
                 )
         return ""
-
-
-def _corners(scene: Scene, there: list[MovingWall]) -> np.ndarray:
-    """Corners of all walls of a scene, records `CORNER`; those of walls that are not there have wall -1."""
-    numbers = {one.wall.name: number for number, one in enumerate(there)}
-    names = [wall.name for wall, _ in scene.walls]
-    return np.array([(*corner, numbers.get(names[number], -1)) for number, corner in corners(scene)], CORNER)

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+/* Steps without events. */
+
+#ifndef JUMP_CORE_STEP_H
+#define JUMP_CORE_STEP_H
+
+#include "step/thread_partition.h"
+
+namespace jump {
+
+/** Why steps end: they are done, the list is too old and could not be made here, or overlaps want a look. */
+enum StopReason : int64_t { DONE, LIST_STALE, CHECK_OVERLAP };
+
+/** Up to `steps` drifts with forces between them, and before them where `forces_pending`; without steps these alone.
+
+    The forces after the last drift are left to the caller. Returns the drifts done. */
+int64_t advance(jump_state &s, ThreadPartition &partition, int64_t steps, bool forces_pending, StopReason &left);
+
+/** Put the moving walls where they are at a step; true where one has gone over half the skin since it was listed. */
+bool place_walls(const jump_state &s, double step);
+
+/** Make the lists anew where that can be done here. */
+StopReason relist(jump_state &s, ThreadPartition &partition);
+
+}    // namespace jump
+
+#endif
