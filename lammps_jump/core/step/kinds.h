@@ -215,19 +215,27 @@ struct WallView : WallInPlace {
   }
 };
 
-/** The force on disc i at (x, y) of its contact with a wall, `of` being the numbers of a disc of nominal size; with a body those of
-    the effective mass of this contact count. */
+/** The force of a body on disc i, `of` being the numbers of a disc of nominal size at a wall; those of the effective mass of this
+    contact count. It stands apart so that what is left of the loop is that of walls without bodies. */
 template <bool SIZES, bool SPIN, class Law>
-inline WallForce<double> wall_force(const jump_state &s, const Law &law, const Numbers<double> &of, const WallView &view, int64_t i,
-                                    const AtWall<double> &at, WallHistory history)
+[[gnu::noinline]] WallForce<double> body_force(const jump_state &s, const Law &law, const Numbers<double> &of, const WallView &view,
+                                               int64_t i, const AtWall<double> &at, WallHistory history)
 {
-  if (!view.body) return wall_contact<SIZES, SPIN>(law, of, at, history);
   const double arm[2] = {s.x[i] - at.radius * at.nx - view.cx - view.placed->now.x,
                          s.y[i] - at.radius * at.ny - view.cy - view.placed->now.y};
-  const double square = SIZES ? at.radius * at.radius : 1.0, mass = s.mass * square;
+  const double mass = SIZES ? s.mass * at.radius * at.radius : s.mass;
   const DiscMass disc{mass, 0.5 * mass * at.radius * at.radius, is_fixed(s, i)};
   const Numbers<double> own = numbers_at_body(of, s.mass, disc, s.load[view.wall], s.pushed[view.wall], arm, at);
   return wall_contact<false, SPIN>(law, own, at, history);
+}
+
+/** The force of a wall on disc i. */
+template <bool SIZES, bool SPIN, class Law>
+inline WallForce<double> wall_force(const jump_state &s, const Law &law, const Numbers<double> &of, const WallView &view, int64_t i,
+                                    const AtWall<double> &at, const WallHistory &history)
+{
+  if (view.body) return body_force<SIZES, SPIN>(s, law, of, view, i, at, history);
+  return wall_contact<SIZES, SPIN>(law, of, at, WallHistory(history));
 }
 
 }    // namespace jump

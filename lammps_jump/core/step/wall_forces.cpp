@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /* Forces of walls on the discs near them, and what the walls feel. */
 
+#include "contact/no_contraction.h"
+
 #include "step/forces.h"
 #include "step/kinds.h"
 

@@ -2,6 +2,8 @@
 /* What the native engine sums over contacts: elastic energy, the list of contacts, energy between two stations; and what
    discs that get their own size change. */
 
+#include "contact/no_contraction.h"
+
 #include "step/thread_partition.h"
 #include "step/kinds.h"
 

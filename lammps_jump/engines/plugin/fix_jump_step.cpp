@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
+#include "contact/no_contraction.h"
+
 #include "fix_jump_step.h"
 
 #include "pair_jump_disc.h"

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /* The walls of fix jump/step (what it is: fix_jump_step.h). */
 
+#include "contact/no_contraction.h"
+
 #include "fix_jump_step.h"
 
 #include "pair_jump_disc.h"

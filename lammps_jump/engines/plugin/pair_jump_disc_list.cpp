@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /* The neighbour list of pair_style jump/disc (what it is: pair_jump_disc.h). */
 
+#include "contact/no_contraction.h"
+
 #include "contact/simd.h"
 #include "pair_jump_disc.h"
 
