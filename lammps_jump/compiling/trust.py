@@ -23,15 +23,22 @@ def require_own(*files: Path) -> None:
     The way ends at the home folder of this user or at the root, as that of ssh does. Who may write to a folder may put
     another in the place of what it holds, except where the folder is sticky, as /tmp is.
     """
+    if path := open_to_others(*files):
+        raise SetupError(
+            f"{path} belongs to another user, or others may change it, so that no library below it is used; "
+            f"if it is yours, `chmod go-w` it, else name a folder of your own in the variable LAMMPS_JUMP_CACHE"
+        )
+
+
+def open_to_others(*files: Path) -> Path | None:
+    """What of the way to some files another user owns or may change, see `require_own`; None where nothing is."""
     for path in dict.fromkeys(place for file in files for place in _way(file)):
         with suppress(OSError):  # not there yet
             found, itself = path.stat(), path.lstat()
             shared = stat.S_ISDIR(found.st_mode) and found.st_mode & stat.S_ISVTX
             if not {found.st_uid, itself.st_uid} <= {os.getuid(), 0} or (found.st_mode & 0o022 and not shared):
-                raise SetupError(
-                    f"{path} belongs to another user, or others may change it, so that no library below it is used; "
-                    f"if it is yours, `chmod go-w` it, else name a folder of your own in the variable LAMMPS_JUMP_CACHE"
-                )
+                return path
+    return None
 
 
 def _way(file: Path, links: int = MOST_LINKS) -> Iterator[Path]:

@@ -17,10 +17,13 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import IO, TYPE_CHECKING, Any
 
 from lammps_jump import errors
+from lammps_jump.compiling.trust import open_to_others
 from lammps_jump.errors import SetupError
 from lammps_jump.files import RANKS_FILE, delete, write_bytes
 from lammps_jump.folders import writable
@@ -203,17 +206,12 @@ def child_for(job: Job) -> Iterator[Child]:
     if setting.engine == "lammps":
         check_installed()
     if setting.ranks > 1:
-        file = (job.folder / RANKS_FILE).absolute()
-        with writable(job.folder):
-            write_bytes(file, pickle.dumps(job))
-        try:
+        with _file_for_ranks(job) as file:
             child = Child(setting.engine, setting.ranks, str(file))
             try:
                 yield child
             finally:
                 child.close()
-        finally:
-            delete(file)
         return
     waiting = _idle.setdefault(setting.engine, [])
     child = waiting.pop() if waiting else Child(setting.engine)
@@ -230,6 +228,30 @@ def child_for(job: Job) -> Iterator[Child]:
             waiting.append(child)
         else:
             child.close()
+
+
+@contextmanager
+def _file_for_ranks(job: Job) -> Iterator[Path]:
+    """The file of a job that its ranks load; what it holds is run, so no other user may write where it lies.
+
+    Raises
+    ------
+    SetupError
+        Others may write to the run folder, and where temporary files are made.
+    """
+    file = (job.folder / RANKS_FILE).absolute()
+    with ExitStack() as left:
+        if open_to_others(file.parent):
+            file = Path(left.enter_context(TemporaryDirectory(prefix="lammps-jump-"))) / RANKS_FILE
+            if place := open_to_others(file.parent):
+                raise SetupError(
+                    f"{place}: others may change it, and the run folder too, so that no job of several ranks can lie "
+                    "there; name a folder of your own in the variable TMPDIR, or take one rank"
+                )
+        left.callback(delete, file)
+        with writable(file.parent):
+            write_bytes(file, pickle.dumps(job), 0o600)
+        yield file
 
 
 @atexit.register

@@ -14,11 +14,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from lammps_jump.compiling.trust import open_to_others
 from lammps_jump.files import delete, write_text
 from lammps_jump.folders import writable
 from lammps_jump.quoting import typed
 from lammps_jump.scene.scene import Scene
 from lammps_jump.script import write_continuation, write_script
+from lammps_jump.script.assemble import script_text
+from lammps_jump.script.resume import continuation_text
 
 from .checkpoint import Checkpoint, last_saved
 from .child import Child, child_for
@@ -73,6 +76,8 @@ def run(
     setting = setting or Setting()
     job = Job(scene, Path(folder), setting, Path.cwd(), resume)
     write_inputs(job)
+    if setting.engine == "lammps" and open_to_others(job.folder):
+        job = replace(job, script=_script_of(job))
     with child_for(job) as child, handled_by(child.signalled):
         found = child.run(job, progress, should_stop)
         if found is None:
@@ -88,26 +93,41 @@ def write_inputs(job: Job) -> None:
     SetupError
         The folder cannot be written.
     """
-    scene, setting, resume = job.scene, job.setting, job.resume
+    scene, setting = job.scene, job.setting
     with writable(job.folder):
         job.folder.mkdir(parents=True, exist_ok=True)
-        options: dict[str, Any] = {"dump_format": setting.dump_format, "header": setting.header}
         if setting.engine != "lammps":
-            if setting.scripts and resume is None:
-                write_script(scene, job.folder, kernel="compiled", **options)
+            if setting.scripts and job.resume is None:
+                about = {"dump_format": setting.dump_format, "header": setting.header}
+                write_script(scene, job.folder, kernel="compiled", **about)
             return
-        options |= {"kernel": setting.kernel, "ranks": setting.ranks}
-        if resume is None:
-            path = write_script(scene, job.folder, **options)
+        if job.resume is None:
+            path = write_script(scene, job.folder, **_options(job))
         else:
-            present, removed = resume.result.present, resume.result.removed
-            checkpoint = {"step": resume.step, "removed": resume.removed}
-            checkpoint["poured"] = present + removed - len(scene.positions)
             delete(job.folder / "in.resume.lammps")  # it may have other names
-            path = write_continuation(scene, job.folder, **checkpoint, **options)
+            path = write_continuation(scene, job.folder, **_options(job))
         if setting.script is not None:
             write_text(path, setting.script)
         make_ready(job)
+
+
+def _options(job: Job) -> dict[str, Any]:
+    """What the script of a job is made with, beside its scene."""
+    setting, resume = job.setting, job.resume
+    options: dict[str, Any] = {"dump_format": setting.dump_format, "header": setting.header}
+    options |= {"kernel": setting.kernel, "ranks": setting.ranks}
+    if resume is not None:
+        here = resume.result.present + resume.result.removed
+        options |= {"step": resume.step, "removed": resume.removed, "poured": here - len(job.scene.positions)}
+    return options
+
+
+def _script_of(job: Job) -> str:
+    """The text of the script that `write_inputs` writes."""
+    if job.setting.script is not None:
+        return job.setting.script
+    make = script_text if job.resume is None else continuation_text
+    return make(job.scene, **_options(job))
 
 
 def _without_result(job: Job, child: Child) -> RunResult:

@@ -62,10 +62,25 @@ class Setting:
 
 @dataclass(frozen=True)
 class Job:
-    """A run as the engine's process gets it; `home` is the working directory to which `folder` may be relative."""
+    """A run as the engine's process gets it.
+
+    Attributes
+    ----------
+    scene : Scene
+    folder : Path
+        Of the run.
+    setting : Setting
+    home : Path
+        The working directory, to which `folder` may be relative.
+    resume : Checkpoint, optional
+        What it goes on from.
+    script : str
+        Text of LAMMPS' script, which can run programs, where others may change its file; else it is read there.
+    """
 
     scene: Scene
     folder: Path
     setting: Setting
     home: Path
     resume: Checkpoint | None = None
+    script: str = ""

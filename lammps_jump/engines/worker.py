@@ -26,7 +26,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from lammps_jump.errors import JumpError
-from lammps_jump.files import MOST_TEXT, read_file
+from lammps_jump.files import MOST_TEXT, delete, read_file
 from lammps_jump.folders import engine_at_work
 
 from . import lammps, native, step_hook  # the first two load on first use: LAMMPS takes 0.2 s
@@ -127,6 +127,7 @@ def _work(engine: str, job_file: str = "") -> None:
     if os.environ["PMI_RANK"] == "0":
         _Inbox(number=1)
         _serve(job)
+        delete(Path(job_file))  # the parent may be gone
     else:
         step_hook.at_step = step_hook.at_step and (lambda step: None)  # the first rank calls it
         os.chdir(job.home)

@@ -20,6 +20,7 @@ from made_up import INPUTS
 
 from lammps_jump.case import load_case
 from lammps_jump.engines import child as children
+from lammps_jump.engines import launch
 from lammps_jump.engines.checkpoint import read_checkpoint
 from lammps_jump.engines.child import Child, close_idle, prepare_worker
 from lammps_jump.engines.launch import run
@@ -256,6 +257,46 @@ def test_the_job_of_several_ranks_stands_in_the_run_folder_and_goes(tmp_path, mo
     with children.child_for(Job(None, tmp_path, Setting("lammps", "stock", 2), tmp_path, None)):
         assert seen == [(tmp_path / RANKS_FILE, tmp_path)]
     assert victim.read_text() == "of the user" and not os.path.lexists(tmp_path / RANKS_FILE)
+
+
+@pytest.mark.fault("folders")
+def test_the_job_of_several_ranks_lies_where_no_other_user_writes(tmp_path, monkeypatch):
+    """A pickle in a folder of a group is code of any of its members."""
+    seen = []
+
+    class Nothing:
+        def __init__(self, engine, ranks, job_file):
+            path = Path(job_file)
+            seen.append((path, path.stat().st_mode & 0o777, path.parent.stat().st_mode & 0o777))
+
+        def close(self) -> None:
+            pass
+
+    monkeypatch.setattr(children, "Child", Nothing)
+    monkeypatch.setattr(children, "check_installed", lambda: None)
+    (tmp_path / "shared").mkdir()
+    (tmp_path / "shared").chmod(0o2775)
+    job = Job(None, tmp_path / "shared" / "run", Setting("lammps", "stock", 2), tmp_path, None)
+    job.folder.mkdir(mode=0o755)
+    with children.child_for(job):
+        ((file, mode, folder_mode),) = seen
+        assert file.exists() and (mode, folder_mode) == (0o600, 0o700) and not list(job.folder.iterdir())
+    assert not file.parent.exists()
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "shared"))
+    with pytest.raises(SetupError, match=r"shared: others may change it.* in the variable TMPDIR, or take one rank"):
+        with children.child_for(job):
+            pass
+    assert len(seen) == 1 and [one.name for one in (tmp_path / "shared").iterdir()] == ["run"]
+
+
+@pytest.mark.fault("folders")
+def test_a_script_that_another_user_changes_is_not_run(scene, tmp_path, monkeypatch):
+    """LAMMPS has a command that runs programs; in a folder of a group the script is not read from its file."""
+    tmp_path.chmod(0o775)
+    monkeypatch.setattr(launch, "make_ready", lambda job: (tmp_path / "in.lammps").write_text("shell touch PWNED\n"))
+    result = run(scene, tmp_path, Setting("lammps", "stock"))
+    assert result.status == "complete" and not (tmp_path / "PWNED").exists()
+    assert (tmp_path / "in.lammps").read_text() == "shell touch PWNED\n"
 
 
 KILLED = """

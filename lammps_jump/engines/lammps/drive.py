@@ -94,7 +94,7 @@ def play(job: Job, report: Callable[[Progress | None], None] | None) -> Stepping
         try:
             with stop_request.calls(steps.ask), save_request.calls(steps.ask):
                 script = SCRIPTS[job.setting.kernel] if job.resume is None else resume.SCRIPT
-                steps.play(text_of(Path(script)))
+                steps.play(job.script or text_of(Path(script)))
         except Exception as error:  # the module raises bare Exception for every ERROR of LAMMPS
             outcome.error = str(error)
             if ranks > 1 and "MPIAbort" in type(error).__name__:  # the others still wait for this rank
