@@ -10,9 +10,11 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Callable, Sequence
+import sys
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
+from tempfile import gettempdir
 from typing import Any
 
 from platformdirs import user_cache_path
@@ -20,8 +22,10 @@ from platformdirs import user_cache_path
 from lammps_jump.errors import SetupError
 from lammps_jump.files import delete, read_file, read_json, write_bytes
 
-from .trust import locked_alone, require_own
+from .trust import locked_alone, open_to_others, require_own
 
+VARIABLE = "LAMMPS_JUMP_CACHE"
+"""Names the folder of what is kept, in the environment."""
 RECORD, LOCK = "build.json", "lock"
 MOST_BYTES = 100_000_000
 
@@ -32,10 +36,53 @@ Made = tuple[bytes, dict[str, Any]]
 """Code, and what its record says of it."""
 
 
+def usual_folder() -> Path:
+    """Folder of what is kept: LAMMPS_JUMP_CACHE, else XDG_CACHE_HOME/lammps-jump, else ~/.cache/lammps-jump."""
+    override = os.environ.get(VARIABLE)
+    return Path(override) if override else user_cache_path("lammps-jump")
+
+
 def cache_folder() -> Path:
-    """Folder of the compiled code: LAMMPS_JUMP_CACHE, else XDG_CACHE_HOME/lammps-jump, else ~/.cache/lammps-jump."""
-    override = os.environ.get("LAMMPS_JUMP_CACHE")
-    return (Path(override) if override else user_cache_path("lammps-jump")) / "kernels"
+    """Folder of the compiled code, in that of what is kept.
+
+    Where programs may not be run there (noexec), as in the home folders of some clusters, it is in the environment of
+    Python, which holds libraries itself, or with the temporary files.
+
+    Raises
+    ------
+    SetupError
+        Programs may not be run in any of them, or in the one that the variable names.
+    """
+    usual = usual_folder()
+    others = () if os.environ.get(VARIABLE) else _others()
+    for folder in (usual, *others):
+        if not is_noexec(folder) and (folder == usual or not open_to_others(folder)):
+            return folder / "kernels"
+    raise SetupError(
+        f"{usual}: programs may not be run on its file system (noexec); name a folder where they may in the variable "
+        f"{VARIABLE}"
+    )
+
+
+def why_elsewhere() -> str:
+    """Why the compiled code is not in the usual folder, in one sentence; empty where it is."""
+    with suppress(SetupError):
+        folder, usual = cache_folder(), usual_folder()
+        if folder.parent != usual:
+            return f"compiled code is kept in {folder}: programs may not be run in {usual} (noexec)"
+    return ""
+
+
+def is_noexec(folder: Path) -> bool:
+    """Whether no program or library may be loaded from where a folder is, or would be made."""
+    there = next(place for place in (folder.absolute(), *folder.absolute().parents) if place.exists())
+    return bool(os.statvfs(there).f_flag & os.ST_NOEXEC)
+
+
+def _others() -> Iterator[Path]:
+    if sys.prefix != sys.base_prefix and os.access(sys.prefix, os.W_OK):
+        yield Path(sys.prefix) / "var" / "lammps-jump"
+    yield Path(gettempdir()) / f"lammps-jump-{os.getuid()}"
 
 
 def record_of(code: Path) -> Path:

@@ -7,6 +7,7 @@ import os
 from dataclasses import replace
 
 from lammps_jump.compiling.build import availability as is_available
+from lammps_jump.compiling.cache import why_elsewhere
 from lammps_jump.core import CORE, core, why_absent
 from lammps_jump.errors import CaseError, SetupError
 from lammps_jump.provenance import usable_cores
@@ -52,7 +53,7 @@ def choose(engine: str, kernel: str, ranks: int | str, scene: Scene) -> tuple[Se
     if engine == "twin":
         return Setting("twin", NATIVE_KERNELS["twin"]), []
     if engine == "native":
-        return _native(), []
+        return _native(), _elsewhere()
     if kernel not in KERNELS:
         raise CaseError(f"engine.kernel: {kernel} is not known; use {', '.join(KERNELS)}")
     if missing := lacking_everywhere(scene):
@@ -60,7 +61,7 @@ def choose(engine: str, kernel: str, ranks: int | str, scene: Scene) -> tuple[Se
             raise SetupError(
                 f"kernel {kernel}: LAMMPS has no {missing}; set engine.name to native, or engine.kernel to auto"
             )
-        return _native(), [f"the native engine is used: LAMMPS has no {missing}"]
+        return _native(), [f"the native engine is used: LAMMPS has no {missing}", *_elsewhere()]
     check_installed()
     number, notes = choose_ranks(ranks, scene)
     springs = scene.earlier is not None and len(scene.earlier.contacts) > 0
@@ -72,7 +73,7 @@ def choose(engine: str, kernel: str, ranks: int | str, scene: Scene) -> tuple[Se
             )
         return Setting(ranks=number), [*notes, *at_zero]
     try:
-        return Setting(kernel="compiled", ranks=number, plugin=plugin_path()), notes
+        return Setting(kernel="compiled", ranks=number, plugin=plugin_path()), [*notes, *_elsewhere()]
     except SetupError as error:
         if kernel == "compiled":
             raise SetupError(f"this case needs the compiled kernel, which cannot be used: {error}") from None
@@ -80,6 +81,11 @@ def choose(engine: str, kernel: str, ranks: int | str, scene: Scene) -> tuple[Se
             why = f"stock LAMMPS has no {missing}, and the compiled kernel cannot be used: {error}"
             return _native(scripts=True), [f"the native engine is used: {why}"]
         return Setting(ranks=number), [*notes, *at_zero, f"stock LAMMPS styles are used: {error}; {FASTER}"]
+
+
+def _elsewhere() -> list[str]:
+    """A note where the compiled code is not in the usual folder."""
+    return list(filter(None, [why_elsewhere()]))
 
 
 def _native(*, scripts: bool = False) -> Setting:

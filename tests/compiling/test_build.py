@@ -18,7 +18,7 @@ from children import run_child
 
 from lammps_jump.cli import tools
 from lammps_jump.compiling import build, compiler, product, trust
-from lammps_jump.compiling.cache import cache_folder, forget_old
+from lammps_jump.compiling.cache import cache_folder, forget_old, why_elsewhere
 from lammps_jump.core import CORE
 from lammps_jump.engines.choice import choose
 from lammps_jump.engines.plugin import PLUGIN, availability, plugin_path
@@ -187,6 +187,60 @@ def test_an_unwritable_cache_names_the_variable(make_believe, monkeypatch, tmp_p
     monkeypatch.setenv("LAMMPS_JUMP_CACHE", str(blocked))
     with pytest.raises(SetupError, match="LAMMPS_JUMP_CACHE"):
         plugin_path()
+
+
+@pytest.fixture
+def noexec(tmp_path, monkeypatch):
+    """Folders where no programs may be run: put there what lies on such a file system."""
+    places, real = [], os.statvfs
+
+    def statvfs(path):
+        found = real(path)
+        there = any(Path(path).is_relative_to(place) for place in places)
+        return type("Found", (), {"f_flag": os.ST_NOEXEC | found.f_flag if there else found.f_flag & ~os.ST_NOEXEC})
+
+    monkeypatch.setattr(os, "statvfs", statvfs)
+    monkeypatch.delenv("LAMMPS_JUMP_CACHE")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "home" / "cache"))
+    monkeypatch.setattr(sys, "prefix", str(tmp_path / "venv"))
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "temporary"))
+    for name in ("home", "venv", "temporary"):
+        (tmp_path / name).mkdir(mode=0o755)
+    return places
+
+
+def test_where_no_programs_may_be_run_compiled_code_is_kept_elsewhere(make_believe, noexec, tmp_path):
+    """In the environment of Python, else with the temporary files; and it is told where."""
+    make_believe()
+    assert cache_folder() == tmp_path / "home/cache/lammps-jump/kernels" and why_elsewhere() == ""
+    noexec.append(tmp_path / "home")
+    path = plugin_path()
+    assert path.is_relative_to(tmp_path / "venv/var/lammps-jump/kernels") and path.is_file()
+    setting, notes = choose("lammps", "auto", 1, simple_scene())
+    assert setting.kernel == "compiled" and setting.plugin == path
+    assert f"programs may not be run in {tmp_path}/home/cache/lammps-jump (noexec)" in notes[-1]
+    assert availability().available and str(path) in availability().reason
+    noexec.append(tmp_path / "venv")
+    assert cache_folder() == tmp_path / f"temporary/lammps-jump-{os.getuid()}/kernels"
+
+
+@pytest.mark.parametrize("why", ["nowhere", "of others", "named"])
+def test_where_programs_may_be_run_nowhere_stock_lammps_runs(make_believe, noexec, tmp_path, monkeypatch, why):
+    make_believe()
+    noexec.append(tmp_path / "home")
+    if why == "named":
+        monkeypatch.setenv("LAMMPS_JUMP_CACHE", str(tmp_path / "home" / "mine"))
+    elif why == "of others":
+        (tmp_path / "venv").chmod(0o777)
+        (tmp_path / "temporary").chmod(0o777)
+    else:
+        noexec.append(tmp_path)
+    assert not availability().available and "(noexec); name a folder where they may" in availability().reason
+    setting, notes = choose("lammps", "auto", 1, simple_scene())
+    assert setting.kernel == "stock" and "stock LAMMPS styles are used:" in notes[-1] and "(noexec)" in notes[-1]
+    with pytest.raises(SetupError, match=r"needs the compiled kernel, which cannot be used: .*\(noexec\); name"):
+        choose("lammps", "compiled", 1, simple_scene())
+    assert why_elsewhere() == "" and not list((tmp_path / "home").iterdir())
 
 
 def test_cache_folder_follows_the_variables(monkeypatch):

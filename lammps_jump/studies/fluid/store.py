@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from lammps_jump.case import ReadCase
-from lammps_jump.compiling.cache import cache_folder
+from lammps_jump.compiling.cache import usual_folder
 from lammps_jump.errors import CaseError
 from lammps_jump.files import plain, read_json
 from lammps_jump.identity import LATER, short_hash
@@ -33,7 +33,7 @@ def measured_key(discs: FluidDiscs, flow: FlowScales) -> str:
 
 def store_of(key: str) -> Path:
     """File of what is measured, in the cache (LAMMPS_JUMP_CACHE)."""
-    return cache_folder().parent / "fluid" / f"{key}.json"
+    return usual_folder() / "fluid" / f"{key}.json"
 
 
 def slosh_depth(discs: FluidDiscs, flow: FlowScales) -> float:
