@@ -98,6 +98,7 @@ LISTED = {
         needs={"gravity": "", "friction": " discs make no heap"},
     ),
     "rest": ListedAnalysis("lammps_jump.analysis.grains.rest", "when the discs come to rest", "Tell when discs rest"),
+    "sizes": ListedAnalysis("lammps_jump.analysis.grains.sizes"),
     "tailgate": ListedAnalysis("lammps_jump.analysis.devices.tailgate"),
     "bodies": ListedAnalysis("lammps_jump.analysis.devices.bodies"),
     "depth": ListedAnalysis("lammps_jump.analysis.budgets.depths"),

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from lammps_jump.case.parts.grading import GradingCurve
 from lammps_jump.errors import CaseError, DumpError, JumpError
 from lammps_jump.sweeps import Pool, run_starts
 from lammps_jump.sweeps.members import Start, plan
@@ -60,9 +61,12 @@ class Change:
 def changes_of(study: Calibration, values: Mapping[str, float]) -> list[Change]:
     """Changes that can be tried, at the point that has these values: fields that the case has, and that stay a case."""
     case = study.case.replace(dict(values))
+    curve = isinstance(case.fields.discs.sizes, GradingCurve)  # its sizes are no multiples of the nominal one
     found = []
     for path in (*NUMBERS, *RELATIVE):
-        if path in study.vary or (before := _number_at(case.fields, path)) is None:
+        if path in study.vary or (curve and path == "discs.diameter"):
+            continue
+        if (before := _number_at(case.fields, path)) is None:
             continue
         if path in RELATIVE:
             after = MORE * before

@@ -21,6 +21,8 @@ from .checks import twin_seconds
 from .design.flow import Row, flow_rows
 from .fields import CaseFields
 from .foresight import speeds
+from .foresight.grading import TENTHS
+from .parts.grading import GradingCurve
 from .walls import words_of_wall
 
 
@@ -44,7 +46,7 @@ class Derived:
     def tables(self) -> list[tuple[str, list[Row]]]:
         """Groups of (key, label, value, unit)."""
         case, scene = self.fields, self.scene
-        contact_rows = _contact_rows(scene) + _expected_rows(case, scene)
+        contact_rows = _contact_rows(case, scene) + _expected_rows(case, scene)
         time_rows = _time_rows(scene)
         if case.engine.name == "twin":
             time_rows.append(("twin_seconds", "run on the twin takes about", twin_seconds(scene), "s"))
@@ -187,12 +189,36 @@ def _size_rows(scene: Scene) -> list[Row]:
     return rows
 
 
-def _contact_rows(scene: Scene) -> list[Row]:
+def _curve_rows(case: CaseFields, scene: Scene) -> list[Row]:
+    """A grading curve: its sizes by mass, and what its finest and its coarsest tenth are in discs."""
+    sizes, curve = scene.sizes, case.discs.sizes
+    if sizes is None or not isinstance(curve, GradingCurve):
+        return []
+    nominal = "nominal diameter, d50 by " + curve.by if case.discs.diameter == curve.nominal else "nominal diameter"
+    at = curve.size_at if curve.by == "mass" else sizes.diameter_at
+    fine, coarse = map(at, TENTHS)
+    count, shares = scene.drawn_discs, (float(sizes.passing(fine, 0)), 1.0 - float(sizes.passing(coarse, 0)))
+    return [
+        ("curve_by", "curve of sizes", f"by {curve.by}", ""),
+        ("nominal_diameter", nominal, scene.diameter, "m"),
+        ("d10", "d10, by mass", fine, "m"),
+        ("d50", "d50, by mass", at(0.5), "m"),
+        ("d90", "d90, by mass", coarse, "m"),
+        ("uniformity", "uniformity d60/d10, by mass", at(0.6) / fine, ""),
+        ("finest_share", "finest tenth of the mass, of the number", shares[0], ""),
+        ("finest_discs", "finest tenth of the mass, discs", round(count * shares[0]), ""),
+        ("coarsest_share", "coarsest tenth of the mass, of the number", shares[1], ""),
+        ("coarsest_discs", "coarsest tenth of the mass, discs", round(count * shares[1]), ""),
+    ]
+
+
+def _contact_rows(case: CaseFields, scene: Scene) -> list[Row]:
     c, fixed = scene.coefficients, scene.fixed.count if scene.fixed else 0
     rows: list[Row] = [
         ("discs_at_start", "discs at the start", len(scene.positions) - fixed, ""),
         *([("fixed_discs", "fixed discs of rough beds", fixed, "")] if fixed else []),
         *([("period", "length of the periodic channel", scene.period, "m")] if scene.period else []),
+        *_curve_rows(case, scene),
         *_size_rows(scene),
         *_described(c, "mass stiffness stiffness_wall restitution damping_ratio damping damping_wall"),
         *_described(c, "correction correction_wall gamma_normal gamma_normal_wall friction"),

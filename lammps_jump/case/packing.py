@@ -16,6 +16,7 @@ from lammps_jump.scene.walls import Interval
 from .fields import CaseFields
 from .groups.discs import BidisperseSizes, Column, DiscList, Discs, Lattice, UniformSizes
 from .parts.earlier import EarlierRun
+from .parts.grading import GradingCurve
 
 
 class TooSoft(ValueError):
@@ -38,7 +39,9 @@ def disc_sizes(case: CaseFields) -> Sizes | None:
     high: tuple[float, ...]
     if given is None:
         return None
-    if isinstance(given, UniformSizes | BidisperseSizes):
+    if isinstance(given, GradingCurve):
+        shares, low, high = (tuple(one.tolist()) for one in given.pieces)
+    elif isinstance(given, UniformSizes | BidisperseSizes):
         small, large = d * (1 - given.spread), d * (1 + given.spread)
         if isinstance(given, UniformSizes):
             shares, low, high = (1.0,), (small,), (large,)

@@ -32,6 +32,7 @@ from .fields import CaseFields
 from .foresight import speeds, ways_out
 from .foresight.asked import in_vain, light, radians_given
 from .foresight.doubts import doubts, held_deep, jump_doubts
+from .foresight.grading import curve_doubts
 from .foresight.grains import heap_doubts
 from .packing import TooSoft, arrange, disc_sizes
 from .parts import channel, places
@@ -162,7 +163,8 @@ def _scene(case: CaseFields, runs: Runs) -> Scene:
         adapted=checks.adapted(case, begun, around.inlet.rows),
     )  # fmt: skip
     checks.check_time(case, scene)
-    return replace(scene, warnings=(*scene.warnings, *told)) if (told := held_deep(scene)) else scene
+    told = held_deep(scene) + curve_doubts(case, scene)
+    return replace(scene, warnings=(*scene.warnings, *told)) if told else scene
 
 
 class _Around(NamedTuple):

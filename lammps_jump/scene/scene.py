@@ -421,6 +421,12 @@ class Scene(Measures):
         return len(self.positions) + brought + sum(item.count for item in self.pours)
 
     @property
+    def drawn_discs(self) -> int:
+        """Of `expected_discs` those whose diameter is drawn: not of rough beds, nor of an earlier run."""
+        own = sum(last - first + 1 for first, last, _ in self.sizes.own) if self.sizes else 0
+        return self.expected_discs - own - (len(self.sizes.given) if self.sizes else 0)
+
+    @property
     def discharges(self) -> tuple[float, ...]:
         """`discharges_of` the inlets, m^2/s."""
         return self.discharges_of(self.inlets)

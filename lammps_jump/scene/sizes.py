@@ -12,6 +12,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from lammps_jump.physics import grading
+
 SEED_STEP = 0.7548776662466927
 """Shift of the ids from one seed to the next: 1/p with the plastic number p, p^3 = p + 1."""
 ID_STEP = 0.6180339887498949
@@ -53,10 +55,31 @@ class Sizes:
         return max((*self.high, *self.given, *(diameter for *_, diameter in self.own)))
 
     @property
+    def is_curve(self) -> bool:
+        """Whether they are a grading curve: several pieces with a width."""
+        return len(self.shares) > 1 and all(high > low for low, high in zip(self.low, self.high, strict=True))
+
+    @property
     def mean_square(self) -> float:
         """Mean of the squared diameter, m^2: the mean mass over the density."""
         pieces = zip(self.shares, self.low, self.high, strict=True)
         return sum(share * (low * low + low * high + high * high) / 3.0 for share, low, high in pieces)
+
+    def passing(self, diameters: ArrayLike, power: int = 2) -> np.ndarray:
+        """Part of the mass that is in discs not larger than these diameters (m); of the number with the power 0."""
+        return grading.passing(*self._arrays, diameters, power)
+
+    def passing_error(self, diameters: ArrayLike, count: float) -> np.ndarray:
+        """Counting error of `passing` where so many discs are drawn."""
+        return grading.passing_error(*self._arrays, diameters, count)
+
+    def diameter_at(self, part: float) -> float:
+        """Diameter that this part of the mass is not larger than, m: 0.5 gives d50."""
+        return grading.diameter_at(*self._arrays, part)
+
+    @property
+    def _arrays(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        return np.array(self.shares), np.array(self.low), np.array(self.high)
 
     @property
     def shift(self) -> float:

@@ -5,12 +5,14 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, Tag
+from pydantic import ConfigDict, Discriminator, Field, Tag, ValidationError
 from pydantic.functional_validators import model_validator
 
 from lammps_jump import units
 from lammps_jump.case.parts.base import Jitter, Shift, Speed, Strict, Whole
 from lammps_jump.case.parts.earlier import EarlierRun
+from lammps_jump.case.parts.grading import GradingCurve, LogNormalSizes, SieveSizes
+from lammps_jump.scene.shapes import PlaceError
 
 Spread = Annotated[
     units.Plain, Field(ge=0, le=0.5, title="spread of diameters", description="half width s, over the nominal diameter")
@@ -56,13 +58,26 @@ class ListSizes(Strict):
         return self
 
 
-SizesField = Annotated[UniformSizes | BidisperseSizes | ListSizes, Field(discriminator="kind")]
+SizesField = Annotated[
+    UniformSizes | BidisperseSizes | ListSizes | SieveSizes | LogNormalSizes, Field(discriminator="kind")
+]
+CURVES: dict[str, type[GradingCurve]] = {"sieve": SieveSizes, "log_normal": LogNormalSizes}
+
+
+def _diameter_not_needed(schema: dict[str, Any]) -> None:
+    """A curve of sizes says the nominal diameter."""
+    schema["required"] = [name for name in schema.get("required", ()) if name != "diameter"]
 
 
 class Discs(Strict):
     """Discs; mass per metre of width = density * diameter^2."""
 
-    diameter: units.Length = Field(title="disc diameter", description="nominal where discs have `sizes`")
+    model_config = ConfigDict(json_schema_extra=_diameter_not_needed)
+
+    diameter: units.Length = Field(
+        title="disc diameter",
+        description="nominal where discs have `sizes`. A curve (`sieve`, `log_normal`) needs none: it is d50 then",
+    )
     density: units.Density = Field(
         default=1000.0,
         ge=1e-3,
@@ -73,6 +88,32 @@ class Discs(Strict):
     sizes: SizesField | None = Field(
         default=None, description="distribution of diameters, with a `kind` below; without it, all discs are equal"
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _nominal_of_a_curve(cls, data: Any) -> Any:
+        """Take d50 of a curve where no diameter is given."""
+        if not isinstance(data, dict) or data.get("diameter") is not None:
+            return data
+        given = data.get("sizes")
+        if isinstance(given, dict) and (kind := CURVES.get(str(given.get("kind")))):
+            try:
+                given = kind.model_validate(given)
+            except ValidationError:  # told of the sizes themselves
+                return {**data, "diameter": 1.0}
+        return {**data, "diameter": given.nominal} if isinstance(given, GradingCurve) else data
+
+    @model_validator(mode="after")
+    def _within_curve(self) -> Discs:
+        if isinstance(self.sizes, GradingCurve):
+            (low, *_), (*_, high) = self.sizes.pieces[1:]
+            if not low <= self.diameter <= high:
+                raise PlaceError(
+                    ("diameter",),
+                    f"{self.diameter:zg} m is not in the curve of discs.sizes; allowed are {low:z.4g} to {high:z.4g} "
+                    f"m. Drop it: the nominal diameter is d50 then, {self.sizes.nominal:zg} m",
+                )
+        return self
 
     @model_validator(mode="after")
     def _near_nominal(self) -> Discs:
