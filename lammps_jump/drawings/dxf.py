@@ -5,16 +5,64 @@ from __future__ import annotations
 
 import importlib
 import io
-from math import radians
+import logging
+import re
+from collections.abc import Callable, Iterator
+from itertools import pairwise
+from math import cos, hypot, isfinite, pi, radians, sin, sqrt
 from typing import Any
 
 from lammps_jump.errors import CaseError
+from lammps_jump.quoting import echoed, shortened
 
-from .strokes import FileStroke, GatheredStrokes, LayeredDrawing, Measure, Point, arc, bulged
+from .strokes import (
+    MOST_PARTS,
+    FileStroke,
+    GatheredStrokes,
+    LayeredDrawing,
+    Measure,
+    Point,
+    arc,
+    bulged,
+    pieces_of_arc,
+    sampled,
+)
 
-CURVES = ("SPLINE", "ELLIPSE")
 FLAT = 1e-9
 """Difference of a direction from the one across the drawing."""
+FOOT, SURVEY_FOOT = 0.3048, 1200 / 3937
+"""Metres of a foot, and of the foot of the US Coast and Geodetic Survey."""
+UNITS = {
+    1: ("inches", FOOT / 12), 2: ("feet", FOOT), 3: ("miles", 5280 * FOOT), 4: ("millimetres", 1e-3),
+    5: ("centimetres", 1e-2), 6: ("metres", 1.0), 7: ("kilometres", 1e3), 8: ("microinches", 1e-6 * FOOT / 12),
+    9: ("mils", 1e-3 * FOOT / 12), 10: ("yards", 3 * FOOT), 11: ("angstroms", 1e-10), 12: ("nanometres", 1e-9),
+    13: ("microns", 1e-6), 14: ("decimetres", 0.1), 15: ("decametres", 10.0), 16: ("hectometres", 100.0),
+    17: ("gigametres", 1e9), 18: ("astronomical units", 149_597_870_700.0), 19: ("light years", 9.4607304725808e15),
+    20: ("parsecs", 149_597_870_700.0 * 648_000 / pi), 21: ("US survey feet", SURVEY_FOOT),
+    22: ("US survey inches", SURVEY_FOOT / 12), 23: ("US survey yards", 3 * SURVEY_FOOT),
+    24: ("US survey miles", 5280 * SURVEY_FOOT),
+}  # fmt: skip
+"""Name and metres of the units of ``$INSUNITS`` (DXF reference, header section)."""
+NO_NUMBER = re.compile(
+    rb"(?m)^[ \t]*(?:[1-7]\d|9\d|2[123]0)[ \t]*\r?\n"
+    rb"(?![ \t]*[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?[ \t]*\r?$)([^\r\n]*)"
+)
+"""A group that holds a number, and does not. ezdxf makes numbers of 7,5 and 4_0. A value that is taken for a group here
+does no harm: a number of a group follows it."""
+BINARY = b"AutoCAD Binary DXF"
+"""Begins a file without lines."""
+PARTS, OBJECTS = (
+    re.compile(rb"(?m)^[ \t]*2[ \t]*\r?\n[ \t]*(?:%s)[ \t]*\r?$" % name) for name in (b"BLOCKS|ENTITIES", b"OBJECTS")
+)
+"""Begin of the sections that are drawn, and of the one behind them."""
+CONTROL = 16
+"""Flag of a vertex that a curve is drawn after, and does not run through."""
+MOST_TURNS = 40
+"""Halvings of a part of a spline, which then is a point."""
+MOST_BULGE = 1e6
+"""Largest bulge; that of a whole circle is infinite."""
+BETWEEN = (0.25, 0.5, 0.75)
+"""Where a piece of a spline is held against its chord."""
 
 
 def read_dxf(data: bytes, file: str, measure: Measure) -> LayeredDrawing:
@@ -23,73 +71,153 @@ def read_dxf(data: bytes, file: str, measure: Measure) -> LayeredDrawing:
     Raises
     ------
     CaseError
-        Bytes that are no DXF drawing.
+        Numbers that are none, blocks inside themselves, or more parts than are read.
     ImportError
         ezdxf is not installed.
     """
-    ezdxf, recover, units = (importlib.import_module(name) for name in ("ezdxf", "ezdxf.recover", "ezdxf.units"))
-    try:
-        document, _ = recover.read(io.BytesIO(data))
-    except (ezdxf.DXFError, OSError, ValueError, KeyError, IndexError, TypeError, AttributeError) as error:
-        raise CaseError(f"{file}: is no DXF drawing ({error}); save it as DXF R2000 or later") from None
-    code = int(document.header.get("$INSUNITS", 0))
-    unit = float(units.conversion_factor(code, units.M)) if code else None
-    told = f"$INSUNITS is {code}" + (f", {units.unit_name(code)}" if code else ": no unit")
-    reader = _DxfReader(document, measure.tolerance_in(unit))
+    recover = importlib.import_module("ezdxf.recover")
+    logging.getLogger("ezdxf").addHandler(logging.NullHandler())  # what it mends is told as a note
+    _require_numbers(data, file)
+    document, audit = recover.read(io.BytesIO(data))
+    told, unit = _unit(document.header.get("$INSUNITS", 0))
+    reader = _DxfReader(document, file, measure.tolerance_in(unit))
+    reader.count_copies()
     for entity in document.modelspace():
         reader.take(entity)
-    hidden = [f"layer '{name}' is off or frozen in the drawing: left out" for name in sorted(reader.hidden)]
-    return LayeredDrawing(file, unit, told, reader.found.layers(), (*reader.found.notes(measure.tolerance), *hidden))
+    notes = [*reader.found.notes(measure.tolerance), *reader.notes()]
+    mended = [*audit.errors, *audit.fixes]
+    if mended:
+        notes.append(f"the file has {len(mended)} faults, the first: {shortened(str(mended[0].message))}")
+    return LayeredDrawing(file, unit, told, reader.found.layers(), tuple(notes))
+
+
+def _require_numbers(data: bytes, file: str) -> None:
+    """CaseError where a group of a part of the drawing holds no number, with its line."""
+    begin, end = PARTS.search(data), OBJECTS.search(data)
+    if data.startswith(BINARY) or begin is None:
+        return
+    if wrong := NO_NUMBER.search(data, begin.end(), end.start() if end and end.start() > begin.end() else len(data)):
+        line = data.count(b"\n", 0, wrong.start(1)) + 1
+        raise CaseError(
+            f"{file}:{line}: {echoed(wrong[1].decode(errors='replace').strip())} is no number; draw it anew"
+        )
+
+
+def _unit(code: object) -> tuple[str, float | None]:
+    """What `$INSUNITS` says, and metres of a unit; None where it says none."""
+    name, metres = UNITS.get(code, (None, None)) if isinstance(code, int) else (None, None)
+    if metres is None:
+        return f"$INSUNITS is {echoed(code)}: no unit", None
+    return f"$INSUNITS is {code}, {name}", metres
 
 
 class _DxfReader:
     """Takes entities of a drawing, blocks by their parts."""
 
-    def __init__(self, document: Any, tolerance: float) -> None:
-        self.found, self.tolerance, self.hidden = GatheredStrokes(), tolerance, set[str]()
-        self.off = {layer.dxf.name.lower() for layer in document.layers if layer.is_off() or layer.is_frozen()}
+    def __init__(self, document: Any, file: str, tolerance: float) -> None:
+        self.document, self.file, self.tolerance = document, file, tolerance
+        self.found, self.hidden, self.high = GatheredStrokes(file), set[str](), 0
+        layers = [(layer.dxf.name.lower(), layer) for layer in document.layers]
+        self.frozen = {name for name, layer in layers if layer.is_frozen()}
+        self.off = {name for name, layer in layers if layer.is_off()} | self.frozen
+
+    def count_copies(self) -> None:
+        """CaseError where blocks hold themselves, or what they hold is more than is read, before it is copied."""
+        counts: dict[str, int | None] = {}
+
+        def inside(entities: Any, depth: int) -> int:
+            total = 0
+            for entity in entities:
+                total += entity.mcount * of_block(entity.dxf.name.lower(), depth) if _is_insert(entity) else 1
+                if total > MOST_PARTS:
+                    self.found.part(MOST_PARTS + 1)
+            return total
+
+        def of_block(name: str, depth: int) -> int:
+            if counts.get(name, 0) is None or depth > 100:
+                raise CaseError(f"{self.file}: block '{shortened(name)}' holds itself; draw it anew")
+            if name not in counts:
+                counts[name] = None
+                block = self.document.blocks.get(name)
+                counts[name] = 1 + (0 if block is None else inside(block, depth + 1))
+            return counts[name] or 0
+
+        inside(self.document.modelspace(), 0)
+
+    def notes(self) -> Iterator[str]:
+        """What else a user has to know."""
+        yield from (
+            f"layer '{shortened(name)}' is off or frozen in the drawing: left out" for name in sorted(self.hidden)
+        )
+        if self.high:
+            yield f"heights (z): parts that have them are seen from above, {self.high} in all"
+        outside = sum(
+            entity.dxftype() != "VIEWPORT" for layout in self.document.layouts_and_blocks() for entity in layout
+            if layout.is_any_paperspace
+        )  # fmt: skip
+        if outside:
+            yield f"paper space: {outside} parts left out"
 
     def take(self, entity: Any, inserted: str | None = None) -> None:
         """Add an entity; one on layer 0 of a block lies on the layer where the block is inserted."""
         kind, layer = entity.dxftype(), entity.dxf.get("layer", "0")
         if inserted is not None and layer == "0":
             layer = inserted
-        if layer.lower() in self.off:
+        if entity.dxf.get("invisible", 0):
+            self.found.leave(f"invisible {kind}")
+        elif layer.lower() in (self.frozen if kind == "INSERT" else self.off):  # of a block each part has its layer
             self.hidden.add(layer)
         elif kind == "INSERT":
-            for part in entity.virtual_entities():
-                self.take(part, layer)
-        elif kind in CURVES:
-            path = importlib.import_module("ezdxf.path").make_path(entity)
-            self.found.stroke(layer, _distinct([(p.x, p.y) for p in path.flattening(self.tolerance)]))
-            self.found.flatten(kind)
+            self._insert(entity, layer)
+        elif kind in ("SPLINE", "ELLIPSE"):
+            points = (self._spline if kind == "SPLINE" else self._ellipse)(entity)
+            if points:
+                self._stroke(layer, FileStroke(tuple(points), (0.0,) * (len(points) - 1)), 1)
+                self.found.flatten(kind)
         else:
             self._plain(entity, kind, layer)
 
+    def _insert(self, entity: Any, layer: str) -> None:
+        """Add the parts of a block, of an array of them each copy."""
+        if entity.dxf.name not in self.document.blocks:
+            self.found.leave("INSERT of a block that is not there")
+            return
+        for copy in entity.multi_insert() if entity.mcount > 1 else (entity,):
+            self.found.part()
+            for part in copy.virtual_entities(skipped_entity_callback=self._skip):
+                self.take(part, layer)
+
+    def _skip(self, part: Any, why: str) -> None:
+        """Count a part of a block that ezdxf cannot put where its copy is."""
+        self.found.leave(f"{part.dxftype()} of a block")
+
     def _plain(self, entity: Any, kind: str, layer: str) -> None:
         """Add an entity of lines and arcs; seen from behind, as CAD programs mirror parts, x runs the other way."""
-        across = entity.dxf.get("extrusion", (0, 0, 1))
-        if kind in ("LINE", "POINT"):  # in coordinates of the drawing, whatever they are seen from
+        if kind == "LINE":  # in coordinates of the drawing, whatever it is seen from
             side = 1
-        elif max(abs(across[0]), abs(across[1])) > FLAT:
-            self.found.leave(f"{kind} that does not lie in the plane of the drawing")
+        elif not (side := self._side(entity, kind)):
             return
-        else:
-            side = 1 if across[2] > 0 else -1
         if kind == "LINE":
             start, end = entity.dxf.start, entity.dxf.end
+            self._see_heights(start.z, end.z)
             self._stroke(layer, FileStroke(((start.x, start.y), (end.x, end.y)), (0.0,)), 1)
         elif kind == "LWPOLYLINE":
             rows = [(x, y, bulge) for x, y, bulge in entity.get_points("xyb")]
             self._rows(layer, rows, entity.closed, side)
         elif kind == "POLYLINE" and (entity.is_2d_polyline or entity.is_3d_polyline):
-            rows = [(v.dxf.location.x, v.dxf.location.y, v.dxf.get("bulge", 0.0)) for v in entity.vertices]
+            kept = [v for v in entity.vertices if not v.dxf.get("flags", 0) & CONTROL]
+            rows = [(v.dxf.location.x, v.dxf.location.y, v.dxf.get("bulge", 0.0)) for v in kept]
+            if entity.is_3d_polyline:
+                self._see_heights(*(v.dxf.location.z for v in kept))
             self._rows(layer, rows, entity.is_closed, side)
         elif kind == "ARC":
-            begin, end = entity.dxf.start_angle, entity.dxf.end_angle
+            begin, end, radius = entity.dxf.start_angle, entity.dxf.end_angle, entity.dxf.radius
+            if not (isfinite(begin) and isfinite(end) and radius > 0.0):
+                raise CaseError(
+                    f"{self.file}: layer '{shortened(layer)}': an arc has no angles or radius; draw it anew"
+                )
             sweep = (end - begin) % 360 or 360.0
-            drawn = arc(_xy(entity.dxf.center), entity.dxf.radius, radians(begin), radians(sweep))
-            self._stroke(layer, drawn, side)
+            self._stroke(layer, arc(_xy(entity.dxf.center), radius, radians(begin), radians(sweep)), side)
         elif kind == "CIRCLE":
             x, y = _xy(entity.dxf.center)
             self.found.ring(layer, (side * x, y), float(entity.dxf.radius))
@@ -102,24 +230,89 @@ class _DxfReader:
         if len(rows) < 2:
             self.found.leave("polyline of one point")
             return
+        if wrong := [bulge for _, _, bulge in rows if not abs(bulge) <= MOST_BULGE]:
+            raise CaseError(f"{self.file}: layer '{shortened(layer)}': a bulge of {wrong[0]:g} is none; draw it anew")
         self._stroke(layer, bulged([row[:2] for row in rows], [row[2] for row in rows[:-1]]), side)
 
     def _stroke(self, layer: str, stroke: FileStroke, side: int) -> None:
-        if len(_distinct(stroke.points)) < 2:
+        if len(set(stroke.points)) < 2:
             self.found.leave("piece without length")
             return
         points = [(side * x, y) for x, y in stroke.points]
         self.found.stroke(layer, points, [side * bend for bend in stroke.bends])
 
+    def _see_heights(self, *heights: float) -> None:
+        """Count parts whose points are not all as high."""
+        self.high += len(set(heights)) > 1
+
+    def _side(self, entity: Any, kind: str) -> int:
+        """1 for an entity that is seen from above, -1 from behind; 0 for one that stands upright and is left out."""
+        across = entity.dxf.get("extrusion", (0, 0, 1))
+        if max(abs(across[0]), abs(across[1])) > FLAT:
+            self.found.leave(f"{kind} that does not lie in the plane of the drawing")
+            return 0
+        return 1 if across[2] > 0 else -1
+
+    def _ellipse(self, entity: Any) -> list[Point]:
+        """Points of an ellipse; none of one that stands upright."""
+        if not self._side(entity, "ELLIPSE"):
+            return []
+        major, minor, centre = entity.dxf.major_axis, entity.minor_axis, entity.dxf.center
+        begin, end = entity.dxf.start_param, entity.dxf.end_param
+        sweep = (end - begin) % (2 * pi) or 2 * pi
+        longest = max(hypot(major.x, major.y), hypot(minor.x, minor.y))
+        if not (isfinite(longest) and isfinite(begin) and isfinite(sweep)):
+            raise CaseError(f"{self.file}: an ellipse has no axes or angles; draw it anew")
+        count = self.found.pieces(pieces_of_arc(longest, sweep, self.tolerance))
+
+        def at(way: float) -> Point:
+            c, s = cos(begin + sweep * way), sin(begin + sweep * way)
+            return centre.x + c * major.x + s * minor.x, centre.y + c * major.y + s * minor.y
+
+        points = sampled(at, count)
+        return [*points[:-1], points[0]] if sweep == 2 * pi else points
+
+    def _spline(self, entity: Any) -> list[Point]:
+        """Points of a spline: each part between its knots is halved until its chords lie within the tolerance."""
+        curve = entity.construction_tool()
+        knots = sorted(set(curve.knots()))
+        points = [curve.point(knots[0])]
+        for part in pairwise(knots):
+            points += self._halved(curve.point, part)
+            self.found.room(len(points))
+        self._see_heights(*(point.z for point in points))
+        found = [_xy(point) for point in points]
+        return [*found[:-1], found[0]] if hypot(*(points[0] - points[-1]).vec2) <= self.tolerance else found
+
+    def _halved(self, at: Callable[[float], Any], part: tuple[float, float]) -> list[Any]:
+        """Points after the first of a part of a curve."""
+        found: list[Any] = []
+        parts = [(*part, 0)]
+        while parts:
+            begin, end, turns = parts.pop()
+            start, stop = at(begin), at(end)
+            off = max(_off(at(begin + way * (end - begin)), start, stop) for way in BETWEEN)
+            self.found.room(len(found))
+            self.found.pieces(sqrt(off / self.tolerance))  # a chord half as long is off by a quarter
+            if (turns and off <= self.tolerance) or turns >= MOST_TURNS:
+                found.append(stop)
+            else:
+                middle = 0.5 * (begin + end)
+                parts += [(middle, end, turns + 1), (begin, middle, turns + 1)]
+        return found
+
+
+def _off(point: Any, start: Any, end: Any) -> float:
+    """Distance of a point from the line through two others."""
+    dx, dy = end.x - start.x, end.y - start.y
+    length = hypot(dx, dy)
+    aside = dx * (point.y - start.y) - dy * (point.x - start.x)
+    return abs(aside) / length if length else hypot(point.x - start.x, point.y - start.y)
+
+
+def _is_insert(entity: Any) -> bool:
+    return bool(entity.dxftype() == "INSERT")
+
 
 def _xy(point: Any) -> Point:
     return float(point[0]), float(point[1])
-
-
-def _distinct(points: Any) -> list[Point]:
-    """The points without those that repeat the one before."""
-    found: list[Point] = []
-    for point in points:
-        if not found or point != found[-1]:
-            found.append(point)
-    return found

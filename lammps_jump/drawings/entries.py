@@ -5,21 +5,25 @@ from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import combinations
+from itertools import islice
 from math import hypot
 from typing import Any
 
 import numpy as np
+import yaml
 from scipy.spatial import cKDTree
 
+from lammps_jump.case.text import parse_source
 from lammps_jump.errors import CaseError
-from lammps_jump.quoting import LONGEST_NAME
+from lammps_jump.quoting import LONGEST_NAME, shortened, visible
 from lammps_jump.scene.shapes import ArcTo, PlaceError
+from lammps_jump.scene.tracks import MOST_ROWS
 from lammps_jump.scene.walls import Circle, Line, Polygon
 
-from .crossings import crossing
+from .crossings import TooManyFaces, crossings
 from .strokes import FileStroke, Layer, LayeredDrawing, Point
 
 SAME = 1e-6
@@ -28,6 +32,12 @@ NEARLY = 0.01
 """Distance over the size of a drawing up to which two ends nearly meet."""
 DIGITS = 9
 """Digits of the numbers that are written."""
+ROUND = 1e-14
+"""Round-off of a coordinate over the size of a drawing."""
+MOST_WALLS = 1000
+"""Walls of a drawing; a case of more takes minutes to check."""
+MOST_TOLD = 20
+"""Sentences of one kind on what is doubtful."""
 
 
 @dataclass(frozen=True)
@@ -85,21 +95,30 @@ def entries(drawing: LayeredDrawing, choice: LayerChoice | None = None) -> list[
     known = [layer.name for layer in drawing.layers]
     for name in (*choice.names, *choice.reverse, *choice.inside, *choice.sheet):
         if name not in known:
-            raise CaseError(f"{drawing.file}: there is no layer '{name}'; it has {', '.join(map(repr, known))}")
+            there = shortened(", ".join(map(repr, known)))
+            raise CaseError(f"{drawing.file}: there is no layer '{shortened(name)}'; it has {there}")
     size = max(*drawing.extent(), 1e-300)
-    found: list[Entry] = []
-    for layer in drawing.layers:
-        if not choice.names or layer.name in choice.names:
-            found += _of_layer(layer, choice, size)
-    for index, entry in enumerate(found):
-        name = entry.wall["name"]
-        if name in [other.wall["name"] for other in found[:index]]:
-            raise CaseError(f"{drawing.file}: two walls would be called '{name}'; name them by --layer LAYER=WALL")
+    joined = [
+        (layer, *_joined(layer.strokes, SAME * size))
+        for layer in drawing.layers if not choice.names or layer.name in choice.names
+    ]  # fmt: skip
+    count = sum(len(outlines) + len(layer.rings) for layer, outlines, _ in joined)
+    if count > MOST_WALLS:
+        raise CaseError(
+            f"{drawing.file}: has {count:,} lines and circles that do not meet; at most {MOST_WALLS:,} become walls: "
+            "join them in the drawing, or take the layers of walls alone (--layer)"
+        )
+    found = [entry for layer, outlines, turned in joined for entry in _of_layer(layer, choice, outlines, turned, size)]
+    names = [entry.wall["name"] for entry in found]
+    if twice := [name for name, count in Counter(names).items() if count > 1]:
+        raise CaseError(f"{drawing.file}: two walls would be called '{twice[0]}'; name them by --layer LAYER=WALL")
     return found
 
 
-def _of_layer(layer: Layer, choice: LayerChoice, size: float) -> list[Entry]:
-    """Entries of one layer."""
+def _of_layer(
+    layer: Layer, choice: LayerChoice, outlines: Sequence[FileStroke], turned: int, size: float
+) -> list[Entry]:
+    """Entries of one layer of a drawing of this size (m), whose strokes are joined to outlines, some turned round."""
     given = choice.names.get(layer.name)
     name = given or wall_name(layer.name)
     if not re.fullmatch(r"[A-Za-z0-9_]+", name) or len(name) > LONGEST_NAME:
@@ -107,24 +126,51 @@ def _of_layer(layer: Layer, choice: LayerChoice, size: float) -> list[Entry]:
             f"--layer {layer.name}={name}: is no name of a wall; allowed are letters, digits and _, up to "
             f"{LONGEST_NAME} of them"
         )
-    outlines, turned = _joined(layer.strokes, SAME * size)
     count = len(outlines) + len(layer.rings)
     found = []
     for number, outline in enumerate(outlines, 1):
         own = name if count == 1 else f"{name}_{number}"
-        found.append(_outline(outline, own, layer.name, choice, turned))
+        found.append(_outline(outline, own, (layer.name, size), choice, turned))
     for number, ring in enumerate(layer.rings, len(outlines) + 1):
         own = name if count == 1 else f"{name}_{number}"
         where = "inside" if layer.name in choice.inside else "outside"
-        wall = {"name": own, "kind": "circle", "centre": _rounded(ring.centre), "radius": _digits(ring.radius)}
+        wall = {"name": own, "kind": "circle", "centre": _rounded(ring.centre, size), "radius": _digits(ring.radius)}
         facts = (f"circle of radius {ring.radius:z.4g} m about {_place(ring.centre)}", f"discs {where}")
         found.append(Entry(wall | ({"discs": where} if where == "inside" else {}), layer.name, facts))
     return found
 
 
 def wall_name(layer: str) -> str:
-    """A layer's name with the letters that a wall's may have."""
-    return re.sub(r"[^A-Za-z0-9_]+", "_", layer).strip("_")[:LONGEST_NAME] or "wall"
+    """A layer's name with the letters that a wall's may have; one that YAML reads as no text gets a word in front."""
+    name = re.sub(r"[^A-Za-z0-9_]+", "_", layer).strip("_")[:LONGEST_NAME] or "wall"
+    return name if name[0].isalpha() and _is_text(name) else f"layer_{name}"[:LONGEST_NAME]
+
+
+def _is_text(word: str) -> bool:
+    """Whether YAML reads a word as a text, and not as a number, true or null."""
+    return isinstance(yaml.safe_load(word), str) and isinstance(parse_source(f"a: {word}").data["a"], str)
+
+
+def _partners(strokes: Sequence[FileStroke], same: float) -> dict[int, int]:
+    """The one end that meets each end, by numbers: two of each stroke, -1 where several meet; none where none does."""
+    points = np.array([point for stroke in strokes for point in (stroke.points[0], stroke.points[-1])])
+    places, which, counts = np.unique(points, axis=0, return_inverse=True, return_counts=True)
+    near = cKDTree(places).query(places, k=min(3, len(places)), distance_upper_bound=same)[1].reshape(len(places), -1)
+    others = np.where(near == np.arange(len(places))[:, None], len(places), near)  # a place is not beside itself
+    around = np.append(counts, 0)[others].sum(axis=1) + counts  # ends that meet there, itself among them
+    ends: dict[int, list[int]] = {}
+    for end, place in enumerate(which.ravel().tolist()):
+        ends.setdefault(place, []).append(end)
+    partner: dict[int, int] = {}
+    for place, here in ends.items():
+        if around[place] == 2:
+            there = others[place].min()
+            two = here if len(here) == 2 else [*here, *ends[int(there)]]
+            if len(here) == 2 or around[there] == 2:
+                partner |= {two[0]: two[1], two[1]: two[0]}
+        elif around[place] > 2:
+            partner |= dict.fromkeys(here, -1)
+    return partner
 
 
 def _joined(strokes: Sequence[FileStroke], same: float) -> tuple[list[FileStroke], int]:
@@ -134,18 +180,19 @@ def _joined(strokes: Sequence[FileStroke], same: float) -> tuple[list[FileStroke
     """
     if not strokes:
         return [], 0
-    ends = np.array([point for stroke in strokes for point in (stroke.points[0], stroke.points[-1])])
-    partner: dict[int, int] = {}
-    for one, two in cKDTree(ends).query_pairs(same):
-        for end, other in ((one, two), (two, one)):
-            partner[end] = -1 if end in partner else other
+    partner = _partners(strokes, same)
     used, found, turned = set[int](), [], 0
-    heads = [number for number in range(len(strokes)) if partner.get(2 * number, -1) < 0]
-    heads += [number for number in range(len(strokes)) if number not in heads and partner.get(2 * number + 1, -1) < 0]
-    for number in [*heads, *range(len(strokes))]:
+    first_ends = [number for number in range(len(strokes)) if partner.get(2 * number, -1) < 0]
+    open_first = set(first_ends)
+    last_ends = [
+        number for number in range(len(strokes))
+        if number not in open_first and partner.get(2 * number + 1, -1) < 0
+    ]  # fmt: skip
+    open_last = set(last_ends)
+    for number in (*first_ends, *last_ends, *range(len(strokes))):
         if number in used:
             continue
-        here = 2 * number if number not in heads or partner.get(2 * number, -1) < 0 else 2 * number + 1
+        here = 2 * number + 1 if number in open_last else 2 * number
         chain: list[tuple[int, bool]] = []
         while here >= 0 and here // 2 not in used:
             used.add(here // 2)
@@ -166,14 +213,13 @@ def _turned(stroke: FileStroke) -> FileStroke:
 
 def _linked(strokes: Sequence[FileStroke]) -> FileStroke:
     """Strokes one behind the other as one."""
-    points, bends = strokes[0]
-    for stroke in strokes[1:]:
-        points, bends = points + stroke.points[1:], bends + stroke.bends
-    return FileStroke(points, bends)
+    points = [strokes[0].points[0], *(point for stroke in strokes for point in stroke.points[1:])]
+    return FileStroke(tuple(points), tuple(bend for stroke in strokes for bend in stroke.bends))
 
 
-def _outline(stroke: FileStroke, name: str, layer: str, choice: LayerChoice, turned: int) -> Entry:
-    """The entry of a line or of a closed outline."""
+def _outline(stroke: FileStroke, name: str, of: tuple[str, float], choice: LayerChoice, turned: int) -> Entry:
+    """The entry of a line or of a closed outline, of this layer and of a drawing of this size (m)."""
+    layer, whole = of
     points, bends = _distinct(stroke)
     size = float(np.ptp(np.array(points), axis=0).max())
     closed = len(points) > 2 and hypot(*np.subtract(points[0], points[-1])) <= SAME * size
@@ -185,9 +231,10 @@ def _outline(stroke: FileStroke, name: str, layer: str, choice: LayerChoice, tur
     kept = points[:-1] if closed and not bends[-1] else points
     arcs = sum(bend != 0 for bend in bends)
     facts.append(f"{len(points) - closed} points, {arcs} {'arc' if arcs == 1 else 'arcs'}")
-    rows: list[Any] = [_rounded(points[0])]
+    rows: list[Any] = [_rounded(points[0], whole)]
     for point, bend in zip(kept[1:], bends, strict=False):
-        rows.append({"arc_to": _rounded(point), "radius": _digits(bend)} if bend else _rounded(point))
+        place = _rounded(point, whole)
+        rows.append({"arc_to": place, "radius": _digits(bend)} if bend else place)
     wall["points"] = rows
     if closed:
         where = "inside" if layer in choice.inside else "outside"
@@ -205,6 +252,11 @@ def _outline(stroke: FileStroke, name: str, layer: str, choice: LayerChoice, tur
 
 def _alone(wall: dict[str, Any]) -> list[str]:
     """What a wall of this shape is refused for."""
+    if len(wall.get("points", ())) > MOST_ROWS:
+        return [
+            f"{wall['name']}: {len(wall['points']):,} points; a wall of a case has at most {MOST_ROWS:,}: draw it with "
+            "fewer, or in several layers"
+        ]
     try:
         _wall(wall)
     except PlaceError as error:
@@ -247,25 +299,52 @@ def _digits(value: float) -> float:
     return float(f"{value:z.{DIGITS}g}")
 
 
-def _rounded(point: Point) -> list[float]:
-    return [_digits(point[0]), _digits(point[1])]
+def _rounded(point: Point, size: float) -> list[float]:
+    """A point with its digits; what is 0 but for round-off in a drawing of this size (m) is 0."""
+    return [0.0 if abs(value) <= ROUND * size else _digits(value) for value in point]
 
 
 def doubts(found: Sequence[Entry], size: float) -> list[str]:
-    """Sentences on walls together: shapes that are refused, ends that nearly meet, walls that cross."""
-    told = [text for entry in found for text in entry.doubts]
+    """Sentences on walls together: shapes that are refused, ends that nearly meet, walls that cross; the first of each.
+
+    Parameters
+    ----------
+    found : sequence of Entry
+    size : float
+        Of the drawing, m.
+    """
     whole = [entry for entry in found if not entry.doubts]
-    lines = [entry.wall for entry in whole if entry.wall["kind"] == "line"]
-    ends = [(wall["name"], point) for wall in lines for point in _ends(wall)]
-    for (one, a), (two, b) in combinations(ends, 2):
-        gap = hypot(a[0] - b[0], a[1] - b[1])
-        if SAME * size < gap <= NEARLY * size:
-            what = f"ends of {one} and {two} nearly meet" if one != two else f"{one} is nearly closed"
-            told.append(f"{what}: its gap at {_place(a)} is {gap:z.3g} m")
-    for first, second in combinations(whole, 2):
-        if at := crossing(_wall(first.wall).chains(), _wall(second.wall).chains(), SAME * size):
-            told.append(f"{first.wall['name']} and {second.wall['name']} cross at {_place(at)}")
-    return told
+    walls = [entry.wall for entry in whole]
+    crossed = (
+        f"{walls[one]['name']} and {walls[two]['name']} cross at {_place(at)}"
+        for one, two, at in crossings([_wall(wall).chains() for wall in walls], SAME * size)
+    )
+    try:
+        last = _some(crossed)
+    except TooManyFaces as error:
+        last = [f"not looked through for walls that cross: {error}"]
+    return [*_some(text for entry in found for text in entry.doubts), *_some(_near_ends(walls, size)), *last]
+
+
+def _some(texts: Iterable[str]) -> list[str]:
+    """The first sentences, and that there are more."""
+    some = list(islice(texts, MOST_TOLD + 1))
+    return some if len(some) <= MOST_TOLD else [*some[:MOST_TOLD], "and more of this kind"]
+
+
+def _near_ends(walls: Sequence[Mapping[str, Any]], size: float) -> Iterator[str]:
+    """Sentences on ends of lines that nearly meet."""
+    ends = [(wall["name"], point) for wall in walls if wall["kind"] == "line" for point in _ends(wall)]
+    if not ends:
+        return
+    tree = cKDTree([point for _, point in ends])
+    for number, (one, a) in enumerate(ends):
+        for other in sorted(tree.query_ball_point(a, NEARLY * size)):
+            two, b = ends[other]
+            gap = hypot(a[0] - b[0], a[1] - b[1])
+            if other > number and gap > SAME * size:
+                what = f"ends of {one} and {two} nearly meet" if one != two else f"{one} is nearly closed"
+                yield f"{what}: its gap at {_place(a)} is {gap:z.3g} m"
 
 
 def _ends(wall: Mapping[str, Any]) -> tuple[Point, Point]:
@@ -278,7 +357,7 @@ def yaml_text(found: Sequence[Entry], indent: str = "  ") -> str:
     """Entries as items of the list ``walls`` of a case, each behind a comment that says what it is."""
     rows = []
     for entry in found:
-        rows.append(f"{indent}# {entry.wall['name']}, layer '{entry.layer}': {'; '.join(entry.facts)}")
+        rows.append(f"{indent}# {entry.wall['name']}, layer '{visible(entry.layer)}': {'; '.join(entry.facts)}")
         parts = [f"{key}: {_flow(value)}" for key, value in entry.wall.items()]
         rows.append(f"{indent}- {{{', '.join(parts)}}}" if sum(map(len, parts)) < 100 else _long(parts, indent))
     return "\n".join(rows) + "\n"
@@ -298,4 +377,6 @@ def _flow(value: Any) -> str:
         return f"{{{', '.join(f'{key}: {_flow(one)}' for key, one in value.items())}}}"
     if isinstance(value, bool):
         return str(value).lower()
-    return f"{value:z.{DIGITS}g}" if isinstance(value, float) else str(value)
+    if isinstance(value, str):
+        return value if _is_text(value) else f"'{value}'"
+    return f"{value:z.{DIGITS}g}"

@@ -10,8 +10,10 @@ from math import hypot
 from typing import Any
 
 from lammps_jump.errors import CaseError
+from lammps_jump.foreign import foreign
+from lammps_jump.quoting import echoed, shortened
 
-from .strokes import GatheredStrokes, LayeredDrawing, Point
+from .strokes import FARTHEST_DRAWN, GatheredStrokes, LayeredDrawing, Point
 
 PARTS = {"LineString": 0, "MultiLineString": 1, "Polygon": 1, "MultiPolygon": 2}
 """Lists that stand between a geometry and its lines."""
@@ -27,23 +29,41 @@ def read_geojson(data: bytes, file: str, *, along: bool) -> LayeredDrawing:
     CaseError
         No GeoJSON, coordinates that are no numbers, and heights that could be meant in two ways.
     """
-    try:
-        tree = json.loads(data.decode("utf-8-sig"))
-    except (ValueError, RecursionError) as error:
-        raise CaseError(f"{file}: is no GeoJSON ({error})") from None
-    found = GatheredStrokes()
+    with foreign(CaseError, f"{file}: is no GeoJSON"):
+        tree = json.loads(data.decode("utf-8-sig"), parse_constant=_no_number)
+    found = GatheredStrokes(file)
     for layer, geometry in _geometries(tree, file):
-        depth = PARTS.get(geometry.get("type", ""))
-        if depth is None:
-            found.leave(str(geometry.get("type")))
+        kind = geometry.get("type")
+        if not isinstance(kind, str) or kind not in PARTS:
+            found.leave(kind if isinstance(kind, str) else f"geometry of type {echoed(kind)}")
             continue
-        lines: Any = [geometry.get("coordinates")]
-        for _ in range(depth):
-            lines = [inner for outer in lines if isinstance(outer, list) for inner in outer]
+        lines: list[Any] = [geometry.get("coordinates")]
+        for _ in range(PARTS[kind]):
+            lines = [inner for outer in lines for inner in _list(outer, layer, file)]
         for line in lines:
-            found.stroke(layer, _points(line, layer, file, along=along))
+            points = _points(line, layer, file, along=along)
+            if "Polygon" in kind and points[0] != points[-1]:
+                raise CaseError(
+                    f"{file}: layer '{layer}': the ring of a {kind} does not end where it begins; let its last place "
+                    "be its first, or draw a LineString"
+                )
+            if len(points) > 1:
+                found.stroke(layer, points)
+            else:
+                found.leave(f"{kind} without length")
     told = "GeoJSON has no unit of a section: RFC 7946 means degrees of longitude and latitude"
     return LayeredDrawing(file, None, told, found.layers(), tuple(found.notes(0.0)))
+
+
+def _no_number(name: str) -> float:
+    raise ValueError(f"{name} is no number")
+
+
+def _list(value: Any, layer: str, file: str) -> list[Any]:
+    """A list; CaseError for something else."""
+    if not isinstance(value, list):
+        raise CaseError(f"{file}: layer '{layer}': {echoed(value)} stands where a list of coordinates is expected")
+    return value
 
 
 def _geometries(tree: Any, file: str) -> Iterator[tuple[str, dict[str, Any]]]:
@@ -52,15 +72,23 @@ def _geometries(tree: Any, file: str) -> Iterator[tuple[str, dict[str, Any]]]:
         raise CaseError(f"{file}: is no GeoJSON: it holds a {type(tree).__name__}, expected is a FeatureCollection")
     kind = tree.get("type")
     if kind == "FeatureCollection":
-        for feature in tree.get("features") or []:
+        for feature in _list(tree.get("features") or [], "features", file):
             yield from _geometries(feature, file)
     elif kind == "Feature":
         properties = tree.get("properties") or {}
-        named = [str(properties[key]) for key in NAMES if properties.get(key) not in (None, "")]
+        if not isinstance(properties, dict):
+            raise CaseError(
+                f"{file}: the properties of a feature are {echoed(properties)}; expected are keys and values"
+            )
+        named = [name for name in (*map(properties.get, NAMES), tree.get("id")) if name not in (None, "")]
+        name = named[0] if named else "drawing"
+        if isinstance(name, dict | list):
+            raise CaseError(f"{file}: a feature has the name {echoed(name)}; expected is a text or a number")
+        words = name if isinstance(name, str) else json.dumps(name)
         for _, geometry in _geometries(tree.get("geometry") or {"type": "feature without geometry"}, file):
-            yield (named or [str(tree.get("id") or "drawing")])[0], geometry
+            yield shortened(words), geometry
     elif kind == "GeometryCollection":
-        for geometry in tree.get("geometries") or []:
+        for geometry in _list(tree.get("geometries") or [], "geometries", file):
             yield from _geometries(geometry, file)
     else:
         yield "drawing", tree
@@ -68,11 +96,14 @@ def _geometries(tree: Any, file: str) -> Iterator[tuple[str, dict[str, Any]]]:
 
 def _points(line: Any, layer: str, file: str, *, along: bool) -> list[Point]:
     """Points of a line, those that repeat the one before left out."""
-    try:
-        rows = [tuple(float(value) for value in place) for place in line]
-        size = {len(row) for row in rows}
-    except (TypeError, ValueError):
-        raise CaseError(f"{file}: layer '{layer}': coordinates are no lists of numbers") from None
+    rows = [tuple(_list(place, layer, file)) for place in _list(line, layer, file)]
+    wrong = next((value for row in rows for value in row if type(value) not in (int, float)), None)
+    if wrong is not None or any(None in row for row in rows):
+        raise CaseError(f"{file}: layer '{layer}': {echoed(wrong)} among coordinates; numbers are expected")
+    if any(abs(value) > FARTHEST_DRAWN for row in rows for value in row):
+        raise CaseError(f"{file}: layer '{layer}': a coordinate is beyond {FARTHEST_DRAWN:g}; no drawing is so large")
+    rows = [tuple(map(float, row)) for row in rows]
+    size = {len(row) for row in rows}
     if len(rows) < 2 or not size <= {2, 3} or len(size) != 1:
         raise CaseError(f"{file}: layer '{layer}': a line needs two places or more, all [x, y] or all [x, y, height]")
     if size == {3} and not along:
@@ -87,4 +118,4 @@ def _points(line: Any, layer: str, file: str, *, along: bool) -> list[Point]:
         for (x0, y0, _), (x1, y1, _) in pairwise(rows):
             way.append(way[-1] + hypot(x1 - x0, y1 - y0))
         rows = [(x, row[2]) for x, row in zip(way, rows, strict=True)]
-    return [row for number, row in enumerate(rows) if not number or row != rows[number - 1]]  # type: ignore[misc]
+    return [row for number, row in enumerate(rows) if not number or row != rows[number - 1]]

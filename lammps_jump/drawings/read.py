@@ -11,6 +11,8 @@ from pathlib import Path
 
 from lammps_jump.errors import CaseError, ScaleError, SetupError
 from lammps_jump.files import read_file
+from lammps_jump.foreign import foreign, reason
+from lammps_jump.quoting import shortened
 from lammps_jump.units import to_si
 
 from .dxf import read_dxf
@@ -21,9 +23,17 @@ from .svg import read_svg
 
 MOST_DRAWING = 100_000_000
 """Bytes of a drawing."""
+FARTHEST = 1e7
+"""Largest coordinate of a wall, m."""
+SCALES = 1e-12, 1e12
+"""Least and largest metres of a unit of a drawing, and what it may be reduced by."""
+WORDS = {
+    ".dxf": "DXF drawing", ".svg": "SVG drawing", ".geojson": "GeoJSON", ".json": "GeoJSON",
+    ".csv": "table of a survey", ".txt": "table of a survey",
+}  # fmt: skip
+"""What a file is called, by its ending."""
 TOLERANCE = 1e-3
 """How far straight pieces may lie from the curve that they stand for, m."""
-KINDS = ".dxf, .svg, .geojson, .json, .csv, .txt"
 
 
 def read_drawing(
@@ -66,14 +76,19 @@ def read_drawing(
     measure = _measure(scale, tolerance)
     reader = _reader(path, measure, along=along)
     try:
-        drawing = reader(read_file(path, MOST_DRAWING) if data is None else data, str(path))
+        found = read_file(path, MOST_DRAWING) if data is None else data
     except FileNotFoundError:
         raise CaseError(f"{path}: no such drawing") from None
-    except OSError as error:
-        raise CaseError(f"{path}: cannot be read ({error.strerror or error})") from None
+    except (OSError, ValueError) as error:
+        raise CaseError(f"{path}: cannot be read ({reason(error)})") from None
+    try:
+        kind = WORDS[path.suffix.lower()]
+        with foreign(CaseError, f"{path}: is no {kind} that can be read", "draw or export it anew"):
+            drawing = reader(found, str(path))
     except ImportError as error:
+        package = (error.name or "").partition(".")[0]
         raise SetupError(
-            f"{path}: {error.name} reads such drawings and is not installed: pip install 'lammps-jump[drawings]'"
+            f"{path}: {package} reads such drawings and is not installed: pip install 'lammps-jump[drawings]'"
         ) from None
     if not any(layer.points() for layer in drawing.layers):
         left = "; ".join(drawing.notes)
@@ -84,7 +99,20 @@ def read_drawing(
     notes = list(drawing.notes)
     if measure.metres is not None and drawing.unit is not None and abs(factor / drawing.unit - 1) > 1e-9:
         notes.append(f"{drawing.unit_told}; --scale {scale} is taken instead")
-    return replace(drawing, layers=tuple(layer.mapped(factor, shift) for layer in drawing.layers), notes=tuple(notes))
+    mapped = replace(drawing, layers=tuple(layer.mapped(factor, shift) for layer in drawing.layers), notes=tuple(notes))
+    _require_near(mapped)
+    return mapped
+
+
+def _require_near(drawing: LayeredDrawing) -> None:
+    """CaseError where a place is farther away than any flow, m."""
+    for layer in drawing.layers:
+        far = next((point for point in layer.points() if not max(map(abs, point)) <= FARTHEST), None)
+        if far is not None:
+            raise CaseError(
+                f"{drawing.file}: layer '{layer.name}': ({far[0]:.4g}, {far[1]:.4g}) m is farther than {FARTHEST:g} m "
+                "from the origin: is its unit right (--scale)? --shift X,Y moves a drawing"
+            )
 
 
 def _reader(path: Path, measure: Measure, *, along: bool) -> Callable[[bytes, str], LayeredDrawing]:
@@ -98,8 +126,8 @@ def _reader(path: Path, measure: Measure, *, along: bool) -> Callable[[bytes, st
     }
     ending = path.suffix.lower()
     if ending not in kinds:
-        raise CaseError(f"{path}: ends in '{ending}'; drawings that are read end in {KINDS}")
-    if along and kinds[ending].__class__ is partial and ending not in (".geojson", ".json"):
+        raise CaseError(f"{path}: ends in '{ending}'; drawings that are read end in {', '.join(WORDS)}")
+    if along and WORDS[ending] != "GeoJSON":
         raise CaseError(f"{path}: --along is for GeoJSON, whose lines are drawn in plan with heights; leave it out")
     return kinds[ending]
 
@@ -108,7 +136,9 @@ def _measure(scale: str | None, tolerance: float) -> Measure:
     """What ``--scale`` says: a unit, metres of one, or 1:100."""
     if scale is None:
         return Measure(tolerance=tolerance)
-    if (reduced := re.fullmatch(r"1\s*:\s*(\d+\.?\d*)", scale)) and float(reduced[1]):
+    low, high = SCALES
+    reduced = re.fullmatch(r"1\s*:\s*(\d+\.?\d*)", scale, re.ASCII)
+    if reduced and low <= float(reduced[1]) <= high:
         return Measure(None, float(reduced[1]), tolerance)
     for text in (scale, f"1 {scale or 'unit'}"):
         try:
@@ -116,11 +146,13 @@ def _measure(scale: str | None, tolerance: float) -> Measure:
         except ValueError as error:
             problem = error
             continue
-        if metres > 0:
+        if low <= metres <= high:
             return Measure(metres, tolerance=tolerance)
-        problem = ValueError(f"{scale} is out of range; allowed is > 0")
+        problem = ValueError(f"is out of range; allowed is {low:g} to {high:g} m")
         break
-    raise ScaleError(f"--scale {scale}: {problem}; write a unit such as mm, metres of one unit such as 0.01, or 1:100")
+    raise ScaleError(
+        f"--scale {shortened(scale)}: {problem}; write a unit such as mm, metres of one unit such as 0.01, or 1:100"
+    )
 
 
 def _two_readings(drawing: LayeredDrawing) -> str:

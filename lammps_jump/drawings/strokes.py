@@ -6,8 +6,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import acos, atan, atan2, ceil, cos, hypot, pi, sin, sqrt
+from math import asin, atan, atan2, ceil, cos, hypot, inf, isfinite, pi, sin, sqrt
 from typing import NamedTuple
+
+from lammps_jump.errors import CaseError
+from lammps_jump.quoting import shortened
 
 Point = tuple[float, float]
 
@@ -15,6 +18,14 @@ WIDEST_ARC = 0.95 * pi
 """Widest arc that is kept whole, rad: of two arcs to a point the shorter one is meant, which a half circle is not."""
 FLATTEST = 1e9
 """Radius over chord from which an arc counts as a straight line."""
+MOST_POINTS = 300_000
+"""Points of a drawing, those of curves in straight pieces among them."""
+MOST_PARTS = 300_000
+"""Lines, circles and other parts of a drawing; of blocks and of what SVG uses again each copy."""
+FARTHEST_DRAWN = 1e30
+"""Largest coordinate in a unit of the drawing."""
+MOST_KINDS = 30
+"""Kinds of parts that notes name one by one."""
 
 
 class Measure(NamedTuple):
@@ -116,31 +127,91 @@ class LayeredDrawing:
 
 
 class GatheredStrokes:
-    """Strokes and circles as a reader finds them, by layer in the order in which layers are met."""
+    """Strokes and circles as a reader finds them, by layer in the order in which layers are met.
 
-    def __init__(self) -> None:
+    Each place is looked at, and points and parts are counted, so that a small file cannot keep the program busy.
+    """
+
+    def __init__(self, file: str) -> None:
+        self.file = file
         self.strokes: dict[str, list[FileStroke]] = {}
         self.rings: dict[str, list[Ring]] = {}
         self.left_out: dict[str, int] = {}
         self.flattened: dict[str, int] = {}
+        self.points = self.parts = 0
 
     def stroke(self, layer: str, points: Sequence[Point], bends: Sequence[float] = ()) -> None:
-        """Add a stroke; without bends a straight one."""
-        self.rings.setdefault(layer, [])
-        self.strokes.setdefault(layer, []).append(FileStroke(tuple(points), tuple(bends) or (0.0,) * (len(points) - 1)))
+        """Add a stroke; without bends a straight one.
+
+        Raises
+        ------
+        CaseError
+            A place that is none, too many points or parts.
+        """
+        name = self._layer(layer)
+        self.part()
+        self.room(len(points))
+        bends = tuple(bends) or (0.0,) * (len(points) - 1)
+        for x, y in points:
+            if not (abs(x) <= FARTHEST_DRAWN and abs(y) <= FARTHEST_DRAWN):
+                raise CaseError(f"{self.file}: layer '{name}': ({x:g}, {y:g}) is no place in a drawing; draw it anew")
+        if not all(map(isfinite, bends)):
+            raise CaseError(f"{self.file}: layer '{name}': an arc has no radius; draw it anew")
+        self.strokes[name].append(FileStroke(tuple(points), bends))
+        self.points += len(points)
 
     def ring(self, layer: str, centre: Point, radius: float) -> None:
-        """Add a circle."""
-        self.strokes.setdefault(layer, [])
-        self.rings.setdefault(layer, []).append(Ring(centre, radius))
+        """Add a circle; CaseError as `stroke`."""
+        name = self._layer(layer)
+        self.part()
+        if not (radius > 0.0 and all(abs(value) <= FARTHEST_DRAWN for value in (*centre, radius))):
+            where = f"({centre[0]:g}, {centre[1]:g})"
+            raise CaseError(
+                f"{self.file}: layer '{name}': a circle of radius {radius:g} about {where} is none; draw it anew"
+            )
+        self.rings[name].append(Ring(centre, radius))
+
+    def part(self, count: int = 1) -> None:
+        """Count parts that are looked at; CaseError where there are too many."""
+        self.parts += count
+        if self.parts > MOST_PARTS:
+            raise CaseError(
+                f"{self.file}: more than {MOST_PARTS:,} lines, circles and other parts, copies counted; draw what are "
+                "walls alone, in polylines"
+            )
+
+    def room(self, count: int) -> None:
+        """CaseError where so many further points are too many."""
+        if self.points + count > MOST_POINTS:
+            raise CaseError(
+                f"{self.file}: needs {self.points + count:,} points or more, straight pieces of curves counted; at "
+                f"most {MOST_POINTS:,} are read: is its unit right (--scale)? Else draw what are walls alone"
+            )
+
+    def pieces(self, count: float) -> int:
+        """So many straight pieces; CaseError where they are too many, or no number."""
+        self.room(int(min(count, 1e18)) if count < inf else MOST_POINTS + 1)
+        return max(1, ceil(count))
 
     def leave(self, what: str) -> None:
         """Count what is not read."""
-        self.left_out[what] = self.left_out.get(what, 0) + 1
+        self._count(self.left_out, what)
 
     def flatten(self, what: str) -> None:
         """Count what became straight pieces."""
-        self.flattened[what] = self.flattened.get(what, 0) + 1
+        self._count(self.flattened, what)
+
+    def _count(self, among: dict[str, int], what: str) -> None:
+        self.part()
+        name = shortened(what) if len(among) < MOST_KINDS or what in among else "other parts"
+        among[name] = among.get(name, 0) + 1
+
+    def _layer(self, layer: str) -> str:
+        """The name of a layer on one line, known from now on."""
+        name = shortened(layer).strip() or "drawing"
+        self.strokes.setdefault(name, [])
+        self.rings.setdefault(name, [])
+        return name
 
     def layers(self) -> tuple[Layer, ...]:
         """All layers that hold something."""
@@ -188,21 +259,28 @@ def bulged(points: Sequence[Point], bulges: Sequence[float]) -> FileStroke:
     return FileStroke(tuple(out), tuple(bends))
 
 
-def pieces_of_cubic(corners: Sequence[Point], tolerance: float) -> int:
-    """Straight pieces of a cubic Bézier curve that stay within `tolerance` of it.
+def pieces_of_cubic(corners: Sequence[Point], tolerance: float) -> float:
+    """Straight pieces of a cubic Bézier curve that stay within `tolerance` of it; those of other degrees alike.
 
-    A chord of parameter length h lies within h^2/8 max|B''| of the curve; |B''| <= 6 max|P_i - 2 P_(i+1) + P_(i+2)|.
+    A chord of parameter length h lies within h^2/8 max|B''| of the curve; |B''| <= p (p - 1) max|P_i - 2 P_(i+1) +
+    P_(i+2)| of a curve of degree p.
     """
     bends = [
         hypot(a[0] - 2 * b[0] + c[0], a[1] - 2 * b[1] + c[1])
         for a, b, c in zip(corners, corners[1:], corners[2:], strict=False)
     ]
-    return max(1, ceil(sqrt(6 * max(bends) / (8 * tolerance))))
+    degree = len(corners) - 1
+    return max(1.0, sqrt(degree * (degree - 1) * max(bends, default=0.0) / (8 * tolerance)))
 
 
-def pieces_of_arc(radius: float, sweep: float, tolerance: float) -> int:
-    """Chords of an arc that stay within `tolerance` of it: the sagitta of each is r (1 - cos(sweep/2n))."""
-    return max(1, ceil(abs(sweep) / (2 * acos(max(0.0, 1 - tolerance / radius)))))
+def pieces_of_arc(radius: float, sweep: float, tolerance: float) -> float:
+    """Chords of an arc that stay within `tolerance` of it: the sagitta of each is r (1 - cos(sweep/2n)).
+
+    Of an arc of an ellipse with its larger radius, of which a circle is stretched to none of its lengths but shorter.
+    """
+    share = min(1.0, tolerance / radius) if radius > 0.0 else 1.0
+    half = 2 * asin(sqrt(0.5 * share))  # acos(1 - share), which would round to 0
+    return max(1.0, abs(sweep) / (2 * half))
 
 
 def sampled(curve: Callable[[float], Point], count: int) -> list[Point]:

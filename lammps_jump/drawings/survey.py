@@ -3,10 +3,13 @@
 
 from __future__ import annotations
 
+import csv
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 from lammps_jump.errors import CaseError
+from lammps_jump.foreign import foreign
 from lammps_jump.quoting import echoed
 from lammps_jump.units import to_si
 
@@ -19,6 +22,8 @@ COLUMNS = {
 """Words of the head of a table, for each of its two columns."""
 HEAD = re.compile(r"\s*([A-Za-z]+)[\s_]*[\[(]?\s*([A-Za-z]*)\s*[\])]?\s*")
 """A word, and perhaps a unit in brackets or behind a line: chainage (m), level [ft], x_mm."""
+NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.ASCII)
+"""A number as tables have it; what Python takes beside it (4_0, nan, other digits) is none."""
 
 
 def read_survey(data: bytes, file: str) -> LayeredDrawing:
@@ -33,35 +38,57 @@ def read_survey(data: bytes, file: str) -> LayeredDrawing:
         lines = data.decode("utf-8-sig").splitlines()
     except UnicodeDecodeError as error:
         raise CaseError(f"{file}: is not text (byte {error.start} is not UTF-8); a survey is a CSV file") from None
-    rows = [(number, _cells(line)) for number, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]
-    if not rows:
+    rows = _rows(lines, file)
+    head_line, head = next(rows, (0, []))
+    if not head:
         raise CaseError(f"{file}: is empty; a survey has a head such as `chainage (m),level (m)`, and rows of numbers")
-    head_line, head = rows[0]
     order, unit = _columns(head, f"{file}:{head_line}")
     points: list[tuple[float, float]] = []
-    for number, cells in rows[1:]:
-        try:
-            x, y = (float(to_si(cells[index], "")) for index in order)
-        except (ValueError, IndexError):
-            raise CaseError(
-                f"{file}:{number}: {echoed(','.join(cells))} has no two numbers under {head[order[0]]} and "
-                f"{head[order[1]]}; mend the row, or take it out"
-            ) from None
+    for number, cells in rows:
+        x, y = (_number(cells, index, head, f"{file}:{number}") for index in order)
         if not points or (x, y) != points[-1]:
             points.append((x, y))
     if len(points) < 2:
         raise CaseError(f"{file}: {len(points)} row of numbers; a line needs two different ones or more")
-    found = GatheredStrokes()
+    found = GatheredStrokes(file)
     found.stroke(Path(file).stem, points)
     return LayeredDrawing(file, unit[1], unit[0], found.layers())
 
 
-def _cells(line: str) -> list[str]:
-    """Cells of a row."""
-    for sign in (";", "\t", ","):
-        if sign in line:
-            return [cell.strip() for cell in line.split(sign)]
-    return line.split()
+def _rows(lines: list[str], file: str) -> Iterator[tuple[int, list[str]]]:
+    """Number and cells of each row, as many as the head has; empty ones at the end and lines of `#` are left out.
+
+    The head says what stands between cells: a semicolon, a tab, a comma or blanks. A cell may stand in quotes.
+    """
+    sign, width = "", 0
+    for number, line in enumerate(lines, 1):
+        if not line.strip() or line.startswith("#"):
+            continue
+        if not width:
+            sign = next((sign for sign in (";", "\t", ",") if sign in line), " ")
+        cells = [cell.strip() for cell in (line.split() if sign == " " else line.split(sign))]
+        if '"' in line and sign != " ":
+            with foreign(CaseError, f"{file}:{number}: is no row of a table", "mend the row"):
+                cells = [cell.strip() for cell in next(csv.reader([line], delimiter=sign, strict=True))]
+        while len(cells) > max(width, 1) and not cells[-1]:
+            cells.pop()
+        width = width or len(cells)
+        if len(cells) != width:
+            raise CaseError(
+                f"{file}:{number}: has {len(cells)} cells where the head has {width}; a number has a point, not a "
+                "comma, and what stands between the cells is the same in all rows"
+            )
+        yield number, cells
+
+
+def _number(cells: list[str], index: int, head: list[str], place: str) -> float:
+    """The number of a cell; CaseError for what is none, or has a unit of its own."""
+    if not NUMBER.fullmatch(cells[index]):
+        raise CaseError(
+            f"{place}: {echoed(cells[index])} under {head[index]} is no number; expected is one such as 10.5, in the "
+            "unit of the head: mend the row, or take it out"
+        )
+    return float(cells[index])
 
 
 def _columns(head: list[str], place: str) -> tuple[list[int], tuple[str, float | None]]:

@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Styles of SVG as far as they say what is drawn and where: attributes, ``style``, and rules of style sheets."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
+from xml.etree.ElementTree import Element
+
+from lammps_jump.quoting import shortened
+
+PLACES = {"x", "y", "width", "height", "cx", "cy", "r", "rx", "ry", "transform"}
+"""What a style may say in place of an attribute, of where something is."""
+INHERITED = ("visibility", "fill", "stroke")
+SEEN = {*INHERITED, "display", "opacity", "clip-path", "mask", *PLACES}
+"""Properties that are looked at."""
+COMMENT = re.compile(r"/\*.*?\*/", re.S)
+RULE = re.compile(r"([^{}]*)\{([^{}]*)\}")
+SIMPLE = re.compile(r"([A-Za-z][\w-]*|\*)?((?:[.#][\w-]+)*)")
+NOTHING = re.compile(r"\+?0*\.?0*%?")
+MOST_TOLD = 3
+"""Rules that notes name."""
+
+
+class Rule(NamedTuple):
+    """What a selector without combinators asks for, and what it sets; `rank` says which of two rules wins."""
+
+    rank: tuple[int, int, int, int]
+    classes: frozenset[str]
+    id: str
+    kind: str
+    sets: dict[str, str]
+
+
+class Styles:
+    """The rules of the style sheets of a file."""
+
+    def __init__(self, rules: list[Rule], unknown: list[str]) -> None:
+        self.unknown = unknown
+        self.rules: dict[str, list[Rule]] = {}
+        for rule in rules:
+            known_by = f"#{rule.id}" if rule.id else f".{min(rule.classes)}" if rule.classes else rule.kind
+            self.rules.setdefault(known_by, []).append(rule)
+
+    @classmethod
+    def of(cls, root: Element) -> Styles:
+        """Those of a file. Rules that depend on where an element stands are not understood, and told."""
+        rules: list[Rule] = []
+        unknown: list[str] = []
+        for element in root.iter():
+            if isinstance(element.tag, str) and element.tag.rpartition("}")[2] == "style":
+                text = COMMENT.sub(" ", "".join(element.itertext()))
+                for selectors, body in RULE.findall(text):
+                    sets = {name: value for name, value in declared(body).items() if name in SEEN}
+                    for selector in selectors.split(",") if sets else ():
+                        rule = _rule(selector.strip(), sets, len(rules))
+                        rules += [rule] if rule else []
+                        unknown += [] if rule else [shortened(" ".join(selector.split()))]
+        return cls(rules, unknown)
+
+    def given(self, element: Element, kind: str) -> dict[str, str]:
+        """Attributes of an element, with what rules and its own style set in their place."""
+        found = dict(element.attrib)
+        if self.rules:
+            names = element.get("class", "").split()
+            keys = (f"#{element.get('id', '')}", *(f".{name}" for name in names), kind, "*")
+            fit = [
+                rule for key in keys for rule in self.rules.get(key, ())
+                if rule.classes <= set(names) and rule.id in ("", element.get("id")) and rule.kind in ("*", kind)
+            ]  # fmt: skip
+            for rule in sorted(fit):
+                found |= rule.sets
+        own = declared(element.get("style", ""))
+        return found | {name: value for name, value in own.items() if name in SEEN}
+
+    def notes(self) -> Iterator[str]:
+        """Sentences on what is not understood."""
+        if self.unknown:
+            more = f" and {len(self.unknown) - MOST_TOLD} more" if len(self.unknown) > MOST_TOLD else ""
+            yield f"rules of the style sheet that are not understood: {'; '.join(self.unknown[:MOST_TOLD])}{more}"
+
+
+def _rule(selector: str, sets: dict[str, str], order: int) -> Rule | None:
+    """The rule of a selector; None of one with combinators, pseudo-classes or attributes."""
+    simple = SIMPLE.fullmatch(selector)
+    if simple is None or not selector:
+        return None
+    parts = re.findall(r"[.#][\w-]+", simple[2])
+    ids = [part[1:] for part in parts if part[0] == "#"]
+    classes = frozenset(part[1:] for part in parts if part[0] == ".")
+    if len(set(ids)) > 1:
+        return None
+    kind = simple[1] or "*"
+    return Rule((len(ids), len(classes), kind != "*", order), classes, ids[0] if ids else "", kind, sets)
+
+
+def declared(text: str) -> dict[str, str]:
+    """Properties and values of a style, the last of each."""
+    pairs = (one.partition(":") for one in COMMENT.sub(" ", text).split(";"))
+    return {name.strip().lower(): value.replace("!important", "").strip() for name, colon, value in pairs if colon}
+
+
+def style_of(parent: Mapping[str, str], given: Mapping[str, str]) -> dict[str, str]:
+    """What an element and its parts inherit; ``shown`` is ``no`` where none of it is seen, whatever its parts say."""
+    found = {name: given[name].strip() for name in INHERITED if given.get(name, "inherit").strip() != "inherit"}
+    gone = given.get("display", "").strip() == "none" or (
+        bool(given.get("opacity", "").strip()) and NOTHING.fullmatch(given["opacity"].strip()) is not None
+    )
+    shown = "no" if gone or parent.get("shown") == "no" else "yes"
+    return {**parent, **found, "shown": shown}
