@@ -26,13 +26,12 @@ from lammps_jump.scene.motion import MovingWall, Pose
 from lammps_jump.units import Estimates, as_summary, estimate, known, number
 
 from .floating import Around, around, draught_by_weight
+from .standing import Standing, standing_of
 
 STILL = 0.01
 """Diameters from its last pose within which a body counts as at rest there."""
 LAST = 0.1
 """Share of the time, at the end, that a body must have been at rest."""
-MOVED = 0.01
-"""Widths of a body by which it has slid, or by which a corner has risen, where that counts."""
 LATE = 0.25
 """Share of the time, at the end, over which draught and heel are means."""
 CARRIED = 0.1
@@ -57,8 +56,17 @@ class BodyResult(Estimates):
     largest_turn: float = number("°", "largest turn, either way", default=nan)
     rest: bool = False
     rest_since: float = number("s", "at rest since", default=nan)
+    state: str | None = None
+    side: str | None = None
+    state_reason: str | None = None
+    state_since: float = number("s", "lies or leans so, or has left, since", default=nan)
+    lean: float = number("°", "turn from how it stood, anticlockwise", default=nan)
+    slid_by: float = number("m", "way of the middle of its base along it, towards larger x", default=nan)
+    base_way: float = number("m", "way of the middle of its base", default=nan)
+    centre_way: float = number("m", "way of the centre of mass", default=nan)
     slides_at: float = number("s", "time at which it has slid by 1 % of its width", default=nan)
     tips_at: float = number("s", "time at which a corner has risen by 1 % of its width", default=nan)
+    falls_at: float = number("s", "time at which it falls", default=nan)
     floats: bool = False
     draught: float = estimate(
         "m",
@@ -126,7 +134,7 @@ def _found(flow: Flow, one: MovingWall, history: BodyHistory, beside: np.ndarray
     kind = one.motion.kind
     assert isinstance(kind, Free)
     d, (low, high) = flow.scene.diameter, one.wall.extent[0]
-    width, since = high - low, max(kind.begin, float(history.time[0]))
+    width = high - low
     x, y, angle = history.x, history.y, history.angle
     far, turned = np.hypot(x - x[0], y - y[0]), np.abs(angle - angle[0])
     off = np.hypot(x - x[-1], y - y[-1]) + 0.5 * width * np.abs(angle - angle[-1])
@@ -134,7 +142,7 @@ def _found(flow: Flow, one: MovingWall, history: BodyHistory, beside: np.ndarray
     first = int(moving[-1]) + 1 if moving.size else 0
     span = history.time[-1] - history.time[0]
     rests = first < len(off) and history.time[-1] - history.time[first] >= LAST * span and kind.begin < history.time[-1]
-    slides, tips = _stability(one, history, width) if since < history.time[-1] else (nan, nan)
+    stands, afloat = standing_of(flow, one, history), _afloat(flow, one, history, beside)
     force = np.hypot(history.fx, history.fy)
     top = int(np.argmax(force))
     steps = np.diff(history.time, prepend=history.time[0])  # rows hold means over the time up to them
@@ -144,42 +152,38 @@ def _found(flow: Flow, one: MovingWall, history: BodyHistory, beside: np.ndarray
         end_x=float(x[-1]), end_y=float(y[-1]), end_angle=degrees(angle[-1]),
         largest_displacement=float(far.max()), largest_turn=degrees(turned.max()),
         rest=rests, rest_since=float(history.time[first]) if rests else nan,
-        slides_at=slides, tips_at=tips,
+        centre_way=float(np.hypot(x[-1] - x[0], y[-1] - y[0])),
+        **_state(stands, afloat=bool(afloat)),
         peak_force=float(force[top]) if force[top] else nan, peak_at=float(history.time[top]) if force[top] else nan,
         impulse_x=float((steps * history.fx).sum()), impulse_y=float((steps * history.fy).sum()),
-        **_afloat(flow, one, history, beside),
-        table={"time": history.time, "x": x, "y": y, "angle": np.degrees(angle), "fx": history.fx, "fy": history.fy},
+        **afloat,
+        table={
+            "time": history.time, "x": x, "y": y, "angle": np.degrees(angle), "fx": history.fx, "fy": history.fy,
+            "base": _beside(stands.base, len(x)),
+        },
     )  # fmt: skip
 
 
-def _stability(one: MovingWall, history: BodyHistory, width: float) -> tuple[float, float]:
-    """Times at which a body that stands has slid and tipped, s; NaN where it has not, or where it does not stand.
+def _beside(base: np.ndarray | None, rows: int) -> np.ndarray:
+    """Way of a base at each row of a history, m; NaN before the body is released, and of one without."""
+    found = np.full(rows, nan)
+    if base is not None:
+        found[rows - len(base) :] = base
+    return found
 
-    It stands where the corners of its base keep their height until one of the two happens. A fall is neither.
-    """
-    kind = one.motion.kind
-    assert isinstance(kind, Free)
-    outline = np.asarray(one.wall.outline((-np.inf, np.inf), (-np.inf, np.inf))[0])
-    base = outline[outline[:, 1] <= outline[:, 1].min() + 1e-3 * width]
-    if kind.hinge is not None or len(base) < 2 or np.ptp(base[:, 0]) < 0.2 * width:
-        return nan, nan
-    arm = base - np.array(kind.centre)
-    cos, sin = np.cos(history.angle)[:, None], np.sin(history.angle)[:, None]
-    xs = history.x[:, None] + cos * arm[:, 0] - sin * arm[:, 1]
-    ys = history.y[:, None] + sin * arm[:, 0] + cos * arm[:, 1]
-    start = int(np.searchsorted(history.time, kind.begin, side="right")) - 1
-    raised = ys - ys[max(start, 0)]
-    fallen = raised.max(axis=1) < -MOVED * width
-    slid = np.abs(xs.mean(axis=1) - xs[max(start, 0)].mean()) > MOVED * width
-    tipped = (raised.max(axis=1) > MOVED * width) & (raised.min(axis=1) < 0.5 * raised.max(axis=1))
-    pull = -kind.weight[1] / kind.mass
-    free = 2.0 * np.sqrt(2.0 * MOVED * width / pull) if pull > 0 else 0.0  # it takes half of it to fall so far
-    until = float(history.time[np.argmax(fallen)]) - free if fallen.any() else np.inf
-    times = []
-    for happened in (slid, tipped):
-        at = float(history.time[np.argmax(happened)]) if happened.any() else np.inf
-        times.append(at if np.isfinite(at) and at < until else nan)
-    return times[0], times[1]
+
+def _state(stands: Standing, *, afloat: bool) -> dict[str, Any]:
+    """Fields of a result that tell how a body stands."""
+    floats = afloat and stands.state != "left"
+    return {
+        "state": "afloat" if floats else stands.state,
+        "side": None if floats else stands.side,
+        "state_reason": None if floats else stands.reason,
+        "state_since": nan if floats else stands.since,
+        "lean": degrees(stands.turn),
+        "base_way": float(stands.base[-1]) if stands.base is not None else nan,
+        **{name: getattr(stands, name) for name in ("slid_by", "slides_at", "tips_at", "falls_at")},
+    }
 
 
 def _afloat(flow: Flow, one: MovingWall, history: BodyHistory, beside: np.ndarray) -> dict[str, Any]:
@@ -230,11 +234,13 @@ def figures(found: Mapping[str, BodyResult], _: Gathered) -> Drawings:
     for place, (name, table) in enumerate(shown):
         look = LOOKS[place] if place < len(LOOKS) else "faint"
         label = name if len(shown) > 1 and place < len(LOOKS) else ""
-        far = np.hypot(table["x"] - table["x"][0], table["y"] - table["y"][0])
-        for lines, values in zip(
-            curves.values(), (far, table["angle"], np.hypot(table["fx"], table["fy"])), strict=True
-        ):
-            lines.append(Trace(label, table["time"], values, look))
+        far, based = np.hypot(table["x"] - table["x"][0], table["y"] - table["y"][0]), len(shown) == 1
+        based = based and bool(np.isfinite(table["base"]).any())
+        values = far, table["angle"], np.hypot(table["fx"], table["fy"])
+        for lines, line in zip(curves.values(), values, strict=True):
+            lines.append(Trace("centre of mass" if based and line is far else label, table["time"], line, look))
+        if based:
+            curves["Displacement\n[m]"].append(Trace("middle of the base", table["time"], table["base"], "second"))
     panels = [Panel(label, lines) for label, lines in curves.items()]
     return {"bodies": Chart("bodies", TIME, panels)}
 
@@ -247,14 +253,25 @@ def section(found: Mapping[str, BodyResult]) -> Section:
         if body.reason:
             blocks.append(Text(f"Nothing is known of the body {name}: {body.reason}.", "warn"))
         else:
-            blocks.append(Table(described(body, *keys), (f"Body {name}", "")))
+            blocks.append(Table([("At the end", _words(body)), *described(body, *keys)], (f"Body {name}", "")))
     return Section("Bodies", blocks)
 
 
+WORDS = {
+    "stands": "stands", "slid": "has slid", "leans": "leans to the {}", "lies": "lies, {} side down",
+    "afloat": "afloat", "left": "has left",
+}  # fmt: skip
+
+
+def _words(body: BodyResult) -> str:
+    """The state of a body at the end."""
+    return WORDS[body.state].format(body.side) if body.state else f"not told: {body.state_reason}"
+
+
 KEYS = (
-    "mass", "inertia", "start_x", "start_y", "end_x", "end_y", "end_angle", "largest_displacement", "largest_turn",
-    "rest_since", "slides_at", "tips_at", "draught", "draught_interval", "draught_by_weight", "heel", "bulk_density",
-    "peak_force", "peak_at", "impulse_x", "impulse_y",
+    "mass", "inertia", "start_x", "start_y", "end_x", "end_y", "end_angle", "centre_way", "base_way", "slid_by",
+    "largest_displacement", "largest_turn", "slides_at", "tips_at", "falls_at", "state_since", "rest_since", "draught",
+    "draught_interval", "draught_by_weight", "heel", "bulk_density", "peak_force", "peak_at", "impulse_x", "impulse_y",
 )  # fmt: skip
 
 QUANTITY = Quantity(
@@ -264,8 +281,14 @@ QUANTITY = Quantity(
     definitions="""\
 rest          from then on the body stays within a hundredth of a diameter of its last pose, for a tenth of the time or
               longer
-slides, tips  of a body that stands: the middle of its base has moved along x, or a corner of it has risen, by 1 % of
-              its width. A body that falls does neither
+state         of the last pose: stands as it stood; slid, where the middle of its base has come by 1 % of its width
+              along it; leans, turned by more than 2 degrees; lies, with another face within 15 degrees of the floor;
+              afloat; left, with its centre of mass, the domain or over an outlet. Of a body that stood on nothing at
+              the start, turns about a hinge or has no base (a circle) it is not told, and the reason is
+base          the face of its convex hull that looks most downward at the start
+slides, tips  both ends of its base have come along it, or one has risen and the other has not, by 1 % of its width;
+              falls: nothing carries both. What happens in a fall is neither
+lies, leans   since: from then on it has been so
 floats        discs carry its weight within 10 % over the last quarter, where draught and heel are means
 draught       level of the mass of the discs beside the body over its lowest point; by weight: where it displaces its
               weight at the bulk density of these discs (Archimedes)

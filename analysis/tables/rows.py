@@ -212,6 +212,10 @@ def together(summaries: Sequence[Mapping[str, Any]], mean: Callable[[Sequence[fl
 
 def _means(found: Sequence[Mapping[str, Any]], mean: Callable[[Sequence[float]], Mean]) -> dict[str, Any]:
     made: dict[str, Any] = {}
+    if any(isinstance(one.get("state"), str) for one in found):  # numbers of other ends are not of the same kind
+        commonest = Counter(one.get("state") for one in found).most_common(1)[0][0]
+        same = [one for one in found if one.get("state") == commonest]
+        made, found = {"states": (len(same), len(found))}, same
     for key, value in found[0].items():
         values = [one.get(key) for one in found]
         if isinstance(value, Mapping):

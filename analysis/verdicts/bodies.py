@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from math import sqrt
 from typing import Any
 
-from .kinds import Doubt, Verdict, part, shown
+from .kinds import Doubt, Said, Verdict, part, shown
 
 MOST = 2
 """Bodies of which the title tells."""
@@ -25,26 +25,63 @@ def _told(summary: Mapping[str, Any]) -> Iterator[tuple[str, Mapping[str, Any]]]
 
 
 def _one(name: str, body: Mapping[str, Any]) -> str:
-    """What one body did."""
-    if body.get("floats") and body.get("draught") is not None:
-        error = body.get("draught_interval")
-        off = "" if error is None else f" ± {error:z.2f}"
-        return f"The body {name} floats with a draught of {body['draught']:z.2f}{off} m"
-    way = abs(body["end_x"] - body["start_x"])
-    since = f", and rests from {body['rest_since']:z.1f} s on" if body.get("rest") else ""
-    if body.get("tips_at") is not None and not _earlier(body, "slides_at", "tips_at"):
-        return f"The body {name} tips at {body['tips_at']:z.1f} s{since}"
-    if body.get("slides_at") is not None:
-        return f"The body {name} slides {way:z.2f} m from {body['slides_at']:z.1f} s on" + since.replace(" on", "")
+    """What one body did: how it is at the end, and what happened before."""
+    many = body.get("states")
+    often = f" in {many[0]} of {many[1]} starts" if many else ""
+    since = f"rests from {body['rest_since']:z.1f} s on" if body.get("rest") else ""
+    if body.get("state") in SAID:
+        said = SAID[body["state"]](body)
+        told = _events(body)
+        told += [since] * bool(since and told)  # what has only stood or floats has rested all the time
+        ways = _ways(body) if body["state"] in ("lies", "leans") else ""
+        return f"The body {name} {said}{often}" + (f": it {_listed(told)}" if told else "") + ways
+    turned = f" and turns by up to {body['largest_turn']:z.0f} degrees" if body["largest_turn"] >= 1 else ""
     if body["largest_displacement"] < STOOD * sqrt(body["inertia"] / body["mass"]) and body["largest_turn"] < LEVEL:
         return f"The body {name} stands"
-    turned = f" and turns by up to {body['largest_turn']:z.0f} degrees" if body["largest_turn"] >= 1 else ""
-    return f"The body {name} comes {body['largest_displacement']:z.2f} m far{turned}{since}"
+    rests = f", and {since}" if since else ""
+    return f"The body {name} comes {body['largest_displacement']:z.2f} m far{turned}{rests}"
 
 
-def _earlier(body: Mapping[str, Any], one: str, other: str) -> bool:
-    """Whether one time is known and before another."""
-    return body.get(one) is not None and body[one] < body[other]
+def _afloat(body: Mapping[str, Any]) -> str:
+    draught, error = body.get("draught"), body.get("draught_interval")
+    if draught is None:
+        return "is afloat"
+    return f"floats with a draught of {draught:z.2f}{'' if error is None else f' ± {error:z.2f}'} m"
+
+
+def _ways(body: Mapping[str, Any]) -> str:
+    """How far base and centre of mass have come, as a sentence."""
+    base, centre = body.get("base_way"), body.get("centre_way")
+    known = base is not None and centre is not None
+    return f". Its base came {base:z.2f} m far, its centre of mass {centre:z.2f} m" if known else ""
+
+
+SIDES = {"right": "its right side", "left": "its left side", "top": "its top", "base": "another face of its underside"}
+SAID: Mapping[str, Said] = {
+    "stands": lambda body: "stands",
+    "slid": lambda body: f"has slid by {abs(body['slid_by']):z.2f} m",
+    "leans": lambda body: f"leans to the {body['side']} by {abs(body['lean']):z.0f} degrees",
+    "lies": lambda body: f"has toppled and lies on {SIDES[body['side']]}",
+    "afloat": _afloat,
+    "left": lambda body: "has left",
+}
+"""What the title says of each state."""
+EVENTS = {"slides_at": "slides from {:z.1f} s on", "tips_at": "tips at {:z.1f} s", "falls_at": "falls at {:z.1f} s"}
+STATES = {"lies": "lies from {:z.1f} s on", "leans": "leans from {:z.1f} s on", "left": "leaves at {:z.1f} s"}
+
+
+def _events(body: Mapping[str, Any]) -> list[str]:
+    """What happened to a body, in its order."""
+    if body.get("state") == "afloat":
+        return []
+    found = [(body[key], words) for key, words in EVENTS.items() if body.get(key) is not None]
+    if body.get("state_since") is not None and body["state"] in STATES:
+        found.append((body["state_since"], STATES[body["state"]]))
+    return [words.format(time) for time, words in sorted(found, key=lambda one: one[0])]
+
+
+def _listed(parts: list[str]) -> str:
+    return parts[0] if len(parts) == 1 else f"{', '.join(parts[:-1])} and {parts[-1]}"
 
 
 def _title(summary: Mapping[str, Any]) -> str:
@@ -73,10 +110,12 @@ def _not_by_weight(summary: Mapping[str, Any]) -> str:
 
 BODIES = Verdict(
     "What do the bodies do?",
-    "The body caisson slides 1.37 m from 1.8 s on, and rests from 6.6 s.",
+    "The body caisson has slid by 1.37 m: it slides from 1.8 s on and rests from 6.6 s on.",
     (
-        "bodies.<body>.largest_displacement", "bodies.<body>.largest_turn", "bodies.<body>.rest_since",
-        "bodies.<body>.slides_at", "bodies.<body>.tips_at", "bodies.<body>.draught",
+        "bodies.<body>.state", "bodies.<body>.slid_by", "bodies.<body>.base_way", "bodies.<body>.centre_way",
+        "bodies.<body>.lean", "bodies.<body>.slides_at", "bodies.<body>.tips_at", "bodies.<body>.falls_at",
+        "bodies.<body>.state_since", "bodies.<body>.rest_since", "bodies.<body>.draught",
+        "bodies.<body>.largest_displacement", "bodies.<body>.largest_turn",
     ),
     _title,
     (

@@ -9,7 +9,8 @@ from dataclasses import fields
 import pytest
 
 from lammps_jump.analysis.quantities import QUANTITIES
-from lammps_jump.analysis.tables.rows import lines, main_numbers
+from lammps_jump.analysis.statistics import Mean
+from lammps_jump.analysis.tables.rows import lines, main_numbers, together
 from lammps_jump.analysis.verdicts import VERDICTS, doubts, headline, verdict
 
 GATE = {"height": 1.79, "height_interval": 0.03, "settled_at": 30.0, "holds": "front", "target": 30.0, "held": 30.02,
@@ -110,30 +111,48 @@ def test_water_at_rest_before_a_wall_does_not_strike_it():
 
 BODY = {
     "largest_displacement": 1.4, "largest_turn": 0.2, "start_x": 17.5, "end_x": 18.9, "rest": True, "rest_since": 6.6,
+    "state": "slid", "side": None, "slid_by": 1.4, "base_way": 1.4, "centre_way": 1.4, "lean": 0.1,
     "slides_at": 1.8, "tips_at": None, "floats": False, "mass": 12000.0, "inertia": 15000.0,
 }  # fmt: skip
-FLOATS = {"floats": True, "draught": 0.5, "draught_interval": 0.02, "draught_by_weight": 0.5}
+FLOATS = {"state": "afloat", "floats": True, "draught": 0.5, "draught_interval": 0.02, "draught_by_weight": 0.5}
+TOPPLED = {"state": "lies", "side": "right", "state_since": 2.4, "base_way": 1.2, "centre_way": 3.2, "tips_at": 2.0}
+NO_STATE = {"state": None, "state_reason": "it turns about a hinge", "slides_at": None}
 
 
 @pytest.mark.parametrize(
     ("changed", "said"),
     [
-        ({}, "The body box slides 1.40 m from 1.8 s on, and rests from 6.6 s."),
+        ({}, "The body box has slid by 1.40 m: it slides from 1.8 s on and rests from 6.6 s on."),
+        ({"slid_by": -1.4}, "The body box has slid by 1.40 m: it"),
         (FLOATS, "The body box floats with a draught of 0.50 ± 0.02 m."),
-        ({"tips_at": 1.5}, "The body box tips at 1.5 s, and rests from 6.6 s on."),
-        ({"slides_at": None, "largest_turn": 48.0}, "The body box comes 1.40 m far and turns by up to 48 degrees, and"),
-        ({"slides_at": None, "largest_displacement": 1e-4, "largest_turn": 0.0}, "The body box stands."),
+        ({"state": "afloat", "rest": False}, "The body box is afloat."),
+        (TOPPLED, "The body box has toppled and lies on its right side: it slides from 1.8 s on, tips at 2.0 s, lies from 2.4 s on and rests from 6.6 s on. Its base came 1.20 m far, its centre of mass 3.20 m."),
+        ({**TOPPLED, "tips_at": 1.5, "side": "top"}, "The body box has toppled and lies on its top: it tips at 1.5 s, slides from 1.8 s on,"),
+        ({"state": "leans", "side": "left", "lean": 12.3, "state_since": 2.0}, "The body box leans to the left by 12 degrees: it slides from 1.8 s on, leans from 2.0 s on and rests"),
+        ({"state": "left", "state_since": 9.0, "falls_at": 8.0, "rest": False}, "The body box has left: it slides from 1.8 s on, falls at 8.0 s and leaves at 9.0 s."),
+        ({"state": "stands", "slides_at": None, "rest": False}, "The body box stands."),
+        ({"states": (5, 8), "rest": False}, "The body box has slid by 1.40 m in 5 of 8 starts: it slides from 1.8 s on."),
+        ({**NO_STATE, "largest_turn": 48.0}, "The body box comes 1.40 m far and turns by up to 48 degrees, and rests from 6.6 s on."),
+        ({**NO_STATE, "largest_displacement": 1e-4, "largest_turn": 0.0}, "The body box stands."),
     ],
-)
+)  # fmt: skip
 def test_what_a_body_did(changed, said):
     assert verdict({"bodies": {"box": {**BODY, **changed}}}).startswith(said)
     assert verdict({"bodies": {"box": {"reason": "no row"}}, "state": STATE}).startswith("300 discs")
     three = verdict({"bodies": {name: BODY for name in "abc"}})
-    assert three.count("slides") == 2 and "tells of 3 bodies" in three
+    assert three.count("has slid") == 2 and "tells of 3 bodies" in three
+
+
+def test_starts_whose_bodies_end_in_another_way_are_counted_and_left_out():
+    ends = [{**BODY, **changed} for changed in ({}, TOPPLED, TOPPLED | {"base_way": 1.6})]
+    whole = together([{"bodies": {"box": one}} for one in ends], lambda values: Mean(sum(values) / len(values), 0.1))
+    box = whole["bodies"]["box"]
+    assert box["states"] == (2, 3) and box["base_way"] == pytest.approx(1.4)
+    assert "lies on its right side in 2 of 3 starts" in verdict(whole)
 
 
 def test_where_a_body_stands_does_not_decide_whether_it_moved():
-    moved = {**BODY, "slides_at": None, "largest_displacement": 0.05, "largest_turn": 0.0}  # of a radius of 1.1 m
+    moved = {**BODY, **NO_STATE, "largest_displacement": 0.05, "largest_turn": 0.0}  # of a radius of 1.1 m
     for x in (1.0, 100.0):
         assert "comes 0.05 m far" in verdict({"bodies": {"box": {**moved, "start_x": x, "end_x": x + 0.05}}})
 
