@@ -158,6 +158,8 @@ class Quantity:
     certainty : callable(result) -> tuple of str
         How sure these numbers are, as paragraphs below the table of errors.
     named : Named or None
+    kind : str
+        Field of a result of a wall that tells of which kind it is; means over starts are of the commonest.
     parts : mapping of str to type
         What stands in ``summary.json`` beside the results of the walls, by its key.
     """
@@ -194,6 +196,7 @@ class Quantity:
     errors: Callable[[Any], Sequence[tuple[str, object]]] = lambda _: ()
     certainty: Callable[[Any], tuple[str, ...]] = lambda _: ()
     named: Named | None = None
+    kind: str = ""
     parts: Mapping[str, Any] = field(default_factory=dict)
 
     def read(self, found: Mapping[str, Any]) -> Any:

@@ -302,5 +302,6 @@ impulse       sum of the force of the discs over time, both ends included
     section=section,
     notes=notes,
     summary=summary,
+    kind="state",
     named=Named("body", "give the case bodies", "body_names", "<body>"),
 )

@@ -207,15 +207,25 @@ def together(summaries: Sequence[Mapping[str, Any]], mean: Callable[[Sequence[fl
     kinds = [tuple(_at(one, f"{name}.verdict") for name in QUANTITIES) for one in summaries]
     kind = Counter(kinds).most_common(1)[0][0]
     same = [one for one, its in zip(summaries, kinds, strict=True) if its == kind]
-    return {**_means(same, mean), "starts": (len(same), len(summaries))}
+    made = {**_means(same, mean), "starts": (len(same), len(summaries))}
+    for name in [name for name in QUANTITIES if isinstance(made.get(name), dict)]:
+        if field := QUANTITIES[name].kind:
+            results = [one[name] for one in same if isinstance(one.get(name), Mapping)]
+            made[name] = {
+                wall: _alike([one[wall] for one in results if wall in one], field, mean) for wall in made[name]
+            }
+    return made
+
+
+def _alike(found: Sequence[Mapping[str, Any]], kind: str, mean: Callable[[Sequence[float]], Mean]) -> dict[str, Any]:
+    """Means of the results of one wall that are of the commonest kind; ``alike`` tells how many, of how many."""
+    commonest = Counter(one.get(kind) for one in found).most_common(1)[0][0]
+    same = [one for one in found if one.get(kind) == commonest]
+    return {**_means(same, mean), "alike": (len(same), len(found))}
 
 
 def _means(found: Sequence[Mapping[str, Any]], mean: Callable[[Sequence[float]], Mean]) -> dict[str, Any]:
     made: dict[str, Any] = {}
-    if any(isinstance(one.get("state"), str) for one in found):  # numbers of other ends are not of the same kind
-        commonest = Counter(one.get("state") for one in found).most_common(1)[0][0]
-        same = [one for one in found if one.get("state") == commonest]
-        made, found = {"states": (len(same), len(found))}, same
     for key, value in found[0].items():
         values = [one.get(key) for one in found]
         if isinstance(value, Mapping):

@@ -26,7 +26,7 @@ def _told(summary: Mapping[str, Any]) -> Iterator[tuple[str, Mapping[str, Any]]]
 
 def _one(name: str, body: Mapping[str, Any]) -> str:
     """What one body did: how it is at the end, and what happened before."""
-    many = body.get("states")
+    many = body.get("alike")
     often = f" in {many[0]} of {many[1]} starts" if many else ""
     since = f"rests from {body['rest_since']:z.1f} s on" if body.get("rest") else ""
     if body.get("state") in SAID:

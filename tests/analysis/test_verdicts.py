@@ -131,7 +131,7 @@ NO_STATE = {"state": None, "state_reason": "it turns about a hinge", "slides_at"
         ({"state": "leans", "side": "left", "lean": 12.3, "state_since": 2.0}, "The body box leans to the left by 12 degrees: it slides from 1.8 s on, leans from 2.0 s on and rests"),
         ({"state": "left", "state_since": 9.0, "falls_at": 8.0, "rest": False}, "The body box has left: it slides from 1.8 s on, falls at 8.0 s and leaves at 9.0 s."),
         ({"state": "stands", "slides_at": None, "rest": False}, "The body box stands."),
-        ({"states": (5, 8), "rest": False}, "The body box has slid by 1.40 m in 5 of 8 starts: it slides from 1.8 s on."),
+        ({"alike": (5, 8), "rest": False}, "The body box has slid by 1.40 m in 5 of 8 starts: it slides from 1.8 s on."),
         ({**NO_STATE, "largest_turn": 48.0}, "The body box comes 1.40 m far and turns by up to 48 degrees, and rests from 6.6 s on."),
         ({**NO_STATE, "largest_displacement": 1e-4, "largest_turn": 0.0}, "The body box stands."),
     ],
@@ -147,7 +147,7 @@ def test_starts_whose_bodies_end_in_another_way_are_counted_and_left_out():
     ends = [{**BODY, **changed} for changed in ({}, TOPPLED, TOPPLED | {"base_way": 1.6})]
     whole = together([{"bodies": {"box": one}} for one in ends], lambda values: Mean(sum(values) / len(values), 0.1))
     box = whole["bodies"]["box"]
-    assert box["states"] == (2, 3) and box["base_way"] == pytest.approx(1.4)
+    assert box["alike"] == (2, 3) and box["base_way"] == pytest.approx(1.4)
     assert "lies on its right side in 2 of 3 starts" in verdict(whole)
 
 
