@@ -17,7 +17,7 @@ from lammps_jump.errors import DumpError
 from lammps_jump.files import open_to_read
 
 from .formats import walk
-from .frame import DumpFile, Frame
+from .frame import UNPACKED, DumpFile, Frame
 from .read import Dump
 
 MARKER = b"ITEM: TIME\n"
@@ -28,6 +28,10 @@ GZIP = 31
 """Of `zlib`: a stream with the header of gzip."""
 WAIT = 0.02
 """Seconds between looks at a file that grows."""
+MOST_UNPACKED = 64_000_000
+"""Bytes that are unpacked at once."""
+MOST_LEFT = 1_500_000_000
+"""Bytes of a dump in which a frame is to begin."""
 
 
 class GrowingDump(Dump):
@@ -100,30 +104,48 @@ class DumpTail:
     path : Path
         Dump with times; it need not be there yet.
     format : {'text', 'gz', 'binary'}
+
+    Attributes
+    ----------
+    at_end : bool
+        Whether the last call of `new_frames` has seen all of the file.
     """
 
     def __init__(self, path: Path, format: str = "text"):
         self.path, self.format = path, format
         self._marker = BINARY_MARKER if format == "binary" else MARKER
         self._read, self._left, self._stream = 0, b"", zlib.decompressobj(GZIP)
+        self._packed, self._unpacked = b"", 0
+        self.at_end = False
 
     def new_frames(self, *, ended: bool = False, most: int = -1) -> Iterator[Frame]:
         """Frames that have become whole since the last call; the newest is whole once another begins.
 
-        Where the run has `ended` the last is whole too. At most `most` bytes are read, by default all.
+        Where the run has `ended` the last is whole too. At most `most` bytes are read, by default all, and of a gzip
+        file `MOST_UNPACKED` unpacked; `at_end` then says whether these were the last ones.
 
-        DumpError where they are malformed.
+        Raises
+        ------
+        DumpError
+            A file that cannot be read, is malformed, or unpacks to more than any dump does.
         """
-        if not self.path.exists():
+        self.at_end = not self.path.exists()
+        if self.at_end:
             return
-        with open_to_read(self.path) as file:
-            file.seek(self._read)
-            arrived = file.read(most)
-            ended = ended and not file.read(1)
+        try:
+            with open_to_read(self.path) as file:
+                file.seek(self._read)
+                arrived = b"" if self._packed else file.read(most)
+                rest = bool(file.read(1))
+        except OSError as error:
+            raise DumpError(f"{self.path}: cannot be read ({error.strerror or error})") from None
         self._read += len(arrived)
-        data = self._left + (self._unpacked(arrived) if self.format == "gz" else arrived)
-        last = len(data) if ended else max(data.rfind(self._marker), 0)
+        data = self._left + (self._unpack(arrived) if self.format == "gz" else arrived)
+        self.at_end = not rest and not self._packed
+        last = len(data) if ended and self.at_end else max(data.rfind(self._marker), 0)
         self._left = data[last:]
+        if len(self._left) > MOST_LEFT:
+            raise DumpError(f"{self.path}: no frame begins within {MOST_LEFT:,} bytes, so this is no dump of a run")
         if last:
             yield from self._frames(data[max(data.find(self._marker), 0) : last])
 
@@ -135,17 +157,23 @@ class DumpTail:
         except OSError:
             return self._read > 0
 
-    def _unpacked(self, packed: bytes) -> bytes:
-        """What more bytes of a gzip file hold; a run that went on has several streams in it."""
-        found = []
+    def _unpack(self, arrived: bytes) -> bytes:
+        """What more bytes of a gzip file hold, or a part of it; a run that went on has several streams in it."""
+        found, size, packed = [], 0, self._packed + arrived
         try:
-            while packed:
-                found.append(self._stream.decompress(packed))
-                packed = self._stream.unused_data
-                if packed:
-                    self._stream = zlib.decompressobj(GZIP)
+            while packed and size < MOST_UNPACKED:
+                found.append(self._stream.decompress(packed, MOST_UNPACKED - size))
+                size += len(found[-1])
+                if self._stream.eof:
+                    packed, self._stream = self._stream.unused_data, zlib.decompressobj(GZIP)
+                else:
+                    packed = self._stream.unconsumed_tail
         except zlib.error as error:
             raise DumpError(f"{self.path}: the gzip stream is damaged ({error})") from None
+        self._packed = packed
+        self._unpacked += size
+        if self._unpacked > UNPACKED * max(self._read, MOST_UNPACKED // UNPACKED):
+            raise DumpError(f"{self.path}: unpacks to more than {UNPACKED} times its size, as no dump of discs does")
         return b"".join(found)
 
     def newest(self, guess: int = 2_000_000, *, ended: bool = False) -> Frame | None:
@@ -164,7 +192,7 @@ class DumpTail:
                     begin = tail.rfind(MARKER, 0, max(stop, 0))
                     if begin >= 0:
                         return next(self._frames(tail[begin:stop]), None)
-                    if start == 0:
+                    if start == 0 or guess > MOST_LEFT:
                         return None
                     guess *= 4
         except OSError:

@@ -5,7 +5,7 @@ const ASK_AGAIN = 400;
 const WORDS_OF = {
   none: "There is no run yet", starting: "The run begins", running: "The run goes on", complete: "The run is complete",
   interrupted: "The run was stopped and can go on", failed: "The run failed", refused: "The command was refused",
-  unchecked: "The run has ended; its analysis has not",
+  unchecked: "The run has ended; its analysis has not", damaged: "What the run wrote is damaged",
 };
 
 let growing = null, shownOf = null, shownCurves = "";
@@ -20,7 +20,7 @@ async function refresh() {
 }
 
 function showState(data) {
-  byId("error").textContent = ["failed", "refused"].includes(data.status) ? data.message : "";
+  byId("error").textContent = ["failed", "refused"].includes(data.status) ? data.message : data.trouble || "";
   byId("name").textContent = data.name ? [data.name, data.description].filter(Boolean).join(": ") : data.folder;
   document.title = `${data.name || data.folder}: lammps-jump`;
   const at = data.time === null || data.time === undefined ? "" : `, ${data.time.toFixed(2)} of ${data.duration} s`;
@@ -28,7 +28,7 @@ function showState(data) {
   const other = data.cut_off && data.status === "interrupted" ? `; ${data.message}` : writer;
   const said = `${WORDS_OF[data.status] || data.status}${at}${other}. ${data.folder}`;
   if (byId("state").textContent !== said) byId("state").textContent = said;
-  byId("progress").hidden = ["complete", "failed", "refused"].includes(data.status);
+  byId("progress").hidden = ["complete", "damaged", "failed", "refused"].includes(data.status);
   byId("progress").value = data.time && data.duration ? data.time / data.duration : 0;
   for (const [name, command] of [["stop", data.stop], ["go-on", data.own ? null : data.go_on], ["report", data.report]]) {
     byId(name).parentElement.hidden = !command;

@@ -15,18 +15,22 @@ import numpy as np
 
 from lammps_jump import runs
 from lammps_jump.analysis.flow import Flow
-from lammps_jump.analysis.passes import feed
+from lammps_jump.analysis.passes import Watcher, feed
 from lammps_jump.analysis.report.frames import FramePacker
 from lammps_jump.analysis.report.player import about_run
 from lammps_jump.case.case import ReadCase
+from lammps_jump.dump import FrameCheck
+from lammps_jump.dump.frame import Frame
 from lammps_jump.dump.tail import DumpTail
 from lammps_jump.engines.checkpoint import has_checkpoint
-from lammps_jump.errors import JumpError
+from lammps_jump.errors import DumpError, JumpError
 from lammps_jump.files import DUMP_NAMES
 from lammps_jump.folders import holder
+from lammps_jump.foreign import reason
 from lammps_jump.runs.folder import require_case
 from lammps_jump.runs.state import has_output
 from lammps_jump.runs.summary import read_summary
+from lammps_jump.scene.scene import Scene
 
 from .curves import SoFar
 
@@ -46,7 +50,7 @@ class WatchedState(NamedTuple):
     Attributes
     ----------
     status : str
-        none, running, complete, interrupted, failed or unchecked.
+        none, running, complete, interrupted, failed or unchecked. The page has damaged too: frames cannot be shown.
     message : str
         Of the summary; of a running one, which process writes.
     cut_off : bool
@@ -61,6 +65,20 @@ class WatchedState(NamedTuple):
     def goes_on(self) -> bool:
         """Whether the last frame may not be whole yet."""
         return self.cut_off or self.status in ("none", "running")
+
+
+class _Schedule(FrameCheck):
+    """Refuses a frame that is not of the schedule of a scene, before another collector sees it."""
+
+    def __init__(self, scene: Scene, path: Path):
+        super().__init__(scene)
+        self.path = path
+
+    def add(self, frame: Frame, time: float) -> None:
+        """Take in the next frame; DumpError where its step, time, ids or places are none of the run."""
+        super().add(frame, time)
+        if self.first_trouble:
+            raise DumpError(f"{self.path}: {self.first_trouble}")
 
 
 class Watched:
@@ -80,7 +98,8 @@ class Watched:
         self._tail: DumpTail
         self._flow: Flow
         self._so_far: SoFar
-        self._frames = 0
+        self._check: _Schedule
+        self._frames, self._trouble = 0, ""
 
     @property
     def state(self) -> WatchedState:
@@ -108,44 +127,66 @@ class Watched:
             self._packer = FramePacker(self._flow, maps=False)
             self._tail = DumpTail(self.folder / DUMP_NAMES[kind], kind)
             self._so_far = SoFar(case, self._flow, self.folder)
+            self._check = _Schedule(case.scene(), self._tail.path)
             self._case = case
         return self._case is not None
 
     def update(self) -> dict[str, Any]:
         """Read what is new, for a while at most; what a page is to know.
 
+        A frame that cannot be read, or is not of the schedule, is the last one that is looked at: ``trouble`` tells it
+        from then on, and a run that came to its end is ``damaged``.
+
         Raises
         ------
         JumpError
-            A case or frame that cannot be read.
+            A case that cannot be read.
         """
         with self._lock:
             state = self.state
-            found: dict[str, Any] = {**state._asdict(), "frames": 0, "of": self._key}
+            found: dict[str, Any] = {**state._asdict(), "frames": 0, "of": self._key, "trouble": ""}
             if not self._open() or self._case is None:
                 return found
             if self._tail.was_cut:
                 self._forget()
                 self._open()
-            started = perf_counter()
-            before = -1
-            while before < self._frames and perf_counter() - started < LONGEST:
-                before = self._frames
-                self._take_in(ended=not state.goes_on)
+            self._take_in(state)
             times, asked = self._packer.times, self._case.fields
-            found |= {"of": self._key, "frames": len(times), "more": before < self._frames, "name": asked.name}
-            found |= {"description": asked.description, "duration": asked.run.duration, "seen": self._frames}
-            found["time"] = times[-1] if times else None
+            found |= {"of": self._key, "frames": len(times), "more": not (self._tail.at_end or self._trouble)}
+            found |= {"name": asked.name, "description": asked.description, "duration": asked.run.duration}
+            found |= {"seen": self._frames, "time": times[-1] if times else None, "trouble": self._trouble}
+            if self._trouble and state.status in ("complete", "unchecked"):
+                found |= {"status": "damaged", "message": self._trouble}
             if any(len(rows) for _, rows in self._packer.kept):
                 found["about"] = {**about_run(self._packer, self.folder), **self._scale}
             found["curves"] = self._so_far.curves(live=state.goes_on)
             return found
 
-    def _take_in(self, *, ended: bool) -> None:
-        """Read frames that are new, and show them to the packer and to what makes curves."""
-        frames = self._tail.new_frames(ended=ended, most=AT_ONCE)
-        for _ in feed(frames, self._flow, [self._packer, *self._so_far.collectors]):
-            self._frames += 1
+    def _take_in(self, state: WatchedState) -> None:
+        """Read frames that are new, for a while, and show them to the packer and to what makes curves."""
+        started = perf_counter()
+        collectors: list[Watcher] = [self._check, self._packer, *self._so_far.collectors]
+        try:
+            while not self._trouble:
+                for _ in feed(self._tail.new_frames(ended=not state.goes_on, most=AT_ONCE), self._flow, collectors):
+                    self._frames += 1
+                if self._tail.at_end or perf_counter() - started > LONGEST:
+                    break
+            if self._tail.at_end and not self._trouble and state.status == "complete":
+                self._trouble = self._missing()
+        except (JumpError, OSError) as error:
+            self._trouble = str(error)
+        except Exception as error:  # the server tells it once; the frames behind it are not looked at either
+            self._trouble = f"{self._tail.path}: a frame cannot be shown ({reason(error)})"
+            raise
+
+    def _missing(self) -> str:
+        """What a complete run lacks of its schedule, in words; empty for nothing."""
+        with suppress(JumpError):
+            stored = read_summary(self.folder)
+            told = self._check.result(stored["steps"], stored["discs"]["present"] + stored["discs"].get("fixed", 0))
+            return f"{self._tail.path}: {'; '.join(told)}" if told else ""
+        return ""
 
     @property
     def _key(self) -> str:

@@ -126,6 +126,100 @@ def test_a_dump_that_was_cut_is_read_anew(finished, tmp_path):
     assert watched.frames(0, first["of"]) == b""
 
 
+def in_frame(number, change):
+    """Changes one frame of a dump, given as lines behind its `ITEM: TIME`."""
+
+    def spoil(text):
+        frames = text.split("ITEM: TIME\n")
+        lines = frames[number].split("\n")
+        change(lines)
+        return "ITEM: TIME\n".join([*frames[:number], "\n".join(lines), *frames[number + 1 :]])
+
+    return spoil
+
+
+def row(at, column, value):
+    """Puts a value into a row of discs of a frame."""
+
+    def change(lines):
+        first = next(number for number, line in enumerate(lines) if line.startswith("ITEM: ATOMS")) + 1
+        cells = lines[first + at].split()
+        lines[first + at] = " ".join([*cells[:column], value, *cells[column + 1 :]])
+
+    return in_frame(5, change)
+
+
+def set_line(at, value):
+    return in_frame(5, lambda lines: lines.__setitem__(at, value))
+
+
+SPOILT = {
+    "no number": (row(2, 2, "nan"), "", 4),
+    "a word": (row(2, 2, "x"), "expected", 4),
+    "an id twice": (row(2, 0, "1"), "an id stands there twice", 4),
+    "an id that is none": (row(2, 0, "0"), "an id is no positive whole number", 4),
+    "a disc far away": (row(2, 2, "1e6"), "outside the domain", 4),
+    "another time": (set_line(0, "0.0801"), "time 0.0801 s, but its step is at 0.08 s", 4),
+    "a time that is none": (set_line(0, "soon"), "expected a time", 4),
+    "another step": (set_line(2, "77"), "step 77 stands where step", 4),
+    "a row that is missing": (in_frame(5, lambda lines: lines.pop(12)), "stands where step", 4),
+    "frames that are missing": (lambda text: text[: text.rindex("ITEM: TIME\n")], "25 of 26 frames", 25),
+    "a frame that is missing": (
+        lambda text: "ITEM: TIME\n".join(one for n, one in enumerate(text.split("ITEM: TIME\n")) if n != 5),
+        "stands where step", 4,
+    ),
+    "nothing": (lambda text: "", "0 of 26 frames", 0),
+    "no dump": (lambda text: "hello\n", "expected", 0),
+}  # fmt: skip
+"""What becomes of a dump, what is said of it, and the frames that are shown."""
+
+
+@pytest.mark.parametrize("spoilt", SPOILT)
+@pytest.mark.parametrize("ended", [True, False])
+def test_a_damaged_dump_is_told_as_long_as_it_is_seen(finished, tmp_path, spoilt, ended):
+    """The error stood there for 0.4 s; then the run was complete with the frames before it."""
+    spoil, said, shown = SPOILT[spoilt]
+    shutil.copytree(finished, tmp_path / "run")
+    path = tmp_path / "run" / "dump.lammpstrj"
+    path.write_text(spoil(path.read_text()))
+    if not ended:
+        (tmp_path / "run" / "summary.json").unlink()
+    watched = Watched(tmp_path / "run")
+    found, data = all_of(watched)
+    if not ended and (shown == 0 or "of 26 frames" in said):
+        assert not found["trouble"] and found["frames"] == max(0, shown - 1)  # it may go on
+        return
+    for _ in range(2):
+        assert found["status"] == ("damaged" if ended else "interrupted")
+        assert said in found["trouble"] and str(path) in found["trouble"] and not found["more"]
+        assert found["frames"] == shown == len(rows(data, 1.0))
+        found, data = all_of(watched)
+
+
+@pytest.mark.parametrize("kind", ["pipe", "folder", "endless"])
+def test_a_dump_that_is_no_file_is_told(finished, tmp_path, kind):
+    shutil.copytree(finished, tmp_path / "run")
+    path = tmp_path / "run" / "dump.lammpstrj"
+    path.unlink()
+    {"pipe": os.mkfifo, "folder": os.mkdir, "endless": lambda path: path.symlink_to("/dev/zero")}[kind](path)
+    with serving(tmp_path / "run") as server:
+        for _ in range(2):
+            found = asked(server, "run/0/state")
+            assert found["status"] == "damaged" and "cannot be read" in found["message"] and found["frames"] == 0
+
+
+def test_a_defect_while_frames_are_shown_is_told_from_then_on(finished, monkeypatch):
+    def broken(*_):
+        raise ZeroDivisionError("no such luck")
+
+    watched = Watched(finished)
+    monkeypatch.setattr("lammps_jump.analysis.report.frames.FramePacker.add", broken)
+    with pytest.raises(ZeroDivisionError):
+        watched.update()
+    found = watched.update()
+    assert found["status"] == "damaged" and "no such luck" in found["trouble"]
+
+
 def test_what_a_page_keeps_is_thinned_and_sent_anew(finished, monkeypatch):
     monkeypatch.setattr("lammps_jump.analysis.report.frames.MOST_FRAMES", 10)
     found, data = all_of(Watched(finished))
