@@ -4,7 +4,7 @@ VENV   ?= .venv
 BIN     = $(VENV)/bin
 CASE   ?= inputs/stable_jump.yaml
 
-.PHONY: run test suite check browser bench stress cross-validation validate sensitivity figures times docs docs-test reference gallery measured lint doctor wheel test-repeat faults sanitize slurm clean
+.PHONY: run test suite check browser bench stress cross-validation validate sensitivity figures times bits docs docs-test reference gallery measured lint doctor wheel test-repeat faults sanitize slurm clean
 
 # byte code is kept: without it every start of the program compiles all that it imports
 unexport PYTHONDONTWRITEBYTECODE
@@ -68,6 +68,13 @@ sanitize: $(VENV)/.test
 	CXX="$(SANITIZING)" $(BIN)/python -c "from lammps_jump.compiling.build import library_path; from lammps_jump.core import CORE; library_path(CORE)"
 	CXX="$(SANITIZING)" ASAN_OPTIONS=detect_leaks=0 LD_PRELOAD="$$(g++ -print-file-name=libasan.so) $$(g++ -print-file-name=libstdc++.so)" \
 	$(BIN)/python -m pytest -p no:cacheprovider $(SANITIZED)
+
+# the bits of the native engine in WebAssembly (node), on arm64 (qemu-user) and with SSE2 alone, a quarter of an hour; packages
+# that are missing are installed, Debian's as root
+bits: $(VENV)/.test
+	@$(call install,--editable '.[wasm]')
+	@command -v qemu-aarch64 >/dev/null || { apt-get update -q && apt-get install -q -y --no-install-recommends qemu-user; }
+	$(BIN)/python tests/bits/elsewhere.py
 
 # job files under a Slurm of this machine; installs Debian's packages where they are missing, as root
 slurm: $(VENV)/.test

@@ -11,12 +11,17 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
-#include <mutex>
 #include <new>
-#include <thread>
 #include <vector>
+
+#if defined(__wasm__)
+#define JUMP_ONE_THREAD    // its standard library has none
+#else
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+#endif
 
 #if defined(__x86_64__)
 #include <immintrin.h>
@@ -50,6 +55,22 @@ template <class T> struct LineAllocator {
   friend bool operator==(const LineAllocator &, const LineAllocator &) { return true; }
   friend bool operator!=(const LineAllocator &, const LineAllocator &) { return false; }
 };
+
+#ifdef JUMP_ONE_THREAD
+
+/** The calling thread alone. */
+class CallingThread {
+ public:
+  void resize(int) {}
+  int size() const { return 1; }
+  template <class Run> void run(int parts, const Run &run)
+  {
+    for (int part = 0; part < parts; part++) run(part);
+  }
+};
+using ThreadPool = CallingThread;
+
+#else
 
 class ThreadPool {
  public:
@@ -177,6 +198,8 @@ inline void ThreadPool::help(int own)
     active--;
   }
 }
+
+#endif
 
 }    // namespace jump
 
