@@ -252,19 +252,11 @@ def _seen(case: CaseFields, begun: Beginning, around: _Around) -> _Seen:
 
 def _touch(case: CaseFields, begun: Beginning, laws: dict[str, contact.WallLaw]) -> dict[str, Any]:
     """How discs touch: fields of `Scene` beside the coefficients."""
-    law = case.contact
-    rubs = law.friction > 0 or any(own.friction for own in laws.values())
-    springs = law.springs if rubs else None
-    width = law.touch_width or TOUCH_STEPS * _stiffness(case)[1] * begun.time_step
-    return {
-        "friction_law": law.friction_law,
-        "springs": springs,
-        "contact_output": springs is not None and (case.engine.name != "lammps" or case.analysis.looks_at_contacts),
-        "rotation": law.rotation and rubs,
-        "touch": law.touch,
-        "touch_width": 0.0 if law.touch == "sharp" else width,
-        "cohesion": law.attraction(begun.coefficients.mass, case.gravity),
-    }
+    rubs = case.contact.friction > 0 or any(own.friction for own in laws.values())
+    width, weight = TOUCH_STEPS * _stiffness(case)[1] * begun.time_step, begun.coefficients.mass * case.gravity
+    law = case.contact.law_fields(rubs=rubs, width=width, weight=weight)
+    listed = law["springs"] is not None and (case.engine.name != "lammps" or case.analysis.looks_at_contacts)
+    return {**law, "contact_output": listed}
 
 
 def _own_laws(case: CaseFields, begun: Beginning, given: tuple[walls.CaseWall, ...]) -> dict[str, contact.WallLaw]:

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag
 from pydantic.functional_validators import model_validator
@@ -169,11 +169,27 @@ class Contact(Strict):
             return material_stiffness(self.from_material.young, self.from_material.poisson)
         return self.stiffness
 
-    def attraction(self, mass: float, gravity: float) -> float:
-        """Attraction of what touches, N per m of width, for nominal discs of this mass (kg/m)."""
-        if isinstance(self.cohesion, ShareOfWeight):
-            return self.cohesion.weight * mass * gravity
-        return self.cohesion or 0.0
+    def law_fields(self, *, rubs: bool, width: float, weight: float) -> dict[str, Any]:
+        """All fields of `Scene` that tell the law, beside its coefficients, walls and sizes; nothing else fills them.
+
+        Parameters
+        ----------
+        rubs : bool
+            Anything in the scene has friction.
+        width : float
+            Of a smooth touch for which the case gives none, m.
+        weight : float
+            Of a nominal disc, N per m of width.
+        """
+        smooth, pull = self.touch == "smooth", self.cohesion
+        return {
+            "friction_law": self.friction_law,
+            "springs": self.springs if rubs else None,
+            "rotation": self.rotation and rubs,
+            "touch": self.touch,
+            "touch_width": (self.touch_width or width) if smooth else 0.0,
+            "cohesion": pull.weight * weight if isinstance(pull, ShareOfWeight) else pull or 0.0,
+        }
 
     @property
     def stiffer(self) -> str:

@@ -126,7 +126,7 @@ class Cell:
         discs, c = self.discs, self.discs.coefficients
         unit = discs.root_time
         square = (0.5 * discs.diameter) ** 2
-        spins = discs.rotation and c.friction > 0
+        spins = discs.law["rotation"] and c.friction > 0
         gain = 0.0
         if pressure is not None:
             gain = FOLLOW * abs(rate) * c.stiffness / pressure if rate else haste / (SLOWNESS * unit)
@@ -147,7 +147,7 @@ class Cell:
         return record
 
     def _springs(self, count: int) -> Memory | None:
-        if self.discs.springs is None:
+        if self.discs.law["springs"] is None:
             return None
         room = slots_of(2.0 * self.swarm.radius.min(), 2.0 * self.swarm.radius.max())
         partner, used = np.zeros((count, room), np.int64), np.zeros((count, room), np.int8)

@@ -3,8 +3,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import sqrt
+from typing import Any
 
 import numpy as np
 
@@ -12,7 +14,7 @@ from lammps_jump.case import ReadCase
 from lammps_jump.case.packing import disc_sizes
 from lammps_jump.case.to_scene import TOUCH_STEPS, contact_of
 from lammps_jump.physics.contact import Coefficients, derive
-from lammps_jump.physics.slip import FRICTION_LAWS, Springs
+from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.sizes import Sizes
 
@@ -29,30 +31,21 @@ class FluidDiscs:
         None: equal discs.
     coefficients : Coefficients
         For LAMMPS' order of operations.
-    friction_law : str
-    springs : Springs or None
-    rotation : bool
-    touch : float or None
-        Width of a smooth touch, m.
+    law : mapping of str to object
+        What else a `Scene` has of the law, by its fields (`Contact.law_fields`).
     slip_speed : float
         m/s: eps of the thesis' sign law, 0.01 of the case's impact speed.
     impact_speed : float
         v0 of thesis (3.20), m/s.
-    cohesion : float
-        Constant attraction of what touches, N per m of width.
     """
 
     diameter: float
     density: float
     sizes: Sizes | None
     coefficients: Coefficients
-    friction_law: str
-    springs: Springs | None
-    rotation: bool
-    touch: float | None
+    law: Mapping[str, Any]
     slip_speed: float
     impact_speed: float
-    cohesion: float = 0.0
 
     @property
     def root_time(self) -> float:
@@ -70,11 +63,9 @@ class FluidDiscs:
         diameter, nothing = self.diameter, np.zeros((0, 2))
         return Scene(
             name="discs", description="", diameter=diameter, density=self.density, gravity=(0.0, 0.0),
-            coefficients=self.coefficients, friction_law=self.friction_law, rotation=self.rotation,
-            integrator="velocity_verlet", domain=((0.0, diameter), (0.0, diameter)), positions=nothing,
-            velocities=nothing, walls=(), sizes=self.sizes, touch="sharp" if self.touch is None else "smooth",
-            touch_width=self.touch or 0.0, springs=self.springs, overlap_limit=diameter,
-            cohesion=self.cohesion,
+            coefficients=self.coefficients, **self.law, integrator="velocity_verlet",
+            domain=((0.0, diameter), (0.0, diameter)), positions=nothing, velocities=nothing, walls=(),
+            sizes=self.sizes, overlap_limit=diameter,
         )  # fmt: skip
 
     def radii(self, count: int) -> np.ndarray:
@@ -90,17 +81,13 @@ def discs_of(case: ReadCase) -> FluidDiscs:
     law, sizes = fields.contact, disc_sizes(fields)
     stated = contact_of(fields, "velocity_verlet", sizes)
     coefficients, impact_speed = derive(stated), stated.impact_speed
-    touch = law.touch_width or TOUCH_STEPS * impact_speed * coefficients.time_step
+    width, weight = TOUCH_STEPS * impact_speed * coefficients.time_step, coefficients.mass * fields.gravity
     return FluidDiscs(
         diameter=fields.discs.diameter,
         density=fields.discs.density,
         sizes=sizes and replace(sizes, seed=1),
         coefficients=coefficients,
-        friction_law=law.friction_law,
-        springs=law.springs if law.friction > 0 else None,
-        rotation=law.rotation and law.friction > 0,
-        touch=touch if law.touch == "smooth" else None,
+        law=law.law_fields(rubs=law.friction > 0, width=width, weight=weight),
         slip_speed=(FRICTION_LAWS[law.friction_law].ramp or 0.0) * impact_speed,
         impact_speed=impact_speed,
-        cohesion=law.attraction(coefficients.mass, fields.gravity),
     )

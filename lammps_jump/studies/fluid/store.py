@@ -27,8 +27,9 @@ Numbers = dict[str, Any]
 def measured_key(discs: FluidDiscs, flow: FlowScales) -> str:
     """Key of what is measured: the discs, and pressure and depth in three digits."""
     scales = [f"{value:z.3g}" for value in (flow.pressure(discs.density), slosh_depth(discs, flow), flow.gravity)]
-    known = {name: value for name, value in plain(discs).items() if name not in LATER or value != LATER[name]}
-    return short_hash({"method": METHOD, "discs": known, "scales": scales})
+    numbers = plain(discs)
+    numbers |= {name: value for name, value in numbers.pop("law").items() if name not in LATER or value != LATER[name]}
+    return short_hash({"method": METHOD, "discs": numbers, "scales": scales})
 
 
 def store_of(key: str) -> Path:
