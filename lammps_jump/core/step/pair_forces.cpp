@@ -2,7 +2,7 @@
 /* Forces of touching pairs, in batches: pairs that touch are gathered without a branch, which would be guessed wrong often,
    their contacts are computed in vectors, and the forces are added in the order of the list. */
 
-#include "contact/simd.h"    // before the core: its templates take vectors
+#include "contact/batch.h"    // before the core: its templates take vectors
 
 #include "step/forces.h"
 #include "step/kinds.h"
@@ -13,34 +13,16 @@ namespace jump {
 
 namespace {
 
-/** As many numbers as a vector has, from an aligned place. */
-inline Lanes &lanes(double *from) { return *reinterpret_cast<Lanes *>(from); }
-
 typedef double Column[BATCH];
 
-/** Touching pairs and what their contacts give; each column is a number of each of them. */
-struct Batch {
-  int n = 0;
-  int32_t i[BATCH + 4], j[BATCH + 4];    // room for four that are written at once
+/** Touching pairs, and what their contacts give to the sums. */
+struct SummedBatch : ContactBatch<BATCH> {
   int64_t row[BATCH];
-  alignas(64) double between[BATCH][4];    // from the second disc to the first: x, y, vx, vy
-  alignas(64) Column radius_i, radius_j, bulk_i, bulk_j, spin_i, spin_j, slide, roll;
-  alignas(64) Column fx, fy, dashpot_x, dashpot_y, on_i, on_j, rubbed_x, rubbed_y;
+  alignas(64) Column fx, fy, dashpot_x, dashpot_y, rubbed_x, rubbed_y;
   alignas(64) double given[BATCH][4];      // force and its lost part
   int64_t slot[BATCH];    // of the springs; FULL: none, or another part's
   double way[BATCH];      // of rolling, from the disc that remembers to the first of the pair
 };
-
-/** Squares of the lengths of four differences, by their first two numbers. */
-inline Four square_of(const Four &a, const Four &b, const Four &c, const Four &d)
-{
-  const Four aa = a * a, bb = b * b, cc = c * c, dd = d * d;
-  const Four ab = JUMP_SHUFFLE(aa, bb, 0, 4, 2, 6) + JUMP_SHUFFLE(aa, bb, 1, 5, 3, 7);
-  const Four cd = JUMP_SHUFFLE(cc, dd, 0, 4, 2, 6) + JUMP_SHUFFLE(cc, dd, 1, 5, 3, 7);
-  return JUMP_SHUFFLE(ab, cd, 0, 1, 4, 5);
-}
-
-inline Four square(const Four &a) { return a * a; }
 
 /** What pairs add to one disc: force and its lost part. */
 struct PairGiven {
@@ -104,8 +86,8 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
         across(first, behind);
         continue;
       }
-      find(begin, end);
-      for (int c = 0; c < b.n; c++) difference(c) = disc(b.i[c]) - disc(b.j[c]);
+      b.find<SIZES>(at, s.radius, s.diameter, part.first, s.neighbours, begin, end);
+      for (int c = 0; c < b.n; c++) b.difference(c) = disc(b.one[c]) - disc(b.two[c]);
       compute();
       if (s.dashpot_x) add_batch<true>(first);
       else add_batch<false>(first);
@@ -129,7 +111,7 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
           end_row();
           sum = Added{};
           row_now = b.row[c];
-          disc = b.i[c];
+          disc = b.one[c];
         }
         add_pair(c, sum);
       }
@@ -137,10 +119,10 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
     };
     b.n = 0;
     each_across(s, part, from, to, [&](int64_t row, int64_t i, int64_t j, const Four &apart) {
-      b.i[b.n] = (int32_t) i;
-      b.j[b.n] = (int32_t) j;
+      b.one[b.n] = (int32_t) i;
+      b.two[b.n] = (int32_t) j;
       b.row[b.n] = row;
-      difference(b.n) = apart;
+      b.difference(b.n) = apart;
       b.n++;
       if (b.n == BATCH) flush();
     });
@@ -155,75 +137,16 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
   const ContactVelocities seen;
   const double (*const at)[4];
   size_t remote_history = 0;    // of the part's, those that are read
-  Batch b;
+  SummedBatch b;
   Added rows[BATCH];
 
   const Four &disc(int64_t i) const { return *reinterpret_cast<const Four *>(at[i]); }
-  Four &difference(int c) { return *reinterpret_cast<Four *>(b.between[c]); }
-
-  /** The pairs of a stretch of the list that touch, without a branch. */
-  void find(int64_t from, int64_t to)
-  {
-    const int32_t *const one = part.first, *const two = s.neighbours;
-    const double *const __restrict radius = s.radius;
-    const auto apart = [&](int64_t p) { return disc(one[p]) - disc(two[p]); };
-    const auto reach = [&](int64_t p) { return SIZES ? radius[one[p]] + radius[two[p]] : s.diameter; };
-    int n = 0;
-    int64_t p = from;
-    for (; HAS_FOUR && p + 4 <= to; p += 4) {
-      const int mask = bits(square_of(apart(p), apart(p + 1), apart(p + 2), apart(p + 3)) <
-                            square(Four{reach(p), reach(p + 1), reach(p + 2), reach(p + 3)}));
-      *reinterpret_cast<FourInts *>(b.i + n) = first_of(four(one + p), mask);
-      *reinterpret_cast<FourInts *>(b.j + n) = first_of(four(two + p), mask);
-      n += __builtin_popcount(mask);
-    }
-    for (; p < to; p++) {
-      const Four a = apart(p);
-      b.i[n] = one[p];
-      b.j[n] = two[p];
-      n += a[0] * a[0] + a[1] * a[1] < reach(p) * reach(p);
-    }
-    b.n = n;
-  }
-
-  /** Contacts of the batch from c on, as many as a vector has. */
-  Pair<Lanes> pairs_from(int c, const Lanes &half)
-  {
-    Lanes between[4];
-    deinterleave(b.between + c, between);
-    Pair<Lanes> two;
-    two.dx = between[0];
-    two.dy = between[1];
-    two.vx = between[2];
-    two.vy = between[3];
-    two.apart2 = two.dx * two.dx + two.dy * two.dy;
-    two.a = SIZES ? lanes(b.radius_i + c) : half;
-    two.b = SIZES ? lanes(b.radius_j + c) : half;
-    if constexpr (SIZES) {
-      two.bulk_a = s.fixed ? lanes(b.bulk_i + c) : two.a;
-      two.bulk_b = s.fixed ? lanes(b.bulk_j + c) : two.b;
-    }
-    if constexpr (SPIN) {
-      two.spin_a = lanes(b.spin_i + c);
-      two.spin_b = lanes(b.spin_j + c);
-    }
-    return two;
-  }
 
   /** The forces of the batch. */
   void compute()
   {
     gather();
-    const Numbers<Lanes> of = numbers_of(s.pair, Lanes{});
-    const Lanes half = spread(0.5 * s.diameter, Lanes{});
-    for (int c = 0; c < b.n; c += LANES) {
-      const Pair<Lanes> two = pairs_from(c, half);
-      Stretch<Lanes> held{};
-      if constexpr (MEMORY) {
-        held.slide = lanes(b.slide + c);
-        held.roll = lanes(b.roll + c);
-      }
-      const PairForce<Lanes> out = pair_contact<SIZES, SPIN>(law, of, two, held);
+    b.template evaluate<SIZES, SPIN>(law, numbers_of(s.pair, Lanes{}), s.fixed, 0.5 * s.diameter, [this](int c, const auto &out) {
       lanes(b.fx + c) = out.fx;
       lanes(b.fy + c) = out.fy;
       lanes(b.dashpot_x + c) = out.dashpot * out.nx;
@@ -232,15 +155,7 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
         lanes(b.rubbed_x + c) = out.tangential * out.ny;
         lanes(b.rubbed_y + c) = out.tangential * out.nx;
       }
-      if constexpr (SPIN) {
-        lanes(b.on_i + c) = out.on_a;
-        lanes(b.on_j + c) = out.on_b;
-      }
-      if constexpr (MEMORY) {
-        lanes(b.slide + c) = held.slide;
-        lanes(b.roll + c) = held.roll;
-      }
-    }
+    });
     for (int c = 0; c < b.n; c += 4)
       rows_of_four(four(b.fx + c), four(b.fy + c), four(b.dashpot_x + c), four(b.dashpot_y + c), b.given + c);
     if constexpr (MEMORY) remember();
@@ -251,26 +166,22 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
   {
     const double *const __restrict radius = s.radius;
     for (int c = 0; (SIZES || SPIN || MEMORY) && c < b.n; c++) {
-      const int64_t i = b.i[c], j = b.j[c];
+      const int64_t i = b.one[c], j = b.two[c];
       if constexpr (SIZES) {
-        b.radius_i[c] = radius[i];
-        b.radius_j[c] = radius[j];
+        b.radius[0][c] = radius[i];
+        b.radius[1][c] = radius[j];
         if (s.fixed) {
-          b.bulk_i[c] = mass_radius(s, i);
-          b.bulk_j[c] = mass_radius(s, j);
+          b.bulk[0][c] = mass_radius(s, i);
+          b.bulk[1][c] = mass_radius(s, j);
         }
       }
       if constexpr (SPIN) {
-        b.spin_i[c] = seen.spin[i];
-        b.spin_j[c] = seen.spin[j];
+        b.spin[0][c] = seen.spin[i];
+        b.spin[1][c] = seen.spin[j];
       }
       if constexpr (MEMORY) recall(c, i, j);
     }
-    for (int c = b.n; c % LANES != 0 || c % 4 != 0; c++) {
-      difference(c) = Four{0.5 * s.diameter, 0.5 * s.diameter, 0.0, 0.0};
-      b.spin_i[c] = b.spin_j[c] = b.slide[c] = b.roll[c] = 0.0;
-      b.radius_i[c] = b.radius_j[c] = b.bulk_i[c] = b.bulk_j[c] = 0.5 * s.diameter;
-    }
+    b.fill(0.5 * s.diameter);
   }
 
   void recall(int c, int64_t i, int64_t j)
@@ -305,7 +216,7 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
   {
     s.fx[j] -= b.given[c][0];
     s.fy[j] -= b.given[c][1];
-    if constexpr (SPIN) s.torque[j] += b.on_j[c];
+    if constexpr (SPIN) s.torque[j] += b.moment[1][c];
     if constexpr (LEDGER) {
       s.dashpot_x[j] -= b.given[c][2];
       s.dashpot_y[j] -= b.given[c][3];
@@ -320,7 +231,7 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
   template <bool LEDGER> void put_on(int c, Added &sum) const
   {
     sum.given += *reinterpret_cast<const Four *>(b.given[c]);
-    if constexpr (SPIN) sum.torque += b.on_i[c];
+    if constexpr (SPIN) sum.torque += b.moment[0][c];
     if constexpr (LEDGER && HAS_FRICTION) {
       sum.rubbed_x -= b.rubbed_x[c];
       sum.rubbed_y += b.rubbed_y[c];
@@ -368,17 +279,17 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
   {
     if (s.dashpot_x) put_on<true>(c, sum);
     else put_on<false>(c, sum);
-    if (!part.owns(b.j[c])) return;
-    if (s.dashpot_x) take_off<true>(c, b.j[c]);
-    else take_off<false>(c, b.j[c]);
+    if (!part.owns(b.two[c])) return;
+    if (s.dashpot_x) take_off<true>(c, b.two[c]);
+    else take_off<false>(c, b.two[c]);
   }
 
   /** Add the batch: to second discs now, to the sums of rows for first ones. */
   template <bool LEDGER> void add_batch(int64_t first)
   {
     for (int c = 0; c < b.n; c++) {
-      put_on<LEDGER>(c, rows[b.i[c] - first]);
-      take_off<LEDGER>(c, b.j[c]);
+      put_on<LEDGER>(c, rows[b.one[c] - first]);
+      take_off<LEDGER>(c, b.two[c]);
     }
   }
 };

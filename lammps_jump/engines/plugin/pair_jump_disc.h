@@ -143,7 +143,7 @@ class PairJumpDisc : public Pair {
     int copies = 0;                    // the first copy
     std::vector<Late> late[2];         // with springs: at the cuts before and behind the part
   };
-  struct ContactBatch;
+  struct PairBatch;
   static constexpr int BATCH = 256;    // contacts evaluated together: their arrays stay in the first-level cache
   static constexpr int LOCKS = 64;
   static constexpr int DISCS_A_LINE = 4;    // of memory, of pushes
@@ -166,10 +166,10 @@ class PairJumpDisc : public Pair {
   void take_copies(const PairPart &);
   void evaluate_list(size_t, size_t, PairPart *);
   template <bool SIZES, bool SPIN, bool MEMORY> void evaluate_list(size_t, size_t, PairPart *);
-  template <bool SIZES, bool SPIN, bool MEMORY> void gather(ContactBatch &, const PairPart *);
-  template <bool SPIN> void recall(ContactBatch &, int, bool, const PairPart *);
-  template <bool SPIN> void remember(const ContactBatch &) const;
-  template <bool SPIN, bool MEMORY> void scatter(const ContactBatch &, PairPart *);
+  template <bool SIZES, bool SPIN, bool MEMORY> void gather(PairBatch &, const PairPart *);
+  template <bool SPIN> void recall(PairBatch &, int, bool, const PairPart *);
+  template <bool SPIN> void remember(const PairBatch &) const;
+  template <bool SPIN, bool MEMORY> void scatter(const PairBatch &, PairPart *);
   void add(PairPart &, int, int, const double *, double, double);
   void add_late();
   double *remembered(int, int, const PairPart *);

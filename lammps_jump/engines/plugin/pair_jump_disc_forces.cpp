@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /* The forces of pair_style jump/disc, and what is summed over its pairs (what it is: pair_jump_disc.h). */
 
-#include "contact/simd.h"    // before the core: its templates take vectors
+#include "contact/batch.h"    // before the core: its templates take vectors
 
 #include "pair_jump_disc.h"
 
@@ -15,18 +15,11 @@
 
 using namespace LAMMPS_NS;
 using jump::Four;
-using jump::four;
-using jump::FourInts;
 using jump::Lanes;
-using jump::LANES;
-using jump::spread;
 
 namespace {
 typedef double Vec2 __attribute__((vector_size(16), aligned(8), may_alias));
 constexpr size_t FEW_PAIRS = 512;    // for a thread of its own
-/** As many numbers as a vector has, from an aligned place. */
-inline Lanes &lanes(double *from) { return *reinterpret_cast<Lanes *>(from); }
-
 inline Four apart(const PairJumpDisc::PackedDisc &a, const PairJumpDisc::PackedDisc &b)
 {
   return *reinterpret_cast<const Four *>(&a) - *reinterpret_cast<const Four *>(&b);
@@ -34,93 +27,18 @@ inline Four apart(const PairJumpDisc::PackedDisc &a, const PairJumpDisc::PackedD
 }    // namespace
 
 /** Contacts that are evaluated together. Their forces alone are compiled for each kind of contact. */
-struct PairJumpDisc::ContactBatch {
-  int n = 0;                                  // of contacts
-  bool stays;                                 // some discs are fixed, and have a bulk
-  int one[BATCH + 4], two[BATCH + 4];         // their discs
-  alignas(64) double between[BATCH][4];       // place and velocity of the first against the second
-  alignas(64) double force[BATCH][2];         // on the first
-  alignas(64) double spin[2][BATCH], moment[2][BATCH], radius[2][BATCH], bulk[2][BATCH];
-  alignas(64) double slide[BATCH], roll[BATCH];
-  double *springs[2][BATCH];                  // where the two discs remember them, or null
+struct PairJumpDisc::PairBatch : jump::ContactBatch<BATCH> {
+  bool stays;                              // some discs are fixed, and have a bulk
+  alignas(64) double force[BATCH][2];      // on the first
+  double *springs[2][BATCH];               // where the two discs remember them, or null
 
-  template <bool SIZES> void find(const PackedDisc *, const double *, double, const int *, const int *, size_t, size_t);
-  template <bool SIZES, bool SPIN, class Law> void evaluate(const Law &, const jump::Numbers<Lanes> &);
+  /** Forces and moments of the contacts, in whole vectors; `usual` is the radius of equal discs, m. */
+  template <bool SIZES, bool SPIN, class Law>
+  __attribute__((noinline)) void forces(const Law &rule, const jump::Numbers<Lanes> &of, double usual)
+  {
+    evaluate<SIZES, SPIN>(rule, of, stays, usual, [this](int c, const auto &out) { jump::rows_of_two(out.fx, out.fy, force + c); });
+  }
 };
-
-/** Those of the pairs first[from] second[from] to `to` that touch. */
-template <bool SIZES>
-inline void PairJumpDisc::ContactBatch::find(const PackedDisc *__restrict at, const double *__restrict radii, double diameter,
-                               const int *__restrict first, const int *__restrict second, size_t from, size_t to)
-{
-  const auto reach = [&](size_t p) { return SIZES ? radii[first[p]] + radii[second[p]] : diameter; };
-  const auto apart = [&](size_t p) { return ::apart(at[first[p]], at[second[p]]); };
-  int found = 0;
-  // without a branch, which would be guessed wrong often; the last ones, and all of them without AVX, one at a time
-  size_t p = from;
-  for (; jump::HAS_FOUR && p + 4 <= to; p += 4) {
-    Four a = apart(p), b = apart(p + 1), c = apart(p + 2), d = apart(p + 3);
-    a *= a, b *= b, c *= c, d *= d;
-    const Four ab = JUMP_SHUFFLE(a, b, 0, 4, 2, 6) + JUMP_SHUFFLE(a, b, 1, 5, 3, 7);
-    const Four cd = JUMP_SHUFFLE(c, d, 0, 4, 2, 6) + JUMP_SHUFFLE(c, d, 1, 5, 3, 7);
-    const Four reaches = {reach(p), reach(p + 1), reach(p + 2), reach(p + 3)};
-    const int mask = jump::bits(JUMP_SHUFFLE(ab, cd, 0, 1, 4, 5) < reaches * reaches);
-    *reinterpret_cast<FourInts *>(one + found) = jump::first_of(four(first + p), mask);
-    *reinterpret_cast<FourInts *>(two + found) = jump::first_of(four(second + p), mask);
-    found += __builtin_popcount(mask);
-  }
-  for (; p < to; p++) {
-    const Four a = apart(p);
-    one[found] = first[p];
-    two[found] = second[p];
-    found += a[0] * a[0] + a[1] * a[1] < reach(p) * reach(p);
-  }
-  n = found;
-}
-
-/** Forces and moments of the contacts, in whole vectors. */
-template <bool SIZES, bool SPIN, class Law>
-__attribute__((noinline)) void PairJumpDisc::ContactBatch::evaluate(const Law &rule, const jump::Numbers<Lanes> &of)
-{
-  constexpr bool SPRINGS = Law::Friction::HAS_HISTORY;
-  const int count = n;
-  const bool heavy = stays;
-  for (int c = 0; c < count; c += LANES) {
-    Lanes gap[4];
-    jump::deinterleave(between + c, gap);
-    jump::Pair<Lanes> pair;
-    pair.dx = gap[0];
-    pair.dy = gap[1];
-    pair.vx = gap[2];
-    pair.vy = gap[3];
-    pair.apart2 = pair.dx * pair.dx + pair.dy * pair.dy;
-    pair.a = SIZES ? lanes(radius[0] + c) : spread(radius[0][0], Lanes{});
-    pair.b = SIZES ? lanes(radius[1] + c) : pair.a;
-    if constexpr (SIZES) {
-      pair.bulk_a = heavy ? lanes(bulk[0] + c) : pair.a;
-      pair.bulk_b = heavy ? lanes(bulk[1] + c) : pair.b;
-    }
-    if constexpr (SPIN) {
-      pair.spin_a = lanes(spin[0] + c);
-      pair.spin_b = lanes(spin[1] + c);
-    }
-    jump::Stretch<Lanes> held{};
-    if constexpr (SPRINGS) {
-      held.slide = lanes(slide + c);
-      if constexpr (SPIN) held.roll = lanes(roll + c);
-    }
-    const auto out = jump::pair_contact<SIZES, SPIN>(rule, of, pair, held);
-    jump::rows_of_two(out.fx, out.fy, force + c);
-    if constexpr (SPRINGS) {
-      lanes(slide + c) = held.slide;
-      if constexpr (SPIN) lanes(roll + c) = held.roll;
-    }
-    if constexpr (SPIN) {
-      lanes(moment[0] + c) = out.on_a;
-      lanes(moment[1] + c) = out.on_b;
-    }
-  }
-}
 
 double PairJumpDisc::largest_squared_speed() const
 {
@@ -234,7 +152,7 @@ void PairJumpDisc::add_late()
 }
 
 /** Take the springs of a pair: those of the disc with the larger id, where both have them those of the first. */
-template <bool SPIN> inline void PairJumpDisc::recall(ContactBatch &batch, int c, bool both, const PairPart *part)
+template <bool SPIN> inline void PairJumpDisc::recall(PairBatch &batch, int c, bool both, const PairPart *part)
 {
   const int i = batch.one[c], j = batch.two[c];
   const bool larger = tags[i] > tags[j];
@@ -249,12 +167,11 @@ template <bool SPIN> inline void PairJumpDisc::recall(ContactBatch &batch, int c
 }
 
 /** Take what the forces of a batch need of its discs. */
-template <bool SIZES, bool SPIN, bool MEMORY> inline void PairJumpDisc::gather(ContactBatch &batch, const PairPart *part)
+template <bool SIZES, bool SPIN, bool MEMORY> inline void PairJumpDisc::gather(PairBatch &batch, const PairPart *part)
 {
   const PackedDisc *const __restrict at = disc.data();
   const double *const __restrict omega = spins.data(), *const __restrict own = radii.data(), *const __restrict heavy = bulk.data();
-  const int n = batch.n, whole = (n + LANES - 1) / LANES * LANES;
-  const double radius = 0.5 * diameter;
+  const int n = batch.n;
   const bool stays = batch.stays, both = MEMORY && ring.is_needed();
   for (int c = 0; c < n; c++) {
     const int i = batch.one[c], j = batch.two[c];
@@ -273,18 +190,11 @@ template <bool SIZES, bool SPIN, bool MEMORY> inline void PairJumpDisc::gather(C
     }
     if constexpr (MEMORY) recall<SPIN>(batch, c, both, part);
   }
-  for (int c = n; c < whole; c++) {    // the rest of the last vector is filled with a contact that nobody reads
-    batch.between[c][0] = batch.between[c][1] = radius;
-    batch.between[c][2] = batch.between[c][3] = batch.slide[c] = batch.roll[c] = 0.0;
-    for (int side = 0; side < 2; side++) {
-      batch.spin[side][c] = 0.0;
-      batch.radius[side][c] = batch.bulk[side][c] = radius;
-    }
-  }
+  batch.fill(0.5 * diameter);
 }
 
 /** Put the springs of a batch back, as they go on. */
-template <bool SPIN> inline void PairJumpDisc::remember(const ContactBatch &batch) const
+template <bool SPIN> inline void PairJumpDisc::remember(const PairBatch &batch) const
 {
   for (int c = 0; c < batch.n; c++)
     for (int side = 0; side < 2; side++) {
@@ -296,7 +206,7 @@ template <bool SPIN> inline void PairJumpDisc::remember(const ContactBatch &batc
 }
 
 /** Add the forces of a batch to its discs. */
-template <bool SPIN, bool MEMORY> inline void PairJumpDisc::scatter(const ContactBatch &batch, PairPart *part)
+template <bool SPIN, bool MEMORY> inline void PairJumpDisc::scatter(const PairBatch &batch, PairPart *part)
 {
   const int n = batch.n, nlocal = atom->nlocal;
   if (record) {
@@ -327,15 +237,15 @@ template <bool SIZES, bool SPIN, bool MEMORY> void PairJumpDisc::evaluate_list(s
 {
   const int *const one = part ? part->first.data() : first.data(), *const two = part ? part->second.data() : second.data();
   const jump::Numbers<Lanes> of = jump::numbers_of(law.of, Lanes{});
-  ContactBatch batch;
+  PairBatch batch;
   batch.stays = any_fixed();
-  batch.radius[0][0] = 0.5 * diameter;
   for (size_t begin = from; begin < to; begin += BATCH) {
-    batch.find<SIZES>(disc.data(), radii.data(), diameter, one, two, begin, std::min(begin + BATCH, to));
+    batch.find<SIZES>(reinterpret_cast<const double (*)[4]>(disc.data()), radii.data(), diameter, one, two, begin,
+                      std::min(begin + BATCH, to));
     gather<SIZES, SPIN, MEMORY>(batch, part);
     jump::with_slots(law.choice, [&](const auto &rule) {
       using Law = std::decay_t<decltype(rule)>;
-      if constexpr (jump::IS_KIND<Law, SPIN> && Law::Friction::HAS_HISTORY == MEMORY) batch.evaluate<SIZES, SPIN>(rule, of);
+      if constexpr (jump::IS_KIND<Law, SPIN> && Law::Friction::HAS_HISTORY == MEMORY) batch.forces<SIZES, SPIN>(rule, of, 0.5 * diameter);
     });
     if constexpr (MEMORY)
       if (law.choice.time_step > 0.0) remember<SPIN>(batch);
