@@ -59,6 +59,13 @@ class Ahead:
         self._thread.join()
 
     def _work(self) -> None:
+        try:
+            self._follow()
+        except Exception:  # where the program is at its end, what is still to be loaded cannot be
+            if threading.main_thread().is_alive():
+                raise
+
+    def _follow(self) -> None:
         with suppress(JumpError, OSError):  # what is wrong with the files is said when they are read again
             runs.results.load(self._case)
             if self._follows:

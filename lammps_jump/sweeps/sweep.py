@@ -7,7 +7,7 @@ import html
 import logging
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
@@ -37,6 +37,8 @@ if TYPE_CHECKING:
     from .members import Start
 
 log = logging.getLogger(__name__)
+LOADED_ASIDE = ("lammps_jump.sweeps.page", "scipy.special")
+"""What the page of a study needs."""
 
 
 @dataclass(frozen=True)
@@ -255,9 +257,14 @@ def sweep(
 
 
 def _load_page() -> None:
-    """Load what writes the page, 0.5 s, while the runs go on."""
-    for module in ("lammps_jump.sweeps.page", "scipy.special"):
-        import_module(module)
+    """Load what writes the page, 0.5 s, while the runs go on.
+
+    What cannot be loaded is loaded again where it is needed, with its error. It cannot be where the study is refused
+    and the program ends meanwhile.
+    """
+    with suppress(Exception):
+        for module in LOADED_ASIDE:
+            import_module(module)
 
 
 def _complete(found: Sweep, pool: Pool, retry: bool, progress: Callable[[SweepProgress], None]) -> Sweep:

@@ -9,6 +9,7 @@ JUMP_TEST_SIGNAL : ``NUMBER@STEP@WHO``; the engine's process sends this signal a
 JUMP_TEST_SAVE : numbers of steps with commas between; a checkpoint is due at each.
 JUMP_TEST_SLEEP : seconds to sleep at every step.
 JUMP_TEST_FULL : ``FIRST-LAST``; files of the engine's process cannot grow in these steps, as on a full disk.
+JUMP_TEST_LOADS : a module; its import in another thread of the first process waits until the main thread has ended.
 JUMP_TEST_PROCESS : the first process; set here.
 """
 
@@ -43,3 +44,27 @@ if signal_at or sleep or save_at or full:
                 stop_request.wait(LIMIT)
 
     step_hook.at_step = at_step
+
+loads = os.environ.get("JUMP_TEST_LOADS")
+if loads and os.environ.setdefault("JUMP_TEST_PROCESS", str(os.getpid())) == str(os.getpid()):
+    import sys
+    import threading
+
+    reached, main, shut_down = threading.Event(), threading.main_thread(), threading._shutdown
+
+    class Finder:
+        """Lets an import in another thread than the main one wait for the end of that."""
+
+        def find_spec(self, name, path=None, target=None):
+            if name == loads and threading.current_thread() is not main:
+                reached.set()
+                while main.is_alive():
+                    time.sleep(0.001)
+
+    def end():
+        while not reached.is_set() and threading.active_count() > 1:
+            time.sleep(0.001)
+        shut_down()
+
+    sys.meta_path.insert(0, Finder())
+    threading._shutdown = end
