@@ -45,6 +45,9 @@ KINDS = {
     "text as a command": ("nothing: no command is run", "the character that is not allowed"),
     "folders": ("nothing of the user's", "what stands there, or which process writes"),
     "places that commands read and write": ("nothing of the user's", "the place, and what is wrong with it"),
+    "files in the folder of a study": ("nothing of the user's", "the file, and what is wrong in it"),
+    "requests to a page": ("nothing: no file is written", "a status and a sentence; the next request is answered"),
+    "other programs that write the same file": ("nothing of either", "that it has changed, or is changed all the time"),
     "surroundings": ("nothing", "a note of what is left aside, or what to install"),
 }
 """Kind of fault: what may be lost, what the user sees. The tests of the kind check both."""
@@ -116,6 +119,27 @@ PLACES = {
 
 `tests/faults/test_places.py` compares them with the commands, and tries `FAULTS` on each.
 """
+NAMED = {
+    "`initial.folder`": (RUN, {"initial": [{"kind": "run", "folder": "@"}]}, ("check", "NAMER")),
+    "`walls.file`": (POINTS, {"walls": [{"name": "bed", "kind": "line", "file": "@"}]}, ("check", "NAMER")),
+    "`walls.motion.file`": (
+        POINTS,
+        {"walls": [{"name": "lid", "kind": "circle", "centre": [2, 2], "radius": 1,
+                    "motion": {"kind": "table", "file": "@"}}]},
+        ("check", "NAMER"),
+    ),
+    "`case` of a study": (
+        CASE, {"case": "@", "axes": {"discs.density": [900, 1000]}}, ("sweep", "NAMER", "--out", "OUT"),
+    ),
+    "`targets.data` of a study": (
+        POINTS,
+        {"kind": "calibrate", "case": "CASE", "vary": {"contact.restitution": [0.1, 0.9]},
+         "targets": [{"data": "@", "columns": "time=t,energy.total=h ± 0.1"}]},
+        ("calibrate", "NAMER", "--out", "OUT"),
+    ),
+}  # fmt: skip
+"""What files name: by the field the kind of place, what stands in the case (a part of it) or study, with @ for the
+place, and a call with NAMER for that file."""
 NO_PLACE = {"doctor", "kernels build", "kernels status", "new", "schema"}
 """Commands that take no place of the user's; the cache of `kernels` is tried by tests/engines/test_plugin_build.py."""
 FAULTS = {
@@ -213,6 +237,7 @@ def places_table() -> str:
     """What commands read and write, by the kind of place, and what is tried on each."""
     lines = ["| place | given to | tried in its place |", "|---|---|---|"]
     for kind, faults in FAULTS.items():
-        given = ", ".join(option_of(*key) for key, (one, _) in PLACES.items() if one == kind)
-        lines.append(f"| {kind} | {given} | {', '.join(faults)} |")
+        given = [option_of(*key) for key, (one, _) in PLACES.items() if one == kind]
+        given += [field for field, (one, *_) in NAMED.items() if one == kind]
+        lines.append(f"| {kind} | {', '.join(given)} | {', '.join(faults)} |")
     return "\n".join(lines) + "\n"

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from lammps_jump import files
 from lammps_jump.files import change_text, with_ends_of
 
+OTHERS = "other programs that write the same file"
 BEFORE, AFTER = "name: a\nrun: 1\n", "name: a\nwalls: 2\nrun: 1\n"
 
 
@@ -109,6 +110,7 @@ def replace(path):
 MEANWHILE = {"lines are added": append, "all of it is written": lambda p: p.write_text("# mine\n"), "replaced": replace}
 
 
+@pytest.mark.fault(OTHERS)
 @pytest.mark.parametrize("hard", [False, True])
 @pytest.mark.parametrize("other", MEANWHILE)
 @pytest.mark.parametrize("moment", ["_make", "_exchange", "_lent"])
@@ -132,6 +134,7 @@ def test_what_is_written_just_before_stays(case, tmp_path, monkeypatch, moment, 
     assert case.read_text() == (BEFORE if other == "lines are added" else "") + "# mine\n" and alone(case)
 
 
+@pytest.mark.fault(OTHERS)
 def test_what_is_written_in_the_moment_of_the_exchange_stays(case, monkeypatch):
     """A program has opened the old file, and writes after the new one has taken its place; another adds to that."""
     real, times = files._exchange, []
@@ -150,6 +153,7 @@ def test_what_is_written_in_the_moment_of_the_exchange_stays(case, monkeypatch):
     assert case.read_text() == BEFORE + "# late\n# mine\n" and alone(case)
 
 
+@pytest.mark.fault(OTHERS)
 def test_two_texts_of_others_at_once_are_both_kept(case, monkeypatch):
     real, acts = files._exchange, [lambda: append(case), lambda: case.write_text("# whole\n")]
 
@@ -163,6 +167,7 @@ def test_two_texts_of_others_at_once_are_both_kept(case, monkeypatch):
     assert sorted(one.read_text() for one in case.parent.iterdir()) == ["# whole\n", BEFORE + "# mine\n"]
 
 
+@pytest.mark.fault(OTHERS)
 def test_a_file_that_a_program_holds_open_is_written_in_its_place(case):
     with case.open("a") as held:
         assert change_text(case, BEFORE, AFTER) == AFTER
@@ -170,6 +175,7 @@ def test_a_file_that_a_program_holds_open_is_written_in_its_place(case):
     assert case.read_text() == AFTER + "# held\n" and alone(case)
 
 
+@pytest.mark.fault(OTHERS)
 def test_a_program_that_keeps_writing_is_waited_for_and_left(case, monkeypatch):
     monkeypatch.setattr(files, "WRITER_PATIENCE", 0.0)
     real, held = files._exchange, []

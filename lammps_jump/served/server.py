@@ -33,6 +33,8 @@ PATIENCE = 30.0
 """Seconds that a browser may take no bytes of an answer."""
 HEAD_SECONDS, BODY_SECONDS = 10.0, 120.0
 """Seconds in which a connection has to show the token, and a request to be there."""
+DRAIN_SECONDS = 2.0
+"""Seconds in which a browser has to read the answer to a request that was not read."""
 MOST_UNKNOWN = 32
 """Connections that have not shown the token; the oldest gives way to another."""
 MOST_KNOWN = 32
@@ -244,6 +246,12 @@ class Handler(BaseHTTPRequestHandler):
         """Carry out a request."""
         self._answer(self._post)
 
+    def send_error(self, code: int, message: str | None = None, explain: str | None = None) -> None:
+        """Refuse what is no request of a page, by the same rules as all else."""
+        self.close_connection = True
+        with suppress(OSError):
+            self._send(answer({"refused": "this is no request of a page"}, code))
+
     def log_message(self, format: str, *args: Any) -> None:
         """Nothing: the terminal is for what a person has to know."""
 
@@ -291,6 +299,15 @@ class Handler(BaseHTTPRequestHandler):
         body = memoryview(reply.body)
         for start in range(0, len(body), AT_ONCE):  # the patience is that of a piece, however slow the line
             self.wfile.write(body[start : start + AT_ONCE])
+        self._drain()
+
+    def _drain(self) -> None:
+        """Read what is left of a request that was refused: to close before that would cut off the answer, too."""
+        self.connection.shutdown(socket.SHUT_WR)
+        self._until.end = time.monotonic() + DRAIN_SECONDS
+        left = MOST_ASKED
+        while left > 0 and (got := len(self.rfile.read1(AT_ONCE))):
+            left -= got
 
     def _asked(self) -> tuple[str, str, Mapping[str, str]]:
         """Token, path behind it, and query.

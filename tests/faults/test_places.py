@@ -3,25 +3,38 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
-import signal
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import get_type_hints
 
 import pytest
 import typer
-from fault_table import BEGIN_PLACES, END, FAULTS, FILE, FOLDER, LONG, NO_PLACE, PAGE, PLACES, RUN, places_table
+from fault_table import (
+    BEGIN_PLACES,
+    END,
+    FAULTS,
+    FILE,
+    FOLDER,
+    LONG,
+    NAMED,
+    NO_PLACE,
+    PAGE,
+    PLACES,
+    RUN,
+    places_table,
+)
 from made_up import call
+from put_in_place import ends_a_hang, look, put
 
 import lammps_jump as lj
+from lammps_jump.case import CaseFields
 from lammps_jump.cli.app import app
 
 pytestmark = pytest.mark.usefixtures("blank_pictures")
 
-LIMIT = 300
-"""Seconds after which a command hangs; nothing else depends on them."""
 CASE = {
     "name": "places",
     "discs": {"diameter": 0.2},
@@ -34,9 +47,11 @@ CASE = {
     "engine": {"name": "native"},
     "analysis": {"energy": True},
 }
-MINE = b"precious"
-ENDINGS = {("animate", "out"): ".gif", ("compare", "second"): ".csv", ("import", "drawing"): ".dxf"}
-"""How the name of a place must end."""
+ENDINGS = {
+    ("animate", "out"): (".gif",), ("compare", "second"): (".csv",),
+    ("import", "drawing"): (".dxf", ".svg", ".geojson", ".csv"),
+}  # fmt: skip
+"""How the name of a place must end; each is a reader of its own."""
 
 
 def commands(group: typer.Typer, before: str = "") -> Iterator[tuple[str, Callable]]:
@@ -61,6 +76,16 @@ def test_every_place_that_a_command_takes_has_its_row():
         assert words[0] == name and words.count("@") == 1
 
 
+def test_every_place_that_a_case_names_has_its_row():
+    """Fields that hold the name of a file or folder, in all kinds of walls, motions, inflows and so on."""
+    schema = CaseFields.model_json_schema()
+    fields = [name for group in schema["$defs"].values() for name in group.get("properties", {})]
+    named = [name for name in fields if name in ("file", "folder")]
+    rows = {"folder": ["`initial.folder`"], "file": ["`walls.file`", "`walls.file`", "`walls.motion.file`"]}
+    assert {name: named.count(name) for name in set(named)} == {name: len(kinds) for name, kinds in rows.items()}
+    assert set(rows["folder"] + rows["file"]) <= NAMED.keys()
+
+
 def test_the_page_shows_what_is_tried():
     _, begin, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN_PLACES)
     assert begin and rest.partition(END)[0] == places_table(), "make faults writes it"
@@ -78,53 +103,33 @@ def finished(tmp_path_factory) -> Path:
     return place
 
 
-def put(fault: str, place: Path) -> None:
-    """Put something into a place; it needs to be gone."""
-    if fault == "folder" or "folder of" in fault or fault == "empty folder":
-        place.mkdir()
-        for name in ("case.yaml", "summary.json", "dump.lammpstrj", "curves.json", "profiles.nc", "report.html"):
-            if fault == "folder of pipes":
-                os.mkfifo(place / name)
-            elif fault == "folder of links":
-                (place / name).symlink_to("/dev/zero")
-    elif fault == "pipe":
-        os.mkfifo(place)
-    elif fault in ("endless", "dangling"):
-        place.symlink_to("/dev/zero" if fault == "endless" else "nowhere/at/all")
-    elif fault == "huge":
-        place.touch()
-        os.truncate(place, 3_000_000_000)
-    elif fault != "absent":
-        texts = {"empty": b"", "garbage": b"\x00\x01: [}", "brackets": 100_000 * b"[", "Latin-1": b"name: caf\xe9,1\n"}
-        (place.parent if fault == "below a file" else place).write_bytes(texts.get(fault, MINE))
+READERS = [(key, ending) for key in (*PLACES, *NAMED) for ending in ENDINGS.get(key, ("",))]
+ROWS = {**{key: (kind, words, {}) for key, (kind, words) in PLACES.items()},
+        **{key: (kind, words, named) for key, (kind, named, words) in NAMED.items()}}  # fmt: skip
+"""Of each row the kind of place, the call, and what names the place."""
+ALL = [(key, fault, ending) for key, ending in READERS for fault in FAULTS[ROWS[key][0]]]
+SHORT = [
+    (key, (faults := FAULTS[ROWS[key][0]])[number % len(faults)], ending)
+    for number, (key, ending) in enumerate(READERS)
+]
 
 
-def look(place: Path) -> tuple:
-    """What stands at a place."""
-    if place.is_symlink():
-        return "link", os.readlink(place)
-    if place.is_file():
-        with place.open("rb") as file:
-            return "file", place.stat().st_size, file.read(100)
-    return "folder" if place.is_dir() else "other", sorted(place.rglob("*")) if place.is_dir() else ()
-
-
-def hangs(*_) -> None:
-    """End a command that waits for ever."""
-    raise AssertionError("the command hangs")
-
-
-ALL = [(key, fault) for key, (kind, _) in PLACES.items() for fault in FAULTS[kind]]
-SHORT = [(key, FAULTS[kind][number % len(FAULTS[kind])]) for number, (key, (kind, _)) in enumerate(PLACES.items())]
+def naming(named: object, place: str, case: Path) -> object:
+    """What names a place, with the place in it."""
+    if isinstance(named, dict):
+        return {key: naming(value, place, case) for key, value in named.items()}
+    if isinstance(named, list):
+        return [naming(value, place, case) for value in named]
+    return {"@": place, "CASE": str(case)}.get(named, named) if isinstance(named, str) else named
 
 
 @pytest.mark.fault("places that commands read and write")
 @pytest.mark.parametrize(
-    ("key", "fault"), ALL if LONG else SHORT, ids=lambda one: one if isinstance(one, str) else " ".join(one)
+    ("key", "fault", "ending"), ALL if LONG else SHORT, ids=lambda one: one if isinstance(one, str) else " ".join(one)
 )
-def test_what_stands_in_a_place_is_refused_and_left(finished, tmp_path, monkeypatch, capsys, key, fault):
-    kind, words = PLACES[key]
-    place = tmp_path / "at" / f"place{ENDINGS.get(key, '')}"
+def test_what_stands_in_a_place_is_refused_and_left(finished, tmp_path, monkeypatch, capsys, key, fault, ending):
+    kind, words, named = ROWS[key]
+    place = tmp_path / "at" / f"place{ending}"
     if fault == "below a file":
         place = place.parent / "file" / "place"
         place.parent.parent.mkdir()
@@ -133,18 +138,18 @@ def test_what_stands_in_a_place_is_refused_and_left(finished, tmp_path, monkeypa
     put(fault, place)
     names = {"@": place, "CASE": finished / "case.yaml", "RUN": tmp_path / "run", "DUMPED": tmp_path / "run",
              "DUMP": tmp_path / "run" / "dump.lammpstrj", "OUT": tmp_path / "out", "OUT.html": tmp_path / "out.html",
-             "LAWS": finished / "laws", "DRAWING": finished / "bed.csv"}  # fmt: skip
+             "LAWS": finished / "laws", "DRAWING": finished / "bed.csv",
+             "NAMER": place.parent / "namer.yaml"}  # fmt: skip
+    if named:
+        whole = naming(named, place.name, finished / "case.yaml")
+        names["NAMER"].write_text(json.dumps(whole if "case" in whole else CASE | whole))
     shutil.copytree(finished / "run", tmp_path / "run")
     monkeypatch.chdir(tmp_path)
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
-    before, handler = look(place), signal.signal(signal.SIGALRM, hangs)
-    signal.alarm(LIMIT)
-    try:
+    before = look(place)
+    with ends_a_hang():
         status, _, err = call(monkeypatch, capsys, *(names.get(word, word) for word in words))
-    finally:
-        signal.alarm(0)
-        signal.signal(signal.SIGALRM, handler)
     assert status in (1, 2) and 0 < len(err.strip()) < 3_000, err
     assert look(place) == before
     assert kind in (FOLDER, FILE) or not (tmp_path / "out").exists(), sorted((tmp_path / "out").rglob("*"))

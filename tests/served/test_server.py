@@ -5,8 +5,11 @@ import base64
 import json
 import re
 import socket
+from functools import partial
+from random import Random
 
 import pytest
+from fault_table import many
 from serving import asked, send, serving
 
 import lammps_jump.served as served
@@ -90,6 +93,7 @@ ATTACKS = {
 }
 
 
+@pytest.mark.fault("requests to a page")
 @pytest.mark.parametrize("attack", ATTACKS)
 def test_attacks_are_refused(server, case, attack):
     method, path, body, headers, wanted = ATTACKS[attack]
@@ -101,7 +105,7 @@ def test_attacks_are_refused(server, case, attack):
     assert not [one for one in hidden if one in data]
     assert {one: one.read_bytes() for one in case.parents[1].rglob("*") if one.is_file()} == before
     assert asked(server, "file")["text"] == CASE  # it serves on
-    assert status == 501 or told["Content-Security-Policy"].startswith("default-src 'none'")
+    assert told["Content-Security-Policy"].startswith("default-src 'none'")
 
 
 def test_it_listens_on_this_machine_alone(server):
@@ -173,6 +177,7 @@ def was_cut(line):
         return True
 
 
+@pytest.mark.fault("requests to a page")
 def test_half_a_request_holds_nobody_up(server):
     """As many as one likes: the oldest that has not shown the token gives way."""
     lines = []
@@ -185,12 +190,14 @@ def test_half_a_request_holds_nobody_up(server):
         line.close()
 
 
+@pytest.mark.fault("requests to a page")
 def test_too_many_requests_at_once_are_told_so(server, monkeypatch):
     monkeypatch.setattr("lammps_jump.served.server.MOST_KNOWN", 0)
     status, _, data = send(server, "GET", f"/{server.token}/file")
     assert status == 503 and "requests are answered at once; close other pages" in json.loads(data)["refused"]
 
 
+@pytest.mark.fault("requests to a page")
 def test_a_request_that_never_comes_whole_is_told_so(server, monkeypatch):
     monkeypatch.setattr("lammps_jump.served.server.BODY_SECONDS", 0.0)
     status, _, data = send(server, "POST", f"/{server.token}/look", b"{", Content_Length="9")
@@ -320,6 +327,7 @@ def test_ends_of_lines_stay_as_they_are(tmp_path):
     assert path.read_bytes() == (CASE + "# end\n").replace("\n", "\r\n").encode()
 
 
+@pytest.mark.fault("other programs that write the same file")
 def test_what_is_written_in_the_moment_of_saving_is_not_taken_for_the_page_s(server, case, monkeypatch):
     """The page gets the key of its own text: what another program adds right behind it is seen at the next save."""
     real = case_file.change_text
@@ -376,3 +384,76 @@ def test_no_page_of_what_is_no_case(tmp_path):
     (tmp_path / "circle.yaml").symlink_to("circle.yaml")
     with pytest.raises(CaseError, match="cannot be read"):
         served.pages_of(tmp_path / "circle.yaml")
+
+
+WORDS = (
+    *("", "file", "look", "save", "run", "drawing", "run/0/", "run/0/state", "run/0/frames", "run/0/report", "ask.js"),
+    *(
+        "run/0/stop",
+        "run/0/go-on",
+        "state",
+        "..",
+        "%2e%2e",
+        "//",
+        "\x00",
+        "\u0416",
+        "?first=0",
+        "?" + 300 * "&",
+        9000 * "a",
+    ),
+)
+VALUES = (
+    *(None, True, -1, 0, 1e400, float("nan"), 10**400, "", CASE, "\x00", "\ud800", 5000 * "["),
+    *([], {}, [[]], "A===", "aGk="),
+)
+"""What stands in the fields of a request."""
+ANSWERS = {200, 303, 400, 403, 404, 409, 413, 414, 415, 421, 422, 501}
+FIELDS = ("text", "wide", "page", "key", "name", "scale", "data", "first")
+HEADERS = {
+    "Host": ("127.0.0.1:{port}", "localhost:{port}", "127.0.0.1", "evil.example", "", None),
+    "Origin": ("http://127.0.0.1:{port}", "null", "http://evil.example", None),
+    "Content_Type": ("application/json", "text/plain", "application/json; charset=utf-16", None),
+    "Content_Length": ("{length}", "0", "5", "-1", "1e3", "\u0663", "00000000000000000000000000001", None),
+    "Sec_Fetch_Site": ("same-origin", "cross-site", None),
+    "Transfer_Encoding": (None, None, "chunked"),
+}
+
+
+def made_request(random, server):
+    """A request of parts that are right or wrong."""
+    token = random.choice([server.token] * 8 + ["", server.token[:-1], server.token + "/", server.token.upper()])
+    method = random.choice(["GET", "POST", "GET", "POST", "PUT", "HEAD", "OPTIONS", "get", "GET /x"])
+    fields = {name: random.choice(VALUES) for name in random.sample(FIELDS, random.randint(0, len(FIELDS)))}
+    body = json.dumps(fields).encode() if random.random() < 0.9 else random.randbytes(random.randint(0, 99))
+    if "NaN" in body.decode(errors="replace") and random.random() < 0.5:
+        body = body[: len(body) // 2]
+    given = {name: random.choice(values) for name, values in HEADERS.items()}
+    port = server.server_address[1]
+    lines = [f"{method} /{token}/{random.choice(WORDS)}{random.choice(WORDS)} HTTP/1.1"]
+    lines += [
+        f"{name.replace('_', '-')}: {value.format(port=port, length=len(body))}"
+        for name, value in given.items()
+        if value is not None
+    ]
+    return "\r\n".join([*lines, "", ""]).encode("utf-8", "surrogatepass") + (body if method != "GET" else b"")
+
+
+@pytest.mark.fault("requests to a page")
+def test_requests_of_any_kind_are_answered_and_nothing_is_written(server, case, tried, monkeypatch, capfd):
+    """What is sent is cut off there, so that half a body ends; no answer is without a status, and none is a defect."""
+    monkeypatch.setattr("lammps_jump.served.bounded.Bounded.run", lambda self, work: work.call())
+    monkeypatch.setattr("lammps_jump.served.children.Children.start", lambda *_: pytest.fail("a run begins"))
+    random, number, before = Random(7), many(150, 3000), {one: one.read_bytes() for one in case.parent.iterdir()}
+    for _ in range(number):
+        sent = made_request(random, server)
+        with socket.create_connection(server.server_address, timeout=600) as line:
+            line.sendall(sent)
+            line.shutdown(socket.SHUT_WR)
+            reply = b"".join(iter(partial(line.recv, 1 << 16), b""))
+        status = reply.partition(b"\r\n")[0].split(b" ")[1:2]
+        assert status and int(status[0]) in ANSWERS, sent
+        assert b"Content-Security-Policy: default-src 'none'" in reply, sent
+        assert server.token.encode() not in reply
+    assert {one: one.read_bytes() for one in case.parent.iterdir()} == before and asked(server, "file")["text"] == CASE
+    assert "Traceback" not in capfd.readouterr().err
+    tried(number)
