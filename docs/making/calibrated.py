@@ -120,7 +120,7 @@ def twin_table(data: Data) -> str:
         "mean width / range": lambda row: _each(row["width"]),
         "least that scatter allows": lambda row: _each(row["least"]),
         "error not told: inside": lambda row: _each(row["untold"]["inside"], "{:.0f}") if "untold" in row else "",
-        "width ": lambda row: _each(row["untold"]["width"]) if "untold" in row else "",
+        "width, not told": lambda row: _each(row["untold"]["width"]) if "untold" in row else "",
         "error estimated, of": lambda row: (
             f"{row['untold']['error']:.2g} of {row['untold']['true']:g}" if "untold" in row else ""
         ),
