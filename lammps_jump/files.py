@@ -66,6 +66,7 @@ RUN_FILES = (
     "in.plugin.lammps",
     "discs.data",
     "disk.mol",
+    "inflow.turns",
     "log.lammps",
     *DUMP_NAMES.values(),
     "forces.csv",

@@ -33,7 +33,7 @@ from lammps_jump.files import END_FILE, SUMMARY_FILE, checksum, plain
 from lammps_jump.runs import results, start
 from lammps_jump.scene.motion import MovingWall
 from lammps_jump.scene.scene import Scene
-from lammps_jump.script.stock import lacking, lacking_everywhere
+from lammps_jump.script.stock import lacking
 from lammps_jump.sweeps import pool
 from lammps_jump.units import as_summary
 
@@ -263,7 +263,7 @@ def engine_setting(engine: str, **options) -> Setting:
 
 def lacks(scene: Scene, engine: str) -> str:
     """What an engine of `engine_setting` lacks of a scene; empty where it has all."""
-    return {"native": lambda _: "", "compiled": lacking_everywhere, "stock": lacking}[engine](scene)
+    return lacking(scene) if engine == "stock" else ""
 
 
 def scene_of_feature(feature: str, engine: str) -> Scene | None:

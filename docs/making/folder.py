@@ -18,6 +18,7 @@ FILES = {
     "in.plugin.lammps": "script for LAMMPS with the compiled styles",
     "discs.data": "discs at the start",
     "disk.mol": "shape that poured discs have in LAMMPS",
+    "inflow.turns": "row, step and speed of each disc of an inflow against time, for the compiled styles",
     "log.lammps": "log of LAMMPS",
     "dump.lammpstrj": "the frames: places, velocities and other values of all discs",
     "dump.lammpstrj.gz": "the same, compressed (`run.dump_format: gz`)",

@@ -182,13 +182,13 @@ def check_engine(case: CaseFields) -> None:
             "run.integrator",
             "leapfrog_extrapolated is not there for friction_law: history; use auto or velocity_verlet",
         )
-    if engine == "lammps" and kernel != "auto" and isinstance(case.inflow, RowsInflow) and case.inflow.table:
-        raise FieldError(
-            "inflow.table",
-            f"engine.kernel: {kernel} has no inflow against time; use engine.kernel: auto or "
-            "engine.name: native, which both take the native engine",
-        )
     if engine == "lammps" and kernel == "stock":
+        if isinstance(case.inflow, RowsInflow) and case.inflow.table:
+            raise FieldError(
+                "inflow.table",
+                "is not in stock LAMMPS, which inserts discs at one interval and speed; use engine.kernel: compiled or "
+                "engine.name: native",
+            )
         if case.bodies:
             raise FieldError(
                 "bodies",

@@ -159,7 +159,7 @@ def fits(row: CalibratedSetting, case: CaseFields, usable: set[str]) -> bool:
         return False
     if engine.name == "lammps" and engine.kernel not in ("auto", row.kernel):
         return False
-    if row.kernel != "native" and getattr(case.inflow, "table", None):  # no kernel of LAMMPS has it
+    if row.kernel == "stock" and getattr(case.inflow, "table", None):  # fix deposit has one interval and speed
         return False
     if row.kernel == "stock" and law.friction > 0 and not FRICTION_LAWS[law.friction_law].in_stock:
         return False

@@ -12,7 +12,7 @@ from lammps_jump.core import CORE, core, why_absent
 from lammps_jump.errors import CaseError, SetupError
 from lammps_jump.provenance import usable_cores
 from lammps_jump.scene.scene import Scene
-from lammps_jump.script.stock import lacking, lacking_everywhere
+from lammps_jump.script.stock import lacking
 
 from .lammps.loader import check_installed
 from .plugin.product import availability, plugin_path
@@ -38,7 +38,7 @@ def choose(engine: str, kernel: str, ranks: int | str, scene: Scene) -> tuple[Se
     engine : {'lammps', 'native', 'twin'}
     kernel : {'auto', 'stock', 'compiled'}
         LAMMPS only. ``auto`` is the compiled kernel. Where that cannot be used it is stock, and where stock lacks
-        something the native engine, as where both kernels do.
+        something the native engine.
     ranks : int or 'auto'
         LAMMPS only.
     scene : Scene
@@ -56,12 +56,6 @@ def choose(engine: str, kernel: str, ranks: int | str, scene: Scene) -> tuple[Se
         return _native(), _elsewhere()
     if kernel not in KERNELS:
         raise CaseError(f"engine.kernel: {kernel} is not known; use {', '.join(KERNELS)}")
-    if missing := lacking_everywhere(scene):
-        if kernel != "auto":
-            raise SetupError(
-                f"kernel {kernel}: LAMMPS has no {missing}; set engine.name to native, or engine.kernel to auto"
-            )
-        return _native(), [f"the native engine is used: LAMMPS has no {missing}", *_elsewhere()]
     check_installed()
     number, notes = choose_ranks(ranks, scene)
     springs = scene.earlier is not None and len(scene.earlier.contacts) > 0

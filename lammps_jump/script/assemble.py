@@ -63,10 +63,6 @@ def script_text(scene: Scene, **options: Any) -> str:
     """
     how = Options(**options)
     title = f"{scene.name}: {scene.description}".rstrip(": ")
-    if lacking := stock.lacking_everywhere(scene):
-        said = f"No run: LAMMPS has no {lacking}, nor has the plugin; `lammps-jump run` takes its native engine"
-        how = replace(how, header=(said, *how.header))
-        return joined(title, SCRIPTS[how.kernel], how, [("end", [f'print "{lammps_comment(said)}"', "quit 1"])])
     if how.kernel == "stock" and (lacking := stock.lacking(scene)):
         said = f"No run: LAMMPS' own styles have no {lacking}; {SCRIPTS['compiled']} beside it runs with the plugin"
         how = replace(how, kernel="compiled", header=(said, *how.header))
@@ -183,6 +179,8 @@ def write_script(scene: Scene, folder: Path, **options: Any) -> Path:
         write_text(folder / stock.DATA_FILE, "".join(data_text(scene)))
     if scene.inlets or scene.pours:
         write_text(folder / stock.MOLECULE_FILE, molecule_text(scene))
+    if plugin.has_turns(scene):
+        write_text(folder / plugin.TURNS_FILE, "".join(plugin.turns_text(scene)))
     for kernel in dict.fromkeys(("stock", Options(**options).kernel)):
         path = folder / SCRIPTS[kernel]
         write_text(path, script_text(scene, **{**options, "kernel": kernel}))

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from lammps_jump.files import CONTACTS_FILE, POSES
 from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.scene.scene import Scene
@@ -13,6 +15,8 @@ from .probes import plugin_probes
 from .walls import JOIN, number, numbers, plugin_bodies, plugin_walls
 
 probes = plugin_probes
+TURNS_FILE = "inflow.turns"
+"""Steps and speeds of the discs of an inflow against time."""
 ONE_RANK_LOOKS = 10
 SORT_CELL = 0.65
 """Side of the cells that LAMMPS sorts discs into (for the cache), in diameters: half of d and a skin of 0.3 d."""
@@ -53,11 +57,24 @@ def inlets(scene: Scene) -> list[str]:
         return []
     disc = numbers(scene.largest, float(scene.masses(scene.largest)))
     rows = [
-        f"row {row.first_step} {row.every_steps} {row.limit or 0} "
+        f"row {row.first_step} {0 if row.turns else row.every_steps} {row.limit or 0} "
         f"{numbers(row.clearance, row.x, row.y, row.vx, row.vy)}"
         for row in scene.inlets
     ]
-    return [JOIN.join([f"fix             inlets all jump/inlet {disc}", *rows])]
+    timed = [f"turns {TURNS_FILE}"] if has_turns(scene) else []
+    return [JOIN.join([f"fix             inlets all jump/inlet {disc}", *timed, *rows])]
+
+
+def has_turns(scene: Scene) -> bool:
+    """Whether rows let discs in at steps of their own: an inflow against time."""
+    return any(row.turns for row in scene.inlets)
+
+
+def turns_text(scene: Scene) -> Iterator[str]:
+    """Lines of `TURNS_FILE`: number of the row from 1, step, and the velocity along x (m/s) of each disc."""
+    for number_of_row, row in enumerate(scene.inlets, 1):
+        for step, speed in zip(row.turns, row.speeds, strict=True):
+            yield f"{number_of_row} {step} {speed!r}\n"
 
 
 def contact_law(scene: Scene) -> list[str]:

@@ -31,14 +31,6 @@ LOG_LINES_PER_FRAME = 5
 probes, gates = stock_probes, stock_gates
 
 
-def lacking_everywhere(scene: Scene) -> str:
-    """What both kernels lack, so that the native engine alone runs the scene; empty where one of them has all of it.
-
-    ``fix deposit`` has one interval and one speed for all its discs.
-    """
-    return "'inflow.table'" if scene.hydrograph else ""
-
-
 def _rolls(scene: Scene) -> bool:
     return scene.springs is not None and scene.springs.rolling is not None
 
@@ -55,8 +47,8 @@ def lacking(scene: Scene) -> str:
     of 4e-8 d in that step, 2e-3 d after 1,600 more): discs are not sorted then, but those that go round or leave
     disorder the others.
     """
-    if missing := lacking_everywhere(scene):
-        return missing
+    if scene.hydrograph:  # fix deposit has one interval and one speed for all its discs
+        return "'inflow.table'"
     if scene.touch == "smooth":
         return "'touch: smooth'"
     if more := more_numbers(scene):

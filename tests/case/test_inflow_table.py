@@ -97,8 +97,10 @@ def test_times_count_from_the_end_of_settling():
         (("inflow.table=[[0, 1, 0]]",), "inflow.table"),
         (("inflow.table=null",), "needs depth"),
         (("inflow.schedule=thesis",), "has no table"),
-        (("engine.kernel=compiled",), "inflow.table: engine.kernel: compiled has no inflow against time"),
-        (("engine.kernel=stock",), "inflow.table: engine.kernel: stock has no inflow against time"),
+        (
+            ("engine.kernel=stock",),
+            "inflow.table: is not in stock LAMMPS.*engine.kernel: compiled or engine.name: native",
+        ),
     ],
 )
 def test_what_is_refused(changes, said):
@@ -106,16 +108,24 @@ def test_what_is_refused(changes, said):
         flood(*changes).scene()
 
 
-def test_lammps_leaves_it_to_the_native_engine(tmp_path):
+def test_stock_lammps_does_not_have_it_and_the_compiled_styles_do(tmp_path):
     scene = flood().scene()
-    setting, notes = choose("lammps", "auto", "auto", scene)
-    assert setting.engine == "native"
-    assert notes == ["the native engine is used: LAMMPS has no 'inflow.table'"]
-    with pytest.raises(SetupError, match=r"engine\.name to native"):
-        choose("lammps", "compiled", 1, scene)
+    with pytest.raises(SetupError, match=r"stock LAMMPS has no 'inflow.table'; set engine.kernel to compiled, or"):
+        choose("lammps", "stock", 1, scene)
     text = write_script(scene, tmp_path).read_text()
-    assert "No run: LAMMPS has no `inflow.table`" in text.splitlines()[1]
+    assert "own styles have no `inflow.table`; in.plugin.lammps" in text.splitlines()[1]
     assert text.endswith("quit 1\n") and "fix deposit" not in text and "\nrun " not in text
+    text = " ".join(write_script(scene, tmp_path, kernel="compiled").read_text().replace(" &\n", " ").split())
+    assert " all jump/inlet " in text and " turns inflow.turns row " in text
+    rows = [line.split() for line in (tmp_path / "inflow.turns").read_text().splitlines()]
+    assert len(rows) == sum(len(row.turns) for row in scene.inlets)
+    first = [(int(step), float(speed)) for row, step, speed in rows if row == "1"]
+    assert first == list(zip(scene.inlets[0].turns, scene.inlets[0].speeds, strict=True))  # all digits
+
+
+def test_a_steady_inflow_has_no_file_of_turns(tmp_path):
+    write_script(flood("inflow.table=null", "inflow.depth=0.6", "inflow.mean_speed=10").scene(), tmp_path)
+    assert not (tmp_path / "inflow.turns").exists()
 
 
 def test_check_tells_the_window_and_the_quarters():
