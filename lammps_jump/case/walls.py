@@ -14,6 +14,7 @@ import numpy as np
 from lammps_jump.errors import FieldError
 from lammps_jump.physics import contact
 from lammps_jump.scene import Beginning, Block, InletRow, Interval, MovingWall, Plane, Scene, Wall, gate
+from lammps_jump.scene.bodies.meeting import stiffness_between
 from lammps_jump.scene.chains import Point, boxes
 from lammps_jump.scene.motion import Motion, arms, largest_speed, way
 from lammps_jump.scene.shapes import ArcTo, PlaceError, flush, open_ends, tight_bend, vertices
@@ -394,6 +395,10 @@ def words_of_wall(one: MovingWall, scene: Scene) -> str:
         f"{name} {getattr(wall, name):zg}{unit}" for name, unit in names.items() if getattr(wall, name) is not None
     ]
     kind = one.motion.kind
+    if one.motion.free and wall.stiffness is None:
+        stiffness = stiffness_between(scene.coefficients, one)
+        times = stiffness / scene.coefficients.stiffness_wall
+        parts.append(f"stiffness {stiffness:z.3g} N/m with walls and bodies, {times:z.3g} times that of discs")
     if kind is not None:
         end = "" if kind.until is None else f" until {kind.until:zg} s"
         speed = largest_speed(one, *span(scene))

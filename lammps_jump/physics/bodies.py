@@ -107,6 +107,22 @@ def effective_mass(*inverse: float) -> float:
     return 1.0 / sum(inverse)
 
 
+def tipping_speed(height: float, gravity: float) -> float:
+    """Speed of the upper end of a thin upright rod where it meets the ground, m/s: sqrt(3 g h).
+
+    The foot stays where it is: M g h/2 becomes I w^2/2 with I = M h^2/3, and the end has w h. A block of the width b
+    has sqrt(3 g (d - b)), d its diagonal, from the balance on a corner, which is less.
+
+    Parameters
+    ----------
+    height : float
+        m.
+    gravity : float
+        m/s^2.
+    """
+    return sqrt(3.0 * gravity * height)
+
+
 def pendulum_period(mass: float, inertia: float, distance: float, gravity: float, amplitude: float) -> float:
     """Period of a compound pendulum, s: 2 pi sqrt(I_h/(M g l)) (1 + a^2/16).
 

@@ -3,18 +3,20 @@
 
 import json
 import re
-from math import pi, radians
+from math import pi, radians, sqrt
 
 import numpy as np
 import pytest
 import yaml
 
 from lammps_jump.case import load_case
+from lammps_jump.case.bodies.checks import tips_at
 from lammps_jump.dump.side_files.bodies import read_bodies
 from lammps_jump.engines.checkpoint import read_checkpoint
 from lammps_jump.engines.choice import choose
 from lammps_jump.engines.native import NativeSimulation, run_native
 from lammps_jump.errors import CaseError, DumpError, RunError, SetupError
+from lammps_jump.scene.bodies.meeting import corners, stiffness_between
 from lammps_jump.script.stock import lacking
 
 CASE = """
@@ -105,6 +107,17 @@ def test_a_case_with_bodies_is_written_and_read_again_and_one_without_keeps_its_
             r"bodies\[3\]: body 'flap' of 3.9 kg/m is lighter .* allowed is .* or more at run.time_step_fraction",
         ),
         ("probes.forces=[flop]", "there is no wall 'flop'"),
+        # of 4 m x 5 m, of a thin flap, and of a triangle with sides of 1 m
+        (
+            "bodies.0.corner_radius=2.01",
+            r"yaml:9: bodies\[0\]: corner_radius: 2.01 m rounds more .* allowed is up to 2 m",
+        ),
+        ("bodies.3.corner_radius=0.11", r"bodies\[3\]: corner_radius: 0.11 m .* allowed is up to 0.1 m"),
+        (
+            "bodies.1={name: tip, kind: polygon, points: [[3, 8], [4, 8], [3.5, 8.8660254]], density: 900, "
+            "corner_radius: 0.3}",
+            r"bodies\[1\]: corner_radius: 0.3 m .* allowed is up to 0.2887 m",
+        ),
     ],
 )
 def test_a_body_that_cannot_be_is_refused_with_its_place(case, change, message):
@@ -112,24 +125,96 @@ def test_a_body_that_cannot_be_is_refused_with_its_place(case, change, message):
         case.replace([change]).scene()
 
 
+def test_corners_are_rounded_up_to_half_of_a_side(case):
+    scene = case.replace(["bodies.0.corner_radius=2", "bodies.3.corner_radius=0.1"]).scene()
+    radii = [corner.radius for number, corner in corners(scene) if scene.walls[number].wall.name == "caisson"]
+    assert radii == pytest.approx([2.0] * 4)
+
+
 def test_what_is_doubtful_is_told(case):
     def told(*changes):
         return [note for note in case.replace(list(changes)).scene().warnings if "body" in note]
 
-    assert told("bodies.1.stiffness=1.2e8") == []
-    assert (
-        "'boulder' of 1.14e+03 kg/m may meet a wall at 12.6 m/s" in told()[0] and "the run ends at 0.04 m" in told()[0]
-    )
-    far = told("bodies.1.stiffness=1.2e8", "bodies.3.hinge=[12.1, 9]")
-    assert far == [
+    assert told() == []
+    (soft,) = told("bodies.1.stiffness=1e7")
+    assert "'boulder' of 1.14e+03 kg/m may meet a wall at 12.6 m/s" in soft and "the run ends at 0.04 m" in soft
+    enough = re.search(r"a stiffness of its own of ([\d.e+]+) N/m is enough", soft)[1]
+    assert told(f"bodies.1.stiffness={1.02 * float(enough)}") == []
+    assert told("bodies.3.hinge=[12.1, 9]") == [
         "the hinge of body 'flap' is 5 m away from it, and the body is 3.91 m large: it swings on an arm without mass, "
         "which pushes nothing"
     ]
     leaning = "bodies.0={name: caisson, kind: polygon, density: 2400, points: [[20, 0], [21, 0], [25, 5], [24, 5]]}"
-    (note,) = told("bodies.1.stiffness=1.2e8", leaning)
+    (note,) = told(leaning)
     assert note == "body 'caisson' stands with its centre of mass 1.5 m beside its support: it tips at once"
-    heavy = told("bodies.1.stiffness=1.2e8", "bodies.0.density=24000")
-    assert "'caisson' of 4.8e+05 kg/m stands on its corners, with an overlap of 0.24 m" in heavy[0]
+    # wide: it is not foreseen to tip
+    (heavy,) = told("bodies.0.density=24000", "bodies.0.stiffness=1e7", "bodies.0.x=[20, 26]")
+    assert "'caisson' of 7.2e+05 kg/m stands on its corners, with an overlap of 0.35 m" in heavy
+
+
+@pytest.mark.parametrize(
+    ("change", "speed"),
+    [
+        ("bodies.0.x=[20, 21]", sqrt(3 * 9.81 * 5)),
+        ("bodies.0.x=[20, 26]", 0.0),
+        ("bodies.0.x=[20, 25.1]", 0.0),
+        ("bodies.0={name: caisson, kind: block, x: [20, 21], y: [0, 5], density: 2400, hinge: [20, 0]}", 0.0),
+        ("bodies.0={name: caisson, kind: block, x: [20, 21], y: [0, 5], density: 2400, free: [x, y]}", 0.0),
+        ("bodies.0={name: caisson, kind: circle, centre: [22, 2.5], radius: 2.5, density: 2400}", 0.0),
+    ],
+)
+def test_the_speed_of_tipping_is_foreseen_where_a_body_is_taller_than_wide(case, change, speed):
+    caisson = case.replace([change]).scene().bodies[0]
+    assert tips_at(caisson.wall, caisson.motion.free) == pytest.approx(speed, abs=1e-9)
+
+
+def test_a_body_that_may_tip_onto_soft_contacts_is_told(case):
+    slow = ["contact.impact_speed=2", "bodies=[{name: post, kind: block, x: [20, 21], y: [0, 5], density: 2400}]"]
+    (note,) = (note for note in case.replace([*slow, "probes={}"]).scene().warnings if "body" in note)
+    assert "body 'post' of 1.2e+04 kg/m may tip over and meet the ground at 12.1 m/s, with an overlap of" in note
+
+
+def test_check_tells_how_stiff_bodies_are(case):
+    report = case.check().walls
+    assert "caisson" in report
+    scene = case.scene()
+    omega = scene.coefficients.omega_wall
+    assert f"stiffness {stiffness_between(scene.coefficients, scene.bodies[0]):.3g} N/m with walls" in report["caisson"]
+    assert stiffness_between(scene.coefficients, scene.bodies[0]) == pytest.approx(48_000 / 4 * omega**2, rel=0.05)
+    own = case.replace(["bodies.0.stiffness=2e7"]).check().walls["caisson"]
+    assert "stiffness 2e+07 N/m" in own and "times" not in own
+
+
+def test_corners_that_are_too_stiff_for_the_step_are_refused(case):
+    """A block pressed between walls, with restitution 1: its energy stays at the limit, and grows beyond it."""
+    around = {
+        "left": ((1, 2), (1, 4)),
+        "right": ((2.4, 4), (1, 4)),
+        "low": ((2, 2.4), (1, 2)),
+        "high": ((2, 2.4), (2.4, 4)),
+    }
+    walls = [f"{{name: {name}, kind: block, x: {list(x)}, y: {list(y)}}}" for name, (x, y) in around.items()]
+    changes = [
+        "contact.restitution=1", "contact.friction=0", "gravity=0", "run.time_step_fraction=0.1", "probes={}",
+        "initial=[{kind: list, positions: [[9, 9]]}]", f"walls=[{', '.join(walls)}]",
+    ]  # fmt: skip
+
+    def growth(stiffness, *more):
+        block = f"kind: block, x: [1.995, 2.405], y: [1.995, 2.405], mass: 104, stiffness: {stiffness}"
+        body = f"bodies=[{{name: core, {block}, velocity: [0.05, 0], spin: 2}}]"
+        simulation = NativeSimulation(case.replace([*changes, body, *more]).scene())
+        start = simulation.energy().total
+        simulation.run(3000)
+        return simulation.energy().total / start
+
+    with pytest.raises(
+        CaseError, match=r"'core' of 104 kg/m with 'left' has 5e\+08 N/m, too stiff .* allowed"
+    ) as caught:
+        growth(5e8)
+    allowed = float(re.search(r"allowed is ([\d.e+]+) N/m", str(caught.value))[1])
+    assert growth(0.99 * allowed) == pytest.approx(1.0, abs=1e-3)
+    with pytest.raises(RunError, match="overlap"):
+        growth(1.5 * allowed, "run.allow_unstable=true")
 
 
 def test_a_body_of_the_least_mass_is_stable_among_discs(case):

@@ -10,12 +10,10 @@ from made_up import INPUTS, SCENES
 from lammps_jump.case import load_case
 from lammps_jump.errors import CaseError
 
-FALLING = ("boulder_1", "boulder_2", "boulder_3", "block_3")
 NOTES = {
     "hydraulic_jump": ("equal discs pack into a crystal", "friction 0.1 on this bed makes a heap"),
     "hydraulic_jump_frictionless": ("equal discs pack into a crystal",),
-    "floating_box": ("body 'box' of",),  # it falls on discs
-    "rockfall": ("walls 'block_1'", "walls 'block_2'", *(f"body '{name}'" for name in FALLING)),
+    "rockfall": ("walls 'block_1'", "walls 'block_2'"),
 }
 """Beginnings of the notes of the scenes; the others have none."""
 

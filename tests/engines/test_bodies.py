@@ -142,8 +142,10 @@ def test_a_corner_meets_a_face_of_another_body(restitution):
         body(tilted, (0.0, 0.0), velocity=(0.0, -1.0)),
         body(Block("slab", (-3.0, 4.0), (-3.0, lowest - 0.03)), (0.0, 0.0)),
     )
-    simulation = NativeSimulation(scene_of(one, two, restitution=restitution, correct_restitution=True, **NOTHING))
-    simulation.run(round(0.08 / simulation.scene.time_step))
+    # at f = 0.05 the first and last steps of a contact alone are 0.2 % of what is lost
+    law = {"restitution": restitution, "correct_restitution": True, "time_step_fraction": 0.004}
+    simulation = NativeSimulation(scene_of(one, two, **NOTHING, **law))
+    simulation.run(round(0.07 / simulation.scene.time_step))
     corner = min(simulation.walls.bodies.corner[:4], key=lambda one: one["y"])
     free, slab = one.motion.free, two.motion.free
     parts = 1 / free.mass, 1 / slab.mass, *((corner["x"] - b.centre[0]) ** 2 / b.inertia for b in (free, slab))

@@ -9,15 +9,24 @@ from math import hypot, inf, sqrt
 import numpy as np
 
 from lammps_jump.errors import FieldError
-from lammps_jump.physics.contact import WallLaw, extrapolated_stable_h, lagged_stable_h
+from lammps_jump.physics.bodies import tipping_speed
+from lammps_jump.physics.contact import (
+    WallLaw,
+    damping_ratio,
+    extrapolated_stable_h,
+    lagged_stable_h,
+    largest_overlap,
+)
 from lammps_jump.scene import Beginning, MovingWall, Wall
-from lammps_jump.scene.bodies.corners import round_of
+from lammps_jump.scene.bodies.corners import corners_of, round_of
 from lammps_jump.scene.bodies.free import Free
-from lammps_jump.scene.bodies.meeting import LARGEST_OVERLAP
+from lammps_jump.scene.bodies.meeting import LARGEST_OVERLAP, stiffness_between, yielding
 from lammps_jump.scene.shapes import open_ends
 
 SAMPLES = 400
 """Points of an outline that are looked at, at most, beside its corners."""
+AT_ONCE = 4
+"""Contacts of two bodies that are taken to move as one: as many as two blocks have that meet face to face."""
 TOUCHES = 0.05
 """Largest distance of what a body stands on, in diameters of the smallest disc."""
 
@@ -52,11 +61,12 @@ def check_bodies(
         law = laws.get(one.wall.name, begun.coefficients.wall_law)
         if not unstable:
             _check_step(begun, one.wall, free, law, integrator, field)
+            _check_corners(begun, one, walls, integrator, field)
         others = [
             other for other in walls if other is not one and not (other.motion.free and _later(other, one, walls))
         ]
         _check_free_of(begun, one, others, field)
-        notes += [*_hinge(one.wall, free), *_support(begun, one, walls), *_falls(begun, one, free, law, ground)]
+        notes += [*_hinge(one.wall, free), *_support(begun, one, walls), *_soft(begun, one, walls, ground)]
     return notes
 
 
@@ -89,10 +99,9 @@ def shaken(wall: Wall, free: Free, spacing: float) -> float:
     normal = (
         np.column_stack([points[:, 1] - after[:, 1], after[:, 0] - points[:, 0]]) / np.maximum(length, 1e-300)[:, None]
     )
-    arm = 0.5 * (points + after) - free.point
-    lever = arm[:, 0] * normal[:, 1] - arm[:, 1] * normal[:, 0]
-    ways = np.column_stack([normal, lever * sqrt(free.mass / free.inertia_there)]) * np.array(free.freedom)
-    return float(np.linalg.eigvalsh((ways * (length / spacing)[:, None]).T @ ways)[-1]) + 2.0  # two more at its ends
+    ways = free.ways(0.5 * (points + after), normal)
+    most = np.linalg.eigvalsh((ways * (length / spacing)[:, None]).T @ ways)[-1]
+    return free.mass * float(most) + 2.0  # two more at its ends
 
 
 def least_mass(begun: Beginning, wall: Wall, free: Free, law: WallLaw, integrator: str) -> float:
@@ -193,23 +202,69 @@ def _support(begun: Beginning, one: MovingWall, walls: Sequence[MovingWall]) -> 
     return [f"body '{one.wall.name}' stands with its centre of mass {off:z.3g} m beside its support: it tips at once"]
 
 
-def _falls(begun: Beginning, one: MovingWall, free: Free, law: WallLaw, ground: float) -> list[str]:
-    """A body that is so heavy or may fall so fast that its contacts are too soft."""
-    limit, wall, went = begun.overlap_limit, one.first, one.motion.went
-    velocity = free.velocity if went is None else went.speed[:2]
-    if not round_of(wall.faces, 0):
-        limit = min(limit, LARGEST_OVERLAP * free.corner_radius)
-    weight, k = hypot(*free.weight), law.stiffness
-    (_, _), (low, _) = wall.extent
+def _check_corners(begun: Beginning, one: MovingWall, walls: Sequence[MovingWall], integrator: str, field: str) -> None:
+    """Refuse a body whose corners are too stiff for the step, where `AT_ONCE` of them touch."""
+    free, c = one.motion.free, begun.coefficients
+    assert free is not None
+    limit = lagged_stable_h if integrator == "velocity_verlet" else extrapolated_stable_h
+    for other in walls:
+        if other is one:
+            continue
+        stiffness, gives = stiffness_between(c, one, other), AT_ONCE * (yielding(one) + yielding(other))
+        own = [value for wall, _ in (one, other) if (value := wall.restitution) is not None]
+        allowed = (limit(damping_ratio(min(own, default=c.restitution))) / begun.time_step) ** 2 / gives
+        if stiffness > allowed:
+            raise FieldError(
+                field,
+                f"the contact of body '{one.wall.name}' of {free.mass:z.3g} kg/m with '{other.wall.name}' has "
+                f"{stiffness:z.3g} N/m, too stiff for run.time_step_fraction {c.time_step_fraction:z.3g}; allowed is "
+                f"{allowed:z.3g} N/m: lower one of the two, make the body heavier, or set run.allow_unstable: true",
+            )
+
+
+def tips_at(wall: Wall, free: Free) -> float:
+    """Speed at which the top of a body that is taller than wide meets the ground where it tips over, m/s; else 0."""
+    weight = np.array(free.weight)
+    if free.hinge is not None or not all(free.axes) or not weight.any() or round_of(wall.faces, 0):
+        return 0.0
+    down = weight / np.hypot(*weight)
+    points = points_of(wall)
+    height, width = (float(np.ptp(points @ way)) for way in (down, [-down[1], down[0]]))
+    return tipping_speed(height, hypot(*free.weight) / free.mass) if height > width else 0.0
+
+
+def _blow(one: MovingWall, ground: float) -> tuple[float, str]:
+    """Twice the energy of the hardest blow that is foreseen, J per m of width, and how it comes, in words."""
+    wall, free, went = one.first, one.motion.free, one.motion.went
+    assert free is not None
+    velocity, (_, (low, _)) = free.velocity if went is None else went.speed[:2], wall.extent
     fall = max(0.0, low - ground) if np.isfinite(ground) and free.freedom[1] else 0.0
-    speed = sqrt(hypot(*velocity) ** 2 + 2.0 * weight / free.mass * fall)
+    speed, tip = sqrt(hypot(*velocity) ** 2 + 2.0 * hypot(*free.weight) / free.mass * fall), tips_at(wall, free)
+    # what tips turns about its foot, so that its end has a third of the mass
+    return max(
+        (free.mass * speed**2, f"meet a wall at {speed:z.3g} m/s"),
+        (free.mass * tip**2 / 3.0, f"tip over and meet the ground at {tip:z.3g} m/s"),
+    )
+
+
+def _soft(begun: Beginning, one: MovingWall, walls: Sequence[MovingWall], ground: float) -> list[str]:
+    """A body that is so heavy, or may fall or tip so fast, that its contacts with walls are too soft."""
+    wall, free, c = one.first, one.motion.free, begun.coefficients
+    assert free is not None
+    limit = begun.overlap_limit
+    if not round_of(wall.faces, 0):
+        there = corners_of(one.wall.faces, 0, free.corner_radius)
+        limit = min(limit, LARGEST_OVERLAP * min(corner.radius for corner in there))
+    k = min((stiffness_between(c, one, other) for other in walls if not other.motion.free), default=inf)
+    weight, (energy, blow) = hypot(*free.weight), _blow(one, ground)
+    energy *= largest_overlap(1.0, c.restitution if wall.restitution is None else wall.restitution, 1.0) ** 2
     rests = 0.5 * weight / k  # on two corners
-    overlap = 0.5 * rests + sqrt((0.5 * rests) ** 2 + free.mass * speed**2 / k)
+    overlap = 0.5 * rests + sqrt((0.5 * rests) ** 2 + energy / k)
     if overlap <= limit:
         return []
-    enough = (0.5 * weight * limit + free.mass * speed**2) / limit**2
-    what = f"may meet a wall at {speed:z.3g} m/s" if speed else "stands on its corners"
+    enough = (0.5 * weight * limit + energy) / limit**2
     return [
-        f"body '{wall.name}' of {free.mass:z.3g} kg/m {what}, with an overlap of {overlap:z.2g} m where no discs "
-        f"soften it; the run ends at {limit:z.2g} m: a stiffness of its own of {enough:z.2g} N/m is enough"
+        f"body '{wall.name}' of {free.mass:z.3g} kg/m {f'may {blow}' if energy else 'stands on its corners'}, with an "
+        f"overlap of {overlap:z.2g} m where no discs soften it; the run ends at {limit:z.2g} m: a stiffness of its own "
+        f"of {enough:z.2g} N/m is enough"
     ]

@@ -12,6 +12,7 @@ from pydantic import AfterValidator, ConfigDict, Field, model_validator
 from lammps_jump import units
 from lammps_jump.case.parts.base import Strict
 from lammps_jump.physics.bodies import BodySection, section_of_circle, section_of_polygon
+from lammps_jump.scene.bodies.corners import largest_radius, round_of
 from lammps_jump.scene.bodies.free import Free
 from lammps_jump.scene.motion import Motion, MovingWall
 from lammps_jump.scene.scene import Beginning
@@ -74,7 +75,9 @@ class Body(Strict):
     stiffness: units.Stiffness | None = Field(
         default=None,
         title="stiffness",
-        description="of the spring of what touches it, as `friction`; without any, `contact.stiffness_wall`",
+        description="of the spring of what touches it, as `friction`. Without any, discs have "
+        "`contact.stiffness_wall`, and walls and bodies as much more as the effective mass is larger than a disc's, "
+        "which needs no shorter step",
     )
     rolling: units.Friction | None = Field(
         default=None,
@@ -84,8 +87,8 @@ class Body(Strict):
     )
     corner_radius: units.Length | None = Field(
         default=None,
-        description="by which its corners are rounded where they meet walls and bodies; discs feel them sharp. Without "
-        "it, a quarter of the smallest disc",
+        description="by which its corners are rounded where they meet walls and bodies, up to half of a side; discs "
+        "feel them sharp. Without it, a quarter of the smallest disc",
     )
 
     @model_validator(mode="after")
@@ -99,7 +102,13 @@ class Body(Strict):
         for axis, speed in zip(AXES, (*self.velocity, self.spin), strict=True):
             if speed and axis not in self.free and self.hinge is None:
                 raise ValueError(f"free: [{', '.join(self.free)}] is without {axis}, and the body has a speed there")
-        self.wall()  # raises what is wrong with the outline
+        wall = self.wall()  # raises what is wrong with the outline
+        largest = largest_radius(wall.faces, 0)
+        if self.corner_radius is not None and not round_of(wall.faces, 0) and self.corner_radius > largest * (1 + 1e-9):
+            raise ValueError(
+                f"corner_radius: {self.corner_radius:zg} m rounds more than half of a side away, so that the body "
+                f"would have another shape; allowed is up to {largest:z.4g} m"
+            )
         return self
 
     def wall(self) -> Wall:

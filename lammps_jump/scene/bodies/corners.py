@@ -9,7 +9,7 @@ circle is one disc. Ends of open lines are discs that touch the end.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import pi
+from math import inf, pi
 from typing import NamedTuple
 
 import numpy as np
@@ -64,6 +64,11 @@ def corners_of(faces: Faces, wall: int, radius: float) -> list[BodyCorner]:
     if circle is not None:
         return [circle]
     return [corner for face in own for corner in _of_face(faces, face, radius)]
+
+
+def largest_radius(faces: Faces, wall: int) -> float:
+    """Radius at which two rounded corners of a wall of lines meet in the middle of a side, m; infinite without any."""
+    return min((corner.radius for corner in corners_of(faces, wall, inf)), default=inf)
 
 
 def round_of(faces: Faces, wall: int) -> BodyCorner | None:

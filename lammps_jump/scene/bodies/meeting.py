@@ -9,7 +9,7 @@ from math import nan, sqrt
 import numpy as np
 
 from lammps_jump.core.law import LawNumbers
-from lammps_jump.physics.contact import SMOOTH_SHARE, damping
+from lammps_jump.physics.contact import SMOOTH_SHARE, Coefficients, damping
 from lammps_jump.scene.chains import lay
 from lammps_jump.scene.motion import MovingWall
 from lammps_jump.scene.scene import Scene
@@ -50,26 +50,49 @@ def meets(there: Sequence[MovingWall]) -> np.ndarray:
     return found & ~(is_round[:, None] & is_round[None, :] & np.tril(np.ones((count, count), bool)))
 
 
+def yielding(one: MovingWall) -> float:
+    """Most that a body gives way to a force on one of its corners, 1/kg: of a free block 4/M; 0 of a wall."""
+    free = one.motion.free
+    if free is None:
+        return 0.0
+    there = corners_of(one.wall.faces, 0, free.corner_radius)
+    return max(free.yielding((corner.x, corner.y)) for corner in there)
+
+
+def stiffness_between(c: Coefficients, one: MovingWall, two: MovingWall | None = None) -> float:
+    """Stiffness of contacts of two walls, one of them a body, or of a body and a wall without numbers of its own, N/m.
+
+    That which one of them has of its own, the smaller one of two. Without any, as much more than that of a disc and a
+    wall as the effective mass is: k = m_eff omega^2, at the frequency omega of a disc and a wall. So a heavy body needs
+    no shorter step and sinks as deep as a disc of the same speed. The mass is that of the corner that gives way most;
+    a light body has the stiffness of discs.
+    """
+    both = [one] if two is None else [one, two]
+    own = [stiffness for wall, _ in both if (stiffness := wall.stiffness) is not None]
+    return min(own) if own else max(c.stiffness_wall, c.omega_wall**2 / sum(map(yielding, both)))
+
+
 def laws_between(scene: Scene, walls: Sequence[MovingWall]) -> np.ndarray:
     """Numbers of contacts of each two walls, shape (walls, walls, 5).
 
-    Stiffness; dashpot and slope of the viscous ramp over the root of the effective mass; what the dashpot is less, as
-    it sees the half step; friction. Where both walls have a number of their own, the smaller one counts; where neither
-    has, that of the scene.
+    Stiffness (`stiffness_between`); dashpot and slope of the viscous ramp over the root of the effective mass; what the
+    dashpot is less, as it sees the half step; friction. Where both walls have a restitution or friction of their own,
+    the smaller one counts; where neither has, that of the scene.
     """
     found = np.zeros((len(walls), len(walls), len(LawNumbers._fields) + 1))
     for i, one in enumerate(walls):
         for j, two in enumerate(walls[: i + 1]):
-            if one.motion.free or two.motion.free:
+            if i != j and (one.motion.free or two.motion.free):
                 found[i, j] = found[j, i] = _between(scene, one, two)
     return found
 
 
 def _between(scene: Scene, one: MovingWall, two: MovingWall) -> tuple[float, ...]:
     c, owns = scene.coefficients, (one.wall.own_law, two.wall.own_law)
-    stiffness, restitution, friction = (
+    stiffness = stiffness_between(c, one, two)
+    restitution, friction = (
         min((value for own in owns if (value := own[k]) is not None), default=other)
-        for k, other in enumerate((c.stiffness_wall, c.restitution, c.friction))
+        for k, other in ((1, c.restitution), (2, c.friction))
     )
     by_root_mass = damping(restitution, stiffness, 1.0)
     share = 0.0 if c.correction == 1.0 else SMOOTH_SHARE if scene.touch == "smooth" else 1.0
