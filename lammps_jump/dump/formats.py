@@ -161,14 +161,12 @@ def _box(dump: DumpFile, buffer: Lines) -> tuple[np.ndarray, float]:
 
 
 def _check_names(dump: DumpFile, names: tuple[str, ...], tilt: float, where: str) -> None:
-    if len(set(names)) < len(names):
-        raise DumpError(f"{dump.path}, {where}: a column name stands twice in {' '.join(names)!r}.")
     if not names:
         raise DumpError(f"{dump.path}, {where}: no column names after 'ITEM: ATOMS'.")
     if tilt and any(name in names for name in ("xs", "ys", "xsu", "ysu")):
         raise DumpError(f"{dump.path}, {where}: scaled positions in a tilted box are not supported; dump x y.")
     if not dump.columns:
-        dump.columns = names
+        dump.columns = tuple(dict.fromkeys(names))
     words = sorted(TEXT_COLUMNS.intersection(names))
     if words:
         dump.warn(f"{dump.path}: column {', '.join(words)} holds words and was left out.")
@@ -210,7 +208,7 @@ def _text_rows(
             if wanted:
                 out[:, row] = _slow_row(dump, line, names, buffer.line_number)
             row += 1
-    return _frame(header, box, names, out) if wanted else None
+    return _frame(dump, header, box, names, out) if wanted else None
 
 
 def _torn(dump: DumpFile, buffer: Lines, header: FrameHeader, row: int) -> Torn:
@@ -292,10 +290,25 @@ def _binary_rows(
         done += count
     if done != rows:
         raise DumpError(f"{dump.path}, frame at byte {start}: {done} discs found, {rows} announced.")
-    return _frame(header, box, names, out) if wanted else None
+    return _frame(dump, header, box, names, out) if wanted else None
 
 
-def _frame(header: FrameHeader, box: np.ndarray, names: tuple[str, ...], values: np.ndarray) -> Frame:
-    """Frame of values, shape (columns, n), without the columns of words."""
-    columns = {name: values[i] for i, name in enumerate(names) if name not in TEXT_COLUMNS}
+def _frame(
+    dump: DumpFile, header: FrameHeader, box: np.ndarray, names: tuple[str, ...], values: np.ndarray
+) -> Frame:  # fmt: skip
+    """Frame of values, shape (columns, n), without the columns of words; one that stands twice with equal values once.
+
+    The dump command of LIGGGHTS' examples writes ``id type type x y z …``.
+    """
+    columns: dict[str, np.ndarray] = {}
+    for name, own in zip(names, values, strict=True):
+        if name in TEXT_COLUMNS:
+            continue
+        first = columns.setdefault(name, own)
+        if first is not own and not np.array_equal(first, own, equal_nan=True):
+            row = int(np.argmax((first != own) & ~(np.isnan(first) & np.isnan(own))))
+            raise DumpError(
+                f"{dump.path}, step {header.step}: the column {name} stands twice in {' '.join(names)!r}, and row "
+                f"{row + 1} of the frame has {first[row]:.10g} and {own[row]:.10g} there; rename one of them."
+            )
     return Frame(header.step, header.time, box, read_only(columns))

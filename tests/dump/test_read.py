@@ -131,6 +131,26 @@ def test_nan_and_words_and_windows_line_ends(tmp_path):
     assert "element" not in frame.columns and "element" in dump.warnings[0]
 
 
+LIGGGHTS = "id type type x y z ix iy iz vx vy vz fx fy fz omegax omegay omegaz radius"
+
+
+@pytest.mark.parametrize("compressed", [False, True])
+def test_a_column_that_stands_twice_with_equal_values_is_taken_once(tmp_path, compressed):
+    """As the examples of LIGGGHTS write dumps; also a column that is no number, and one that comes again later."""
+    rows = [f"{i} 1 1 0.{i} 0.5 0 0 0 0 1 -{i} 0 0 0 0 0 0 2 0.05" for i in (1, 2, 3)]
+    content = (text(rows, columns=LIGGGHTS) + text(rows, columns=LIGGGHTS, step=5)).encode()
+    (tmp_path / "d").write_bytes(gzip.compress(content) if compressed else content)
+    dump = open_dump(tmp_path / "d")
+    one, two = dump
+    assert dump.columns == tuple(dict.fromkeys(LIGGGHTS.split())) and not dump.warnings
+    for frame in (one, two):
+        assert list(frame.columns) == list(dump.columns)
+        assert list(frame.x) == [0.1, 0.2, 0.3] and list(frame.vy) == [-1, -2, -3] and set(frame.radii) == {0.05}
+    other = open_dump(write(tmp_path, text(["1 nan 2 nan 1", "2 0 2 0 2"], columns="id vx x vx id")))
+    (frame,) = other
+    assert np.isnan(frame.vx[0]) and list(frame.ids) == [1, 2]
+
+
 def test_the_number_of_discs_and_their_order_may_change(tmp_path):
     content = text(["3 3 0 0 0", "1 1 0 0 0"]) + text([], step=1) + text(["2 2 0 0 0"], step=2)
     dump = open_dump(write(tmp_path, content))
@@ -167,7 +187,11 @@ GOOD = text(["1 1 2 3 4", "2 5 6 7 8"])
         (text(["1 1 2 3 4", "2 5 6 7 8"], n=1), r"line 11: expected the next frame|line 11: expected 'ITEM"),
         (text(["1 1 2 3 4"], n=2) + GOOD, r"line 11: expected disc 2 of 2"),
         (text(["1 1 2 3 4", "2 5 6_0 7 8"]), r"line 11: expected a number for y"),
-        (text(["1 1 2"], columns="id x x"), "stands twice"),
+        (
+            text(["1 1 1", "2 1 2"], columns="id x x"),
+            r"step 0: the column x stands twice in 'id x x', and row 2 .* 1 and 2",
+        ),
+        (GOOD.replace("id x y vx vy", "id x y x vy"), "the column x stands twice"),
         (GOOD.replace("ITEM: TIMESTEP\n0\n", ""), "ITEM: TIMESTEP' first"),
         (GOOD.replace("NUMBER OF ATOMS\n2", "NUMBER OF ATOMS\n-2"), "line 4: expected a number of discs"),
         (GOOD.replace("NUMBER OF ATOMS\n2", "NUMBER OF ATOMS\ntwo"), "line 4: expected a number of discs"),
