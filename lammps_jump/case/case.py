@@ -6,7 +6,7 @@ from __future__ import annotations
 import copy
 import json
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Self
@@ -212,9 +212,11 @@ class ReadCase:
     @cached_property
     def _scene(self) -> Scene:
         try:
-            return build_scene(self.fields, self.source.begun)
+            scene = build_scene(self.fields, self.source.begun)
         except FieldError as error:
             raise self.source.located(error) from None
+        told = self.source.doubts
+        return replace(scene, warnings=(*told, *scene.warnings)) if told else scene
 
     def check(self) -> Derived:
         """Everything derived from the case: coefficients, theory of the inflow, what is skipped, warnings.

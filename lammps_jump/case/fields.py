@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from math import radians, sqrt
+from math import degrees, radians, sqrt
 from operator import itemgetter
 from typing import Annotated, Any, Literal
 
@@ -11,7 +11,7 @@ from pydantic import BeforeValidator, ConfigDict, Field
 from pydantic.functional_validators import field_validator, model_validator
 
 from lammps_jump import units
-from lammps_jump.physics.elementary import cos, sin
+from lammps_jump.physics.elementary import atan2, cos, hypot, sin
 from lammps_jump.quoting import LONGEST, one_line
 from lammps_jump.scene.walls import KINDS
 
@@ -27,6 +27,19 @@ from .parts.inflow import InflowField
 
 def _folded(value: Any) -> Any:
     return one_line(value) if isinstance(value, str) else value
+
+
+def _downwards(value: Any) -> Any:
+    """Gravity as it stands, refused as a vector with what is meant by it."""
+    if not isinstance(value, list | tuple):
+        return value
+    if len(value) == 2 and all(isinstance(part, int | float) for part in value) and value[1] < 0:
+        g, angle = hypot(*value), degrees(atan2(value[0], -value[1]))
+        raise ValueError(
+            f"is one number, downwards, and no vector; for {list(value)} write gravity: {g:z.4g} and slope: "
+            f"{angle:z.4g} (degrees, which tilt gravity towards larger x)"
+        )
+    raise ValueError("is one number, downwards, and no vector; slope (degrees) tilts it towards larger x")
 
 
 class Domain(Strict):
@@ -71,7 +84,7 @@ class CaseFields(Strict):
         description=f"text for the report, at most {LONGEST} printable characters; line breaks become spaces. Values "
         "changed by `--set` or a study stand behind it; of a scene whose flow was edited it is left out",
     )
-    gravity: units.MetrePerSecond2 = Field(
+    gravity: Annotated[units.MetrePerSecond2, BeforeValidator(_downwards)] = Field(
         default=9.81, ge=0, le=MOST_GRAVITY, title="gravity", description="downwards; 0 for none"
     )
     slope: units.Degree = Field(default=0.0, gt=-90, lt=90, title="slope", description="tilts gravity towards larger x")

@@ -35,6 +35,7 @@ _Loader.add_implicit_resolver(
     "tag:yaml.org,2002:bool", re.compile(r"^(?:true|True|TRUE|false|False|FALSE)$"), list("tTfF")
 )
 _Loader.add_implicit_resolver("tag:yaml.org,2002:int", re.compile(r"^[-+]?[0-9]+$"), list("-+0123456789"))
+_Loader.add_constructor("tag:yaml.org,2002:int", lambda _, node: int(node.value))  # 010 is 10
 _Loader.add_implicit_resolver(
     "tag:yaml.org,2002:float",
     re.compile(r"^(?:[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?|[-+]?\.(?:inf|Inf|INF)|\.(?:nan|NaN|NAN))$"),
@@ -97,6 +98,8 @@ class CaseSource:
         Path of an item of ``initial`` -> the discs of the run that it names.
     options : dict
         Field -> the option of the command line that gives it, in place of the file.
+    octals : dict
+        Path of a whole number with a leading 0 -> its text. It is decimal, as YAML 1.2 has it.
     """
 
     file: str
@@ -110,6 +113,13 @@ class CaseSource:
     tables: dict[PathKey, FileTable] = field(default_factory=dict)
     begun: dict[PathKey, Begun] = field(default_factory=dict)
     options: dict[str, str] = field(default_factory=dict)
+    octals: dict[PathKey, str] = field(default_factory=dict)
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """Sentences on values that other readers of YAML take for other ones."""
+        found = (_of_octal(dotted_path(path), text) for path, text in self.octals.items())
+        return tuple(text for text in found if text)
 
     @property
     def whole(self) -> dict[str, Any]:
@@ -149,6 +159,15 @@ class CaseSource:
         """The error of a field with its place."""
         key = tuple(int(part) if _is_number(part) else part for part in error.path.split("."))
         return CaseError(f"{self.place(key)}: {error.text}")
+
+
+def _of_octal(place: str, text: str) -> str:
+    """A sentence on a whole number with a leading 0; empty where it is the same to all."""
+    digits = text.lstrip("+-")
+    other = f"octal, {int(digits, 8)}" if set(digits) <= set("01234567") else "octal, which it is not"
+    if other == f"octal, {int(digits)}":
+        return ""
+    return f"{place}: {text} is read as {int(text)}; other readers of YAML take a leading 0 for {other}: leave it out"
 
 
 def _with(data: Any, path: PathKey, given: dict[str, Any]) -> Any:
@@ -308,6 +327,8 @@ def _plain(node: yaml.Node, path: PathKey, source: CaseSource, constructor: _Loa
     if isinstance(node, yaml.SequenceNode):
         return [_plain(child, (*path, index), source, constructor) for index, child in enumerate(node.value)]
     source.spans[path] = node.start_mark.index, node.end_mark.index
+    if node.tag == "tag:yaml.org,2002:int" and re.fullmatch(r"[-+]?0[0-9]+", node.value):
+        source.octals[path] = node.value
     try:
         return constructor.construct_object(node)
     except (yaml.YAMLError, ValueError, LookupError, AttributeError) as error:  # the last two for tags such as !!bool
@@ -354,6 +375,8 @@ def override(source: CaseSource, assignment: str) -> None:
             container = container[key]
     kept = {known: told for known, told in source.overrides.items() if known[: len(path)] != path}
     source.overrides = {**kept, path: assignment}  # the last change stands last
+    octals = {known: text for known, text in source.octals.items() if known[: len(path)] != path}
+    source.octals = octals | {(*path, *known): text for known, text in scratch.octals.items()}
 
 
 def value_at(data: Any, dotted: str) -> Any:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -30,10 +31,13 @@ from .derived import skipped
 from .design import tailgate
 from .fields import CaseFields
 from .foresight import speeds, ways_out
-from .foresight.asked import in_vain, light, radians_given
+from .foresight.asked import in_vain, light, radians_given, small_bins
+from .foresight.barriers import never_met
 from .foresight.doubts import doubts, held_deep, jump_doubts
 from .foresight.grading import curve_doubts
 from .foresight.grains import heap_doubts
+from .foresight.names import written_walls
+from .foresight.times import behind_the_end
 from .packing import TooSoft, arrange, disc_sizes
 from .parts import channel, places
 from .parts.beds import beds_of
@@ -122,9 +126,7 @@ def _scene(case: CaseFields, runs: Runs) -> Scene:
     around = _around(case, begun)
     notes = around.notes + _check_together(case, begun, around)
     seen = _seen(case, begun, around)
-    notes += ways_out.unguarded(case, begun, around.inlet.rows, around.walls, around.domain, around.outlets)
-    notes += ways_out.unused(around.walls, seen.reached, list(around.fields))
-    notes += in_vain(case, around.walls) + radians_given(case) + light(case)
+    notes += _foreseen(case, begun, around, seen.reached)
     touch = _touch(case, begun, around.laws)
     standing = (*seen.kept, *around.gates)
     pour = case.inflow if isinstance(case.inflow, PourInflow) else None
@@ -228,6 +230,7 @@ def _check_together(case: CaseFields, begun: Beginning, around: _Around) -> list
         begun, standing, around.fields, around.laws, _integrator(case),
         unstable=case.run.allow_unstable, ground=speeds.lowest_ground(case) if case.bodies else math.inf,
     )  # fmt: skip
+    notes += places.check_bodies_in_domain(standing, around.fields, around.domain)
     checks.check_pour(case, around.domain, begun.largest)
     return notes
 
@@ -239,6 +242,16 @@ class _Seen(NamedTuple):
     kept: list[MovingWall]
     probes: tuple[str, ...]
     groups: tuple[tuple[str, tuple[str, ...]], ...]
+
+
+def _foreseen(case: CaseFields, begun: Beginning, around: _Around, reached: Sequence[MovingWall]) -> list[str]:
+    """What will not come out as asked, of walls (`reached` by discs), outlets, times and analyses."""
+    rows, own = around.inlet.rows, list(around.fields)
+    notes = ways_out.unguarded(case, begun, rows, around.walls, around.domain, around.outlets)
+    notes += ways_out.unused(around.walls, reached, own) + written_walls(around.walls, own)
+    notes += never_met(case, begun, rows, around.walls, around.outlets)
+    notes += in_vain(case, around.walls) + radians_given(case) + light(case)
+    return notes + behind_the_end(case) + small_bins(case, begun.largest)
 
 
 def _seen(case: CaseFields, begun: Beginning, around: _Around) -> _Seen:

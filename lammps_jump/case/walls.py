@@ -17,7 +17,7 @@ from lammps_jump.scene import Beginning, Block, InletRow, Interval, MovingWall, 
 from lammps_jump.scene.bodies.meeting import stiffness_between
 from lammps_jump.scene.chains import Point, boxes
 from lammps_jump.scene.motion import Motion, arms, largest_speed, way
-from lammps_jump.scene.shapes import ArcTo, PlaceError, flush, open_ends, tight_bend, vertices
+from lammps_jump.scene.shapes import ArcTo, PlaceError, flush, open_ends, over_each_other, tight_bend, vertices
 from lammps_jump.scene.tracks import Held, Loaded, Translate
 from lammps_jump.scene.walls import Line
 
@@ -319,6 +319,11 @@ def wall_doubts(walls: Sequence[MovingWall], begun: Beginning, laws: Laws, inlet
                 f"walls '{one.name}' and '{two.name}' meet flush at ({at[0]:zg}, {at[1]:zg}) m: a disc there "
                 "feels both, up to twice the force; make them one wall"
                 + (", or give both the same join" if open_ends(one.faces) and open_ends(two.faces) else "")
+            )
+        elif at := over_each_other(one.faces, two.faces):
+            found.append(
+                f"walls '{one.name}' and '{two.name}' lie flush on each other at ({at[0]:zg}, {at[1]:zg}) m: a disc "
+                "there feels both, twice the force; let one of them end there, or make them one wall"
             )
     return found + _gap_doubts([one.wall for one in walls], begun.smallest)
 

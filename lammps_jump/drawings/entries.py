@@ -6,8 +6,8 @@ from __future__ import annotations
 import re
 import textwrap
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import islice
 from math import hypot
 from typing import Any
@@ -16,10 +16,11 @@ import numpy as np
 import yaml
 from scipy.spatial import cKDTree
 
+from lammps_jump.case.foresight.names import is_written
 from lammps_jump.case.text import parse_source
 from lammps_jump.errors import CaseError
 from lammps_jump.quoting import LONGEST_NAME, shortened, visible
-from lammps_jump.scene.shapes import ArcTo, PlaceError
+from lammps_jump.scene.shapes import ArcTo, PlaceError, flush, over_each_other
 from lammps_jump.scene.tracks import MOST_ROWS
 from lammps_jump.scene.walls import Circle, Line, Polygon
 
@@ -30,12 +31,16 @@ SAME = 1e-6
 """Distance over the size of a drawing up to which two ends are one."""
 NEARLY = 0.01
 """Distance over the size of a drawing up to which two ends nearly meet."""
+LINES_APART = 3
+"""Single straight lines of a layer from which on it looks like dimensions or axes."""
 DIGITS = 9
 """Digits of the numbers that are written."""
 ROUND = 1e-14
 """Round-off of a coordinate over the size of a drawing."""
 MOST_WALLS = 1000
 """Walls of a drawing; a case of more takes minutes to check."""
+MOST_LOOKED = 200_000
+"""Pieces of walls side by side that are looked through for such as lie flush: seconds."""
 MOST_TOLD = 20
 """Sentences of one kind on what is doubtful."""
 
@@ -75,12 +80,15 @@ class Entry:
         Extent, points and arcs, whether it is closed, and on which side the discs are.
     doubts : tuple of str
         What may be wrong with it alone.
+    chosen : bool
+        Whether the user has named its layer.
     """
 
     wall: dict[str, Any]
     layer: str
     facts: tuple[str, ...]
     doubts: tuple[str, ...] = ()
+    chosen: bool = False
 
 
 def entries(drawing: LayeredDrawing, choice: LayerChoice | None = None) -> list[Entry]:
@@ -108,7 +116,8 @@ def entries(drawing: LayeredDrawing, choice: LayerChoice | None = None) -> list[
             f"{drawing.file}: has {count:,} lines and circles that do not meet; at most {MOST_WALLS:,} become walls: "
             "join them in the drawing, or take the layers of walls alone (--layer)"
         )
-    found = [entry for layer, outlines, turned in joined for entry in _of_layer(layer, choice, outlines, turned, size)]
+    parts = (_of_layer(layer, choice, outlines, turned, size) for layer, outlines, turned in joined)
+    found = [replace(entry, chosen=bool(choice.names)) for part in parts for entry in part]
     names = [entry.wall["name"] for entry in found]
     if twice := [name for name, count in Counter(names).items() if count > 1]:
         raise CaseError(f"{drawing.file}: two walls would be called '{twice[0]}'; name them by --layer LAYER=WALL")
@@ -267,9 +276,11 @@ def _alone(wall: dict[str, Any]) -> list[str]:
 def _wall(wall: Mapping[str, Any]) -> Circle | Line | Polygon:
     """The wall of an entry."""
     if wall["kind"] == "circle":
-        return Circle(wall["name"], tuple(wall["centre"]), wall["radius"])
+        return Circle(wall["name"], tuple(wall["centre"]), wall["radius"], discs=wall.get("discs", "outside"))
     points = tuple(ArcTo(tuple(p["arc_to"]), p["radius"]) if isinstance(p, dict) else tuple(p) for p in wall["points"])
-    return (Line if wall["kind"] == "line" else Polygon)(wall["name"], points)
+    if wall["kind"] == "line":
+        return Line(wall["name"], points, sheet=wall.get("sheet", False))
+    return Polygon(wall["name"], points, discs=wall.get("discs", "outside"))
 
 
 def _side(start: Point, end: Point) -> str:
@@ -305,7 +316,9 @@ def _rounded(point: Point, size: float) -> list[float]:
 
 
 def doubts(found: Sequence[Entry], size: float) -> list[str]:
-    """Sentences on walls together: shapes that are refused, ends that nearly meet, walls that cross; the first of each.
+    """Sentences on walls together: shapes that are refused, ends that nearly meet, walls that cross or lie flush.
+
+    The first of each; and layers that look like what is written on a drawing.
 
     Parameters
     ----------
@@ -315,15 +328,41 @@ def doubts(found: Sequence[Entry], size: float) -> list[str]:
     """
     whole = [entry for entry in found if not entry.doubts]
     walls = [entry.wall for entry in whole]
-    crossed = (
-        f"{walls[one]['name']} and {walls[two]['name']} cross at {_place(at)}"
-        for one, two, at in crossings([_wall(wall).chains() for wall in walls], SAME * size)
-    )
+    made, crossed = [_wall(wall) for wall in walls], set[tuple[int, int]]()
+
+    def told_of_crossings() -> Iterator[str]:
+        for one, two, at in crossings([wall.chains() for wall in made], SAME * size):
+            crossed.add((one, two))
+            yield f"{made[one].name} and {made[two].name} cross at {_place(at)}"
+
     try:
-        last = _some(crossed)
+        last = _some(told_of_crossings())
     except TooManyFaces as error:
         last = [f"not looked through for walls that cross: {error}"]
-    return [*_some(text for entry in found for text in entry.doubts), *_some(_near_ends(walls, size)), *last]
+    told = [*_some(text for entry in found for text in entry.doubts), *_some(_near_ends(walls, size)), *last]
+    return [*told, *_some(_flush(made, crossed, SAME * size)), *_some(_written(found))]
+
+
+def _flush(
+    walls: Sequence[Circle | Line | Polygon], crossed: Collection[tuple[int, int]], near: float
+) -> Iterator[str]:
+    """Sentences on walls that go on as one, or that lie on each other, but for those that cross."""
+    (x0, x1), (y0, y1) = np.moveaxis(np.array([wall.extent for wall in walls]).reshape(-1, 2, 2), 0, 2)
+    beside = (x0 <= x1[:, None] + near) & (y0 <= y1[:, None] + near)
+    looked = 0
+    for one, two in np.argwhere(np.triu(beside & beside.T, 1)).tolist():
+        if (one, two) in crossed:
+            continue
+        looked += len(walls[one].faces.codes) + len(walls[two].faces.codes)
+        if looked > MOST_LOOKED:
+            yield f"not all looked through for walls that lie flush: more than {MOST_LOOKED:,} pieces lie side by side"
+            return
+        faces = walls[one].faces, walls[two].faces
+        if at := flush(*faces) or over_each_other(*faces):
+            yield (
+                f"{walls[one].name} and {walls[two].name} meet flush at {_place(at)}: a disc there feels both, up to "
+                "twice the force; draw them as one outline in one layer, or give lines the same join in the case"
+            )
 
 
 def _some(texts: Iterable[str]) -> list[str]:
@@ -345,6 +384,26 @@ def _near_ends(walls: Sequence[Mapping[str, Any]], size: float) -> Iterator[str]
             if other > number and gap > SAME * size:
                 what = f"ends of {one} and {two} nearly meet" if one != two else f"{one} is nearly closed"
                 yield f"{what}: its gap at {_place(a)} is {gap:z.3g} m"
+
+
+def _written(found: Sequence[Entry]) -> list[str]:
+    """Sentences on layers that nobody has chosen and that look like dimensions, texts or axes.
+
+    By their names, or because most of a layer are single straight lines that stand apart.
+    """
+    told = []
+    for layer in dict.fromkeys(entry.layer for entry in found if not entry.chosen):
+        walls = [entry.wall for entry in found if entry.layer == layer]
+        bare = [wall for wall in walls if wall["kind"] == "line" and len(wall["points"]) == 2 and "sheet" not in wall]
+        apart = len(bare) >= LINES_APART and 2 * len(bare) > len(walls)
+        if is_written(layer) or apart:
+            look = "is named like" if is_written(layer) else f"holds {len(bare)} single lines apart, as do"
+            names = ", ".join(wall["name"] for wall in walls[:3]) + (", ..." if len(walls) > 3 else "")
+            told.append(
+                f"layer '{shortened(visible(layer))}' {look} dimensions, texts or axes, and became {names}: if it is "
+                "no wall, name the layers that are, --layer LAYER=WALL"
+            )
+    return told
 
 
 def _ends(wall: Mapping[str, Any]) -> tuple[Point, Point]:

@@ -160,9 +160,14 @@ class MovingWall(NamedTuple):
         return Placed(self.wall, pose or now, self.motion.about, Pose(*own) if pose is None else rate)
 
     @property
+    def placed(self) -> Placed:
+        """The wall in the pose in which it begins."""
+        return Placed(self.wall, STILL if self.motion.went is None else self.motion.went.pose, self.motion.about)
+
+    @property
     def first(self) -> Wall:
         """The wall where it is at the start."""
-        return self.wall if self.motion.went is None else self.at(0) or self.wall
+        return self.wall if self.motion.went is None else self.placed
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import pi, radians, sqrt
+from math import inf, pi, radians, sqrt
 from typing import Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -329,6 +329,52 @@ def flush(one: Faces, two: Faces) -> Point | None:
                 if least < angle <= SMOOTH_TURN:
                     return float(place[0]), float(place[1])
     return None
+
+
+def over_each_other(one: Faces, two: Faces) -> Point | None:
+    """Place where straight faces of two walls lie on each other and push the same way, m: discs there feel both.
+
+    Closed outlines whose faces look down there are left out, as in `flush`. None: there is no such place.
+    """
+    own, other = _straight_boxes(one), _straight_boxes(two)
+    low, high = other[:, 0].min(axis=0), other[:, 1].max(axis=0)
+    room = FLUSH * max(1.0, float(np.abs(own[np.isfinite(own)]).max(initial=0.0)))
+    near = ((own[:, 0] <= high + room) & (own[:, 1] >= low - room)).all(axis=1)
+    for face in np.flatnonzero(_looked_at(one) & near):
+        x0, y0, tx, ty = one.shape[face, [X0, Y0, TX0, TY0]].tolist()
+        begin, end = _span(one, (x0, y0), (tx, ty))[face]
+        other = _span(two, (x0, y0), (tx, ty))
+        room = FLUSH * max(1.0, abs(x0), abs(y0))
+        dx, dy = two.shape[:, X0] - x0, two.shape[:, Y0] - y0
+        same = _looked_at(two) & (two.shape[:, TX0] * tx + two.shape[:, TY0] * ty > 1.0 - FLUSH**2)
+        same &= np.abs(tx * dy - ty * dx) <= room
+        first, last = np.maximum(other[:, 0], begin), np.minimum(other[:, 1], end)
+        found = np.flatnonzero(same & (last - first > room))
+        if found.size:
+            way = next((float(at) for at in (first[found[0]], last[found[0]]) if np.isfinite(at)), 0.0)
+            return x0 + way * tx, y0 + way * ty
+    return None
+
+
+def _straight_boxes(faces: Faces) -> np.ndarray:
+    """Low and high corner of each face as if it were straight, shape (faces, 2, 2), m; infinite without end."""
+    ends = np.sort(faces.shape[:, [X0, Y0, X1, Y1]].reshape(-1, 2, 2), axis=1)
+    ends[faces.codes[:, AT_START] == ENDLESS] = [[-inf, -inf], [inf, inf]]
+    return ends
+
+
+def _looked_at(faces: Faces) -> np.ndarray:
+    """Straight faces, without those of closed outlines that look down."""
+    line = (faces.codes[:, AT_START] == FREE) | (faces.codes[:, AT_END] == FREE)
+    return (faces.codes[:, KIND] == SEGMENT) & ((faces.shape[:, TX1] > -0.5) | line)
+
+
+def _span(faces: Faces, start: Point, along: Point) -> np.ndarray:
+    """Begin and end of faces along a line from a point, m, shape (faces, 2); of those without end infinite."""
+    places = faces.shape[:, [X0, Y0, X1, Y1]] - [*start, *start]
+    ways = np.sort(places.reshape(-1, 2, 2) @ np.array(along), axis=1)
+    ways[faces.codes[:, AT_START] == ENDLESS] = -inf, inf
+    return ways
 
 
 def vertices(faces: Faces) -> np.ndarray:

@@ -19,6 +19,8 @@ RIGHT_ANGLE = 0.1
 """Distance in degrees from a multiple of 90 at which a value times 180/pi is taken for a right angle: 3.14 is."""
 LIGHT = 0.5, 23.0
 """Densities in kg/m^3 that are those of solids and liquids in g/cm^3."""
+BIN = 2.0
+"""Width of a bin that is advised, in diameters."""
 OTHER_ANGLE = 0.01
 """The same for multiples of 15 degrees."""
 
@@ -63,6 +65,17 @@ def empty_window(case: CaseFields) -> list[str]:
             f"{case.output_interval:z.3g} s: it may hold none; widen it, or lower run.output_interval"
         ]
     return []
+
+
+def small_bins(case: CaseFields, largest: float) -> list[str]:
+    """A sentence on bins of profiles that are narrower than the largest disc (m)."""
+    width = case.analysis.bin_width
+    if width is None or width >= largest:
+        return []
+    return [
+        f"analysis.bin_width: {width:zg} m is less than a disc, {largest:z.3g} m: a bin holds parts of single discs, "
+        f"and so are its depth and velocity; take {BIN:zg} diameters, {BIN * largest:z.2g} m, or more"
+    ]
 
 
 def radians_given(case: CaseFields) -> list[str]:

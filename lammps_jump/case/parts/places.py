@@ -99,6 +99,34 @@ def check_in_domain(
                 )
 
 
+def check_bodies_in_domain(
+    walls: Iterable[MovingWall], fields: Mapping[str, str], domain: Sequence[Interval]
+) -> list[str]:
+    """Refuse bodies whose centre of mass is outside the domain at the start; sentences on such as reach out of it."""
+    notes = []
+    for one in walls:
+        free, wall = one.motion.free, one.first
+        if free is None:
+            continue
+        centre = np.ravel(one.placed.outward(*np.array(free.centre).reshape(2, 1)))
+        for axis, label in enumerate("xy"):
+            (low, high), ends = domain[axis], wall.extent[axis]
+            if not low <= centre[axis] <= high:
+                raise FieldError(
+                    fields[wall.name],
+                    f"body '{wall.name}' has its centre of mass at {label} = {centre[axis]:z.4g} m, outside the domain "
+                    f"[{low:zg}, {high:zg}]; widen domain.{label}, or move the body",
+                )
+            for out, end in ((low - ends[0], low), (ends[1] - high, high)):
+                if out > 0:
+                    notes.append(
+                        f"body '{wall.name}' reaches {out:z.3g} m beyond the edge of the domain, {label} = {end:zg} m, "
+                        "at the start: discs there are lost, and the run ends where its centre of mass leaves; widen "
+                        f"domain.{label}, or move the body"
+                    )
+    return notes
+
+
 def _less_jitter(case: CaseFields) -> str:
     """The remedy where discs are shifted at random; empty where none are."""
     asked = [(f"initial[{k}].jitter", item.jitter) for k, item in enumerate(case.initial) if item.jitter]

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from math import cos, degrees, hypot, inf, sin
+from math import degrees, inf
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +13,7 @@ import numpy as np
 from lammps_jump.case.fields import CaseFields
 from lammps_jump.case.text import Runs
 from lammps_jump.dump.side_files.pushed import PushedWalls, outline_of, went_of
+from lammps_jump.physics.elementary import cos, hypot, sin
 from lammps_jump.scene import Wall, Went
 from lammps_jump.scene.motion import Placed, Pose
 
