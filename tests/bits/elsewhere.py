@@ -27,6 +27,7 @@ import numpy as np
 from lammps_jump.compiling.product import FLAGS
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.engines.native.image import image_of
+from lammps_jump.errors import CaseError
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 import same_bits
@@ -86,7 +87,11 @@ def scenes(only: str) -> Iterator[tuple[str, NativeSimulation]]:
     for name, source, changes in same_bits.entries():
         if only not in name:
             continue
-        scene = same_bits.scene_of(source, changes)
+        try:
+            scene = same_bits.scene_of(source, changes)
+        except CaseError as error:
+            print(f"{name}: left out, {error}"[:200], flush=True)
+            continue
         if scene.pours:
             print(f"{name}: left out, its pour is drawn by the engine", flush=True)
             continue
@@ -99,7 +104,7 @@ def main() -> int:
     """Build, run and compare."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--builds", nargs="*", default=list(BUILDS), choices=list(BUILDS))
-    parser.add_argument("--only", default="")
+    parser.add_argument("--only", default="", help="a part of the names of entries")
     asked = parser.parse_args()
     there = [name for name in asked.builds if is_there(name)]
     for name in set(asked.builds) - set(there):
