@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from lammps_jump.dump.side_files.bodies import BodyHistory
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.physics.bodies import section_of_circle, section_of_polygon
 from lammps_jump.scene.bodies.free import Free
@@ -86,3 +87,32 @@ def state_of(simulation: NativeSimulation, name: str) -> State:
     number = walls.names.index(name)
     free = {wall.name: motion.free for wall, motion in simulation.scene.walls}[name]
     return State(walls.moves.pushed[number, :3].copy(), walls.moves.now[number, 8:11].copy(), free)
+
+
+TIME = np.linspace(0.0, 10.0, 401)
+"""Rows of a history made up, s."""
+WIDE = Block("box", (4.0, 6.0), (0.0, 1.0))
+TALL = Block("post", (4.0, 4.7), (0.0, 3.5))
+
+
+def ramp(begin, end, size=1.0):
+    """From 0 to `size` between two times."""
+    return size * np.clip((TIME - begin) / (end - begin), 0.0, 1.0)
+
+
+def history_of(one, x=0.0, y=0.0, angle=0.0, about=None):
+    """A body that comes so far (m) and turns so far (rad) about a point of its own, by default the centre of mass."""
+    zero, free = np.zeros_like(TIME), one.motion.free
+    angle, centre = zero + angle, np.array(free.centre)
+    arm = centre - (centre if about is None else np.array(about))
+    px = centre[0] - arm[0] + np.cos(angle) * arm[0] - np.sin(angle) * arm[1] + x
+    py = centre[1] - arm[1] + np.sin(angle) * arm[0] + np.cos(angle) * arm[1] + y
+    v = np.gradient(px, TIME), np.gradient(py, TIME)
+    return BodyHistory(TIME, px, py, angle, *v, np.gradient(angle, TIME), zero, zero, zero)
+
+
+def corner(wall, right):
+    """The lower corner of a wall on one side."""
+    points = np.asarray(wall.outline((0.0, 0.0), (0.0, 0.0))[0])
+    low = points[points[:, 1] < points[:, 1].min() + 1e-9]
+    return low[np.argmax(low[:, 0]) if right else np.argmin(low[:, 0])]

@@ -123,11 +123,11 @@ def standing_of(flow: Flow, one: MovingWall, history: BodyHistory) -> Standing:
         return Standing("left", since=away)
     start = max(int(np.searchsorted(history.time, kind.begin, side="right")) - 1, 0)
     faces = faces_of(_outline(one)) if flow.g else []
-    base = _base(faces, one, g, float(history.angle[start]))
+    base = _base(faces, _width(one), g, float(history.angle[start]))
     if why := _why_not(flow, kind, history, start, base):
         return Standing(reason=why)
     assert base is not None
-    ends = np.stack([_placed(end, kind, history) for end in (base.first, base.last)], axis=1)
+    ends = np.stack([placed(end, kind, history) for end in (base.first, base.last)], axis=1)
     along = turned(base.last - base.first, float(history.angle[start])) / base.length
     up = turned(-base.normal, float(history.angle[start]))
     way, width = ends[start:] - ends[start], _width(one)
@@ -244,9 +244,17 @@ def side_of(face: HullFace, base: HullFace) -> str:
     return "right" if across > 0 else "left"
 
 
-def _base(faces: list[HullFace], one: MovingWall, gravity: np.ndarray, angle: float) -> HullFace | None:
-    """The face that looks most downward at a turn (rad); None where none is long enough and looks down."""
-    long = [face for face in faces if face.length >= LEAST_FACE * _width(one)]
+def base_at(one: MovingWall, gravity: np.ndarray, angle: float) -> HullFace | None:
+    """The face that a body stands on when it has turned so far (rad), ends from left to right; None without one.
+
+    It is the face of the convex hull that looks most downward, where that is long enough and looks down.
+    """
+    return _base(faces_of(_outline(one)), _width(one), gravity, angle)
+
+
+def _base(faces: list[HullFace], width: float, gravity: np.ndarray, angle: float) -> HullFace | None:
+    """The base among the faces of a body of some width, m."""
+    long = [face for face in faces if face.length >= LEAST_FACE * width]
     if not long:
         return None
     down = gravity / hypot(*gravity)
@@ -272,7 +280,7 @@ def turned(vector: np.ndarray, angle: float) -> np.ndarray:
     return np.array([c * vector[0] - s * vector[1], s * vector[0] + c * vector[1]])
 
 
-def _placed(point: np.ndarray, kind: Free, history: BodyHistory) -> np.ndarray:
+def placed(point: np.ndarray, kind: Free, history: BodyHistory) -> np.ndarray:
     """Where a point of a body is at each row, m, shape (rows, 2)."""
     arm, c, s = point - np.array(kind.centre), np.cos(history.angle), np.sin(history.angle)
     return np.column_stack([history.x + c * arm[0] - s * arm[1], history.y + s * arm[0] + c * arm[1]])

@@ -56,8 +56,10 @@ def figures(result: Forces, gathered: Gathered) -> Drawings:
 KILO = 1e3
 MEANS = ("mean_fx", "mean_fy", "mean_resultant", "mean_angle", "mean_hydrostatic")
 LARGEST = ("peak", "peak_time", "resultant", "resultant_angle", "resultant_time", "hydrostatic", "stagnation")
-WHOLE = ("impulse_x", "impulse_y", "peak_moment")
-"""Numbers of the three tables of the section."""
+WHOLE = ("impulse_x", "impulse_y")
+MOMENTS = ("peak_moment", "moment_x", "moment_y")
+OVERTURNING = ("overturning_right", "weight_right", "overturning_left", "weight_left")
+"""Numbers of the tables of the section."""
 
 
 def section(found: Forces) -> Section:
@@ -69,6 +71,11 @@ def section(found: Forces) -> Section:
         _table("Means of the window", steady, MEANS),
         _table(f"Largest, means over {LOW_PASS:zg} s", touched, LARGEST),
         _table("Whole record", touched, WHOLE),
+        _moments(touched),
+        _table(
+            "Overturning", {name: force for name, force in touched.items() if known(force.weight_right)}, OVERTURNING
+        ),
+        Text(STANDS if any(known(force.weight_right) for force in touched.values()) else "", "small"),
         Text("Directions are angles to the x axis, anticlockwise: −90 degrees is down." if touched else "", "small"),
         Text(f"Nothing touched {', '.join(untouched)}." if untouched else ""),
     ]
@@ -87,6 +94,23 @@ def _table(title: str, structures: Mapping[str, Force], keys: Sequence[str]) -> 
         rows.append((name, *([component_of(force)] if "peak" in keys else []), *told))
     heads = [heading(numbers[key].meaning, f"{'k' * (scale > 1)}{numbers[key].unit}") for key, scale in scales.items()]
     return Table(rows, (title, *(["component"] if "peak" in keys else []), *heads))
+
+
+STANDS = (
+    "A toe is an end of the base, as long as the body stands on it, turned by less than 15 degrees. What the weight "
+    "holds is that of the body as it was released: it becomes less as the body turns over the toe."
+)
+"""What is said below the moments about toes."""
+
+
+def _moments(structures: Mapping[str, Force]) -> Table:
+    """Peak moment of each structure, and what it is about."""
+    made = _table("Moments, anticlockwise", structures, MOMENTS)
+    rows = [
+        (row[0], force.moment_about or "not known", *row[1:])
+        for row, force in zip(made.rows, structures.values(), strict=True)
+    ]
+    return made._replace(rows=rows, header=(made.header[0], "about", *made.header[1:]))
 
 
 def _scaled(force: Force, key: str, scale: float) -> float | None:
@@ -138,12 +162,28 @@ def impulse_chart(result: Forces) -> Chart | None:
         impulses.append(
             Trace(f"{name}, {component.replace('f', 'F')}", time, table[f"impulse_{component[1]}"] / 1e3, look)
         )
-        if np.isfinite(moment).any() and force.component == "fx":
-            point = "the foot" if force.wall is not None else "its point"
-            moments.append(Trace(f"{name}, about {point}, anticlockwise", time, moment / 1e3, look))
+        if "moment_right_toe_smooth" in table:
+            moments += _about_toes(name, force)
+        elif np.isfinite(moment).any() and force.component == "fx":
+            about = f"about {force.moment_about}" if force.moment_about else "about a point that is not known"
+            moments.append(Trace(f"{name}, {about}, anticlockwise", time, moment / KILO, look))
     panels = [Panel("Running impulse [kN s/m]", impulses)]
     panels += [Panel(f"Moment, {LOW_PASS:zg} s mean [kN m/m]", moments)] if moments else []
     return Chart("impulse and overturning moment", TIME, panels)
+
+
+def _about_toes(name: str, force: Force) -> list[Trace]:
+    """Moments of the discs on a body about both ends of its base, and what its weight holds against them."""
+    time, found, shares = force.table["time"], [], {}
+    for side, look in (("right", "first"), ("left", "second")):
+        values = force.table[f"moment_{side}_toe_smooth"]
+        found.append(Trace(f"{name}, about its {side} toe, anticlockwise", time, values / KILO, look))
+        shares[side] = np.nan_to_num(getattr(force, f"overturning_{side}")) / getattr(force, f"weight_{side}")
+    side = max(shares, key=shares.__getitem__)
+    bears = (-1.0 if side == "right" else 1.0) * getattr(force, f"weight_{side}") / KILO
+    stood = np.flatnonzero(np.isfinite(force.table[f"moment_{side}_toe"]))
+    ends = time[stood[[0, -1]]] if stood.size else time[:0]
+    return [*found, Trace(f"what its weight holds over the {side} toe", ends, np.full(len(ends), bears), "theory")]
 
 
 def reflected_map(result: Forces, profiles: xr.Dataset) -> Map | None:
@@ -191,7 +231,11 @@ resultant     √(Fx² + Fy²) of the means over 0.05 s, largest; direction: its
 sign          a contact pulls for a moment at the end of an impact, because its dashpot acts until the discs part: short
               windows may show a small force of the other sign
 impulse       ∫ F dt after t = 0
-moment        about the foot of upright faces at the bed, anticlockwise positive
+moment        anticlockwise positive, about the point that stands beside it: of an upright face its foot at the bed; of
+              a body its centre of mass or its hinge; of a wall that moves the point that it turns about; of a group the
+              point of its first wall; else the point of the wall (docs/case.md)
+toes          ends of the base of a body; overturning: the largest moment about a toe that turns the body over it, to
+              be held against what its weight holds about the same toe
 identity      change of all discs' momentum against the impulse of walls, weight and discs that came and went
 wave          place where the mean velocity falls through half of its largest value upstream; bore: of a wall instead
 hydrostatic   on the wetted face, largest: ρg(s² − a²)/2 for the mass depth s in front, a of it above the face

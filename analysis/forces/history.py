@@ -19,11 +19,15 @@ from lammps_jump.analysis.passes import Tables
 from lammps_jump.analysis.profiles import window_of
 from lammps_jump.analysis.statistics import as_fields, mean_of
 from lammps_jump.dump.find import ForceHistory
+from lammps_jump.dump.side_files.bodies import BodyHistory, read_bodies
+from lammps_jump.errors import DumpError
+from lammps_jump.files import BODIES
 from lammps_jump.physics import waves
 from lammps_jump.scene.walls import Wall
 from lammps_jump.units import Estimates, as_summary, estimate, from_summary, number
 
 from .impulse import Identity, MomentumHistory, identity_sentence, impulse_identity, window_lengths
+from .points import MomentPoint, Toes, point_of, toes_of
 from .reflection import ReflectedWave, track_reflection
 
 if TYPE_CHECKING:
@@ -79,12 +83,18 @@ class Force(Estimates):
     nothing touched the structure, as `reason` says. Angles of resultants are to the x axis, anticlockwise, so that -90
     is down. `wall` is None where the flow does not know the name, and of a wall that moves or a group.
 
+    `moment_about` names the point of the moment, anticlockwise positive: the foot of an upright face at the bed; its
+    centre of mass or hinge of a body. Of a body that stands, `overturning_right` and `overturning_left` are about the
+    ends of its base, and `weight_right` and `weight_left` what its weight holds against them. They are None where the
+    scene tells no point, and of what has no base.
+
     `table` holds the columns of the CSV table, shape (n,), per metre of width: the record (time, s, fx, fy, N, moment,
-    N m, of upright faces about their foot at the bed, and where walls move power, W); force and moment behind the
-    low-pass (``fx_smooth`` …, NaN within half of it of the ends); the running impulse (``impulse_x``, ``impulse_y``,
-    N s); the mass depth in front of the structure, m, and the hydrostatic force on its wetted face for that depth, N
-    (NaN where no profile is); and ``oncoming``, the momentum of the flow two bins in front of it, rho s u^2 + rho g
-    s^2/2 where u runs towards it, N, with its first part alone, ``oncoming_flux``.
+    N m, and where walls move power, W); the point of the moment (``moment_x``, ``moment_y``, m), and of a body
+    ``moment_left_toe`` and ``moment_right_toe``, N m, NaN where it does not stand on its base any more; force and
+    moment behind the low-pass (``fx_smooth`` …, NaN within half of it of the ends); the running impulse (``impulse_x``,
+    ``impulse_y``, N s); the mass depth in front of the structure, m, and the hydrostatic force on its wetted face for
+    that depth, N (NaN where no profile is); and ``oncoming``, the momentum of the flow two bins in front of it,
+    rho s u^2 + rho g s^2/2 where u runs towards it, N, with its first part alone, ``oncoming_flux``.
     """
 
     component: str | None = None
@@ -98,7 +108,14 @@ class Force(Estimates):
     impulse_y: float = number("N s/m", "impulse along y", default=nan)
     peak_fx: float = number("N/m", "peak of Fx", default=nan)
     peak_fy: float = number("N/m", "peak of Fy", default=nan)
-    peak_moment: float = number("N m/m", "peak moment", default=nan)
+    peak_moment: float = number("N m/m", "peak moment about that point, anticlockwise", default=nan)
+    moment_about: str | None = None
+    moment_x: float = number("m", "x of the point of the moment, at the start", default=nan)
+    moment_y: float = number("m", "y of the point of the moment, at the start", default=nan)
+    overturning_right: float = number("N m/m", "largest moment about its right toe, clockwise", default=nan)
+    weight_right: float = number("N m/m", "moment of its weight about that toe at its release", default=nan)
+    overturning_left: float = number("N m/m", "largest moment about its left toe, anticlockwise", default=nan)
+    weight_left: float = number("N m/m", "moment of its weight about that toe at its release, clockwise", default=nan)
     hydrostatic: float = number("N/m", "hydrostatic force on the wetted face", default=nan)
     stagnation: float = number("N/m", "oncoming momentum, ρsu² + ρgs²/2", default=nan)
     oncoming_flux: float = number("N/m", "momentum flux of the discs that come, ρsu²", default=nan)
@@ -196,13 +213,32 @@ def analyse_forces(
     """
     # no depth stands before a wall that moves away, and its moment is about its own point
     walls = {wall.name: wall for wall, motion in flow.scene.walls if motion.kind is None}
-    structures = {name: _structure(walls.get(name), history, flow, profiles) for name, history in forces.items()}
+    bodies, free = _bodies(flow), {one.wall.name: one for one in flow.scene.bodies}
+    structures = {}
+    for name, history in forces.items():
+        point = point_of(name, history, flow, bodies)
+        toes = toes_of(free[name], flow, history, point, bodies[name]) if point and name in free else None
+        structures[name] = _structure(walls.get(name), history, flow, profiles, (point, toes))
     identities: tuple[Identity, ...] = ()
     if momentum is not None:
         identities = tuple(impulse_identity(forces, momentum, flow, axis) for axis in ("x", "y"))
     settled = _settled(structures, flow, profiles, momentum)
     members = frozenset(member for _, group in flow.scene.groups for member in group)
     return Forces(structures, identities, _reflected(structures, flow, profiles), settled, members)
+
+
+def _bodies(flow: Flow) -> Mapping[str, BodyHistory]:
+    """Bodies against time; none where their file is not there or damaged, which the analysis of bodies tells."""
+    if not flow.scene.bodies or not flow.poses:
+        return {}
+    try:
+        return read_bodies(flow.poses.path.with_name(BODIES))
+    except DumpError:
+        return {}
+
+
+Points = tuple[MomentPoint | None, Toes | None]
+"""The point of the moment of a structure, and its moments about its toes."""
 
 
 def _face(wall: Wall | None) -> tuple[float, float, float, int] | None:
@@ -218,8 +254,12 @@ def _face(wall: Wall | None) -> tuple[float, float, float, int] | None:
     return (low, -np.inf, np.inf, 1) if np.isfinite(low) else (high, -np.inf, np.inf, -1)
 
 
-def _columns(wall: Wall | None, history: ForceHistory, flow: Flow, profiles: xr.Dataset) -> dict[str, np.ndarray]:
-    """The `table` of a `Force`."""
+def _columns(
+    wall: Wall | None, history: ForceHistory, flow: Flow, profiles: xr.Dataset, points: Points
+) -> tuple[dict[str, np.ndarray], str | None]:
+    """The `table` of a `Force`, and what the point of its moment is."""
+    (point, toes), words = points, points[0].words if points[0] else None
+    where = {"moment_x": point.x, "moment_y": point.y} if point else {}
     lengths, gravity, moment = window_lengths(history.time), flow.gravity, history.moment
     samples = 1 if len(lengths) < 2 else round(LOW_PASS / max(float(np.median(lengths)), 1e-300))
     depth: Any
@@ -233,6 +273,7 @@ def _columns(wall: Wall | None, history: ForceHistory, flow: Flow, profiles: xr.
             bed = float(near["bed"])
             # the record's point is the block's corner, or y = 0 of a plane: moved up to where the face leaves the bed
             moment = history.moment + (max(bed, foot) - wall.moment_point[1]) * history.fx
+            words, where["moment_y"] = "its foot", np.full(len(history.time), max(bed, foot))
             high = top - max(foot, bed)
             depth = _at_times(history.time, profiles, near["mass_depth"].values)
             hydrostatic = waves.hydrostatic_force(depth, flow.scene.density, gravity, np.maximum(depth - high, 0))
@@ -242,19 +283,26 @@ def _columns(wall: Wall | None, history: ForceHistory, flow: Flow, profiles: xr.
             flux = np.where(towards, far["momentum_flux"].values, 0.0)
             carried = _at_times(history.time, profiles, flow.scene.density * flux)
             oncoming = carried + _at_times(history.time, profiles, flow.scene.density * still)
-    smooth = {"fx": history.fx, "fy": history.fy, "moment": moment}
+    about = {"moment_left_toe": toes.left, "moment_right_toe": toes.right} if toes else {}
+    smooth = {"fx": history.fx, "fy": history.fy, "moment": moment, **about}
     own = {name: values for name, values in vars(history).items() if values is not None}
+    smoothed = {f"{name}_smooth": moving_mean(values, samples) for name, values in smooth.items()}
+    if toes:  # means first: a gap would end them
+        about = {name: np.where(toes.upright, values, nan) for name, values in about.items()}
+        smoothed |= {f"{name}_smooth": np.where(toes.upright, smoothed[f"{name}_smooth"], nan) for name in about}
     return {
         **own,
         "moment": moment,
-        **{f"{name}_smooth": moving_mean(values, samples) for name, values in smooth.items()},
+        **where,
+        **about,
+        **smoothed,
         "impulse_x": np.cumsum(history.fx * lengths),
         "impulse_y": np.cumsum(history.fy * lengths),
         "depth": depth,
         "hydrostatic": hydrostatic,
         "oncoming": oncoming,
         "oncoming_flux": carried,
-    }
+    }, words
 
 
 def _station(profiles: xr.Dataset, at: float, side: int, bins: int) -> xr.Dataset | None:
@@ -282,9 +330,10 @@ BIGGEST = {
 """Number of a structure -> column of its table whose largest value it is."""
 
 
-def _structure(wall: Wall | None, history: ForceHistory, flow: Flow, profiles: xr.Dataset) -> Force:
+def _structure(wall: Wall | None, history: ForceHistory, flow: Flow, profiles: xr.Dataset, points: Points) -> Force:
     """Numbers of one structure; where discs flow in all the time, parts of the record tell of each other."""
-    table, time, window = _columns(wall, history, flow, profiles), history.time, window_of(profiles)
+    table, about = _columns(wall, history, flow, profiles, points)
+    time, window = history.time, window_of(profiles)
     if not len(time):
         return Force(wall=wall, table=table)
     sizes = {name: np.sum(np.abs(table[name]) * window_lengths(time)) for name in ("fx", "fy")}
@@ -319,6 +368,8 @@ def _structure(wall: Wall | None, history: ForceHistory, flow: Flow, profiles: x
         impulse_x=impulse["x"],
         impulse_y=impulse["y"],
         **{name: biggest(table[column])[0] for name, column in BIGGEST.items()},
+        moment_about=about,
+        **_about(table, points[1], inside if steady else live),
         **as_fields(**means),
         **(_resultants(table, biggest, [mean.value for mean in means.values()]) if touched else {}),
         mean_hydrostatic=mean_of(table["hydrostatic"][inside]).value,
@@ -326,6 +377,17 @@ def _structure(wall: Wall | None, history: ForceHistory, flow: Flow, profiles: x
         wall=wall,
         table=table,
     )
+
+
+def _about(table: Mapping[str, np.ndarray], toes: Toes | None, when: np.ndarray) -> dict[str, float]:
+    """Fields of the point of the moment, and of the moments about both toes behind the low-pass, N m/m."""
+    found = {name: float(table[name][0]) for name in ("moment_x", "moment_y") if name in table}
+    if toes is not None:
+        over = {"right": -table["moment_right_toe_smooth"], "left": table["moment_left_toe_smooth"]}
+        largest = {side: float(np.nanmax(np.where(when, values, nan), initial=0.0)) for side, values in over.items()}
+        found |= {f"overturning_{side}": value for side, value in largest.items() if value > 0}
+        found |= {"weight_right": toes.weight_right, "weight_left": -toes.weight_left}
+    return found
 
 
 def _resultants(

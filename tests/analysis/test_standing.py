@@ -6,7 +6,7 @@ from math import cos, hypot, nan, pi, radians, sin
 
 import numpy as np
 import pytest
-from free_bodies import body, scene_of
+from free_bodies import TALL, TIME, WIDE, body, corner, history_of, ramp, scene_of
 from made_up import flow_context
 
 from lammps_jump.analysis.devices import bodies
@@ -17,29 +17,10 @@ from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.scene.scene import Outlet, Springs
 from lammps_jump.scene.walls import Block, Circle, Plane, Polygon
 
-TIME = np.linspace(0.0, 10.0, 401)
 G = 9.81
-WIDE = Block("box", (4.0, 6.0), (0.0, 1.0))
-TALL = Block("post", (4.0, 4.7), (0.0, 3.5))
 WALL = Polygon("quay", ((4.0, 0.0), (7.0, 0.0), (5.5, 3.0), (5.0, 3.0)))
 """A gravity wall with a face that leans."""
 SHAPES = [WIDE, TALL, WALL]
-
-
-def ramp(begin, end, size=1.0):
-    """From 0 to `size` between two times."""
-    return size * np.clip((TIME - begin) / (end - begin), 0.0, 1.0)
-
-
-def history_of(one, x=0.0, y=0.0, angle=0.0, about=None):
-    """A body that comes so far (m) and turns so far (rad) about a point of its own, by default the centre of mass."""
-    zero, free = np.zeros_like(TIME), one.motion.free
-    angle, centre = zero + angle, np.array(free.centre)
-    arm = centre - (centre if about is None else np.array(about))
-    px = centre[0] - arm[0] + np.cos(angle) * arm[0] - np.sin(angle) * arm[1] + x
-    py = centre[1] - arm[1] + np.sin(angle) * arm[0] + np.cos(angle) * arm[1] + y
-    v = np.gradient(px, TIME), np.gradient(py, TIME)
-    return BodyHistory(TIME, px, py, angle, *v, np.gradient(angle, TIME), zero, zero, zero)
 
 
 def flow_of(**more):
@@ -49,13 +30,6 @@ def flow_of(**more):
 def stands(wall, flow=None, free=None, **moved):
     one = body(wall, **(free or {}))
     return standing_of(flow or flow_of(), one, history_of(one, **moved))
-
-
-def corner(wall, right):
-    """The lower corner of a wall on one side."""
-    points = np.asarray(wall.outline((0.0, 0.0), (0.0, 0.0))[0])
-    low = points[points[:, 1] < points[:, 1].min() + 1e-9]
-    return low[np.argmax(low[:, 0]) if right else np.argmin(low[:, 0])]
 
 
 @pytest.mark.parametrize("wall", SHAPES)
