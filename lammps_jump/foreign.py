@@ -3,11 +3,16 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from .errors import JumpError
 from .quoting import shortened
+
+NUMBER = re.compile(r"\s*[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?|nan|inf(?:inity)?)\s*", re.ASCII | re.IGNORECASE)
+"""A number as files have it."""
+WHOLE = re.compile(r"\s*[-+]?\d+\s*", re.ASCII)
 
 
 @contextmanager
@@ -41,8 +46,25 @@ def reason(error: BaseException) -> str:
         return "parts inside parts, too deep to be read"
     if isinstance(error, MemoryError):
         return "it asks for more memory than there is"
+    if callable(found := getattr(error, "errors", None)):  # of pydantic: the first place that is wrong
+        first = found()[0]
+        return shortened(f"{'.'.join(map(str, first['loc']))}: {first['msg']}".removeprefix(": "))
     if isinstance(error, KeyError):
         return f"{shortened(str(error))} is not in it"
     if isinstance(error, OSError) and error.strerror:
         return error.strerror
     return shortened(" ".join(str(error).split())) or f"a {type(error).__name__} in its reader"
+
+
+def number_of(text: str) -> float:
+    """The number of a text, NaN and infinities too; ValueError for what Python reads beside it: 4_0, other digits."""
+    if NUMBER.fullmatch(text):
+        return float(text)
+    raise ValueError(f"{text[:60]!r} is no number")
+
+
+def whole_of(text: str) -> int:
+    """The whole number of a text; ValueError as `number_of`."""
+    if WHOLE.fullmatch(text):
+        return int(text)
+    raise ValueError(f"{text[:60]!r} is no whole number")

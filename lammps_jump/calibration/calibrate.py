@@ -7,22 +7,25 @@ import html
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypedDict, Unpack
+from typing import TYPE_CHECKING, Annotated, Any, TypedDict, Unpack
 
 import numpy as np
+from pydantic import BaseModel, FiniteFloat, NonNegativeInt, StringConstraints, model_validator
 
 from lammps_jump.analysis.report.page import show_page
 from lammps_jump.calibration import page
 from lammps_jump.case.case import ReadCase
-from lammps_jump.dump.exports import netcdf_of, write_netcdf
+from lammps_jump.dump.exports import read_netcdf, write_netcdf
 from lammps_jump.errors import CaseError, no_attribute
-from lammps_jump.files import MOST_TEXT, STUDY_FILES, plain, read_file, read_json, write_json, write_text
+from lammps_jump.files import STUDY_FILES, plain, read_json, write_json, write_text
 from lammps_jump.folders import Marker
+from lammps_jump.foreign import foreign
 from lammps_jump.provenance import usable_cores, versions
 from lammps_jump.quoting import typed
 from lammps_jump.runs.folder import run_folder
 from lammps_jump.runs.run import Case, Run
 from lammps_jump.sweeps import Pool, Sweep, open_sweep, slurm
+from lammps_jump.sweeps.members import RUNS
 
 from .answer import answer, no_answer, unmet, with_words
 from .besides import Besides, tried
@@ -167,6 +170,37 @@ def samples_of(study: Calibration, fit: Fit) -> xr.Dataset:
     return xr.Dataset(data, attrs={"prior": "flat in the ranges"})
 
 
+class _Found(BaseModel, strict=True):
+    best: FiniteFloat | None
+    low: FiniteFloat | None
+    high: FiniteFloat | None
+    identified: bool
+    at_edge: bool
+    prior: list[FiniteFloat]
+
+
+class _Point(BaseModel, strict=True):
+    values: dict[str, FiniteFloat]
+    runs: list[Annotated[str, StringConstraints(pattern=rf"^{POINTS}/{RUNS}/[0-9A-Za-z]+$")]]
+
+
+class StoredAnswer(BaseModel, strict=True):
+    """What is read back of ``calibration.json``; it may have been handed on."""
+
+    verdict: str
+    notes: list[str]
+    parameters: dict[str, _Found]
+    correlation: dict[str, dict[str, FiniteFloat | None]]
+    points: list[_Point]
+    nearest: NonNegativeInt | None = None
+
+    @model_validator(mode="after")
+    def _known(self) -> StoredAnswer:
+        if self.nearest is not None and self.nearest >= len(self.points):
+            raise ValueError(f"nearest: {self.nearest} of {len(self.points)} points")
+        return self
+
+
 class Calibrated:
     """A calibration, seen through its folder.
 
@@ -188,12 +222,12 @@ class Calibrated:
 
     def __init__(self, folder: str | Path):
         self.folder = Path(folder)
-        try:
+        again = f"`{typed('calibrate', folder)}` goes on there"
+        if not (self.folder / ANSWER).exists():
+            raise CaseError(f"{folder}: holds no answer ({ANSWER}); {again}")
+        with foreign(CaseError, f"{self.folder / ANSWER}: is no answer of a calibration", again):
             self.data: dict[str, Any] = read_json(self.folder / ANSWER)
-        except (OSError, ValueError):
-            raise CaseError(
-                f"{folder}: holds no answer ({ANSWER}); `{typed('calibrate', folder)}` goes on there"
-            ) from None
+            StoredAnswer.model_validate(self.data)
 
     @property
     def path(self) -> Path:
@@ -268,7 +302,7 @@ class Calibrated:
 
         if not (self.folder / SAMPLES).is_file():
             return xr.Dataset({path: ("sample", np.zeros(0)) for path in self.parameters})
-        return netcdf_of(read_file(self.folder / SAMPLES, MOST_TEXT), self.folder / SAMPLES)
+        return read_netcdf(self.folder / SAMPLES)
 
     @property
     def best(self) -> Case:
@@ -278,7 +312,7 @@ class Calibrated:
     @property
     def runs(self) -> list[Run]:
         """The runs of the point that is nearest to the best values."""
-        if "nearest" not in self.data:
+        if self.data.get("nearest") is None:
             return []
         return [Run(self.folder / one) for one in self.data["points"][self.data["nearest"]]["runs"]]
 

@@ -12,6 +12,7 @@ import numpy as np
 from lammps_jump.dump.tables import LARGEST, table_of
 from lammps_jump.errors import CaseError, DumpError
 from lammps_jump.files import read_file
+from lammps_jump.foreign import number_of
 from lammps_jump.quoting import echoed, shortened
 from lammps_jump.runs.summary import Results
 
@@ -108,7 +109,7 @@ def measured_of(path: Path, columns: Mapping[str, str]) -> dict[str, np.ndarray]
 def finite(path: Path, line: int, name: str, cell: str) -> float:
     """A cell as a number; CaseError, with its place, where it is none or one beyond all measure."""
     try:
-        value = float(cell)
+        value = number_of(cell)
     except ValueError:
         value = nan
     if not isfinite(value):

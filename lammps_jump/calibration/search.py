@@ -6,16 +6,19 @@ A round is written before its runs are made, so that the same rounds come again 
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from math import inf
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
+from pydantic import BaseModel, FiniteFloat
 
 from lammps_jump.errors import CaseError, DumpError, JumpError
 from lammps_jump.files import plain, read_json, write_json, write_text
+from lammps_jump.foreign import foreign
 from lammps_jump.identity import short_hash
 from lammps_jump.runs.summary import read_summary
 from lammps_jump.sweeps import Pool, Sweep, held_study, prepare
@@ -37,6 +40,26 @@ SHARE = 0.6
 """Most of the budget that they take."""
 SHRINK = 0.9
 """A round that leaves every 95 % range wider than this part of the one before is the last."""
+
+
+NEAR = 1e-6
+"""Part of a range by which a point may lie outside of it: points are written with six digits of it."""
+
+
+class StoredRound(BaseModel, strict=True, extra="forbid"):
+    """A round, as ``rounds.json`` has it."""
+
+    of: Literal["ranges", "posterior", "best"]
+    points: list[list[FiniteFloat]]
+
+
+class StoredRounds(BaseModel, strict=True, extra="forbid"):
+    """What ``rounds.json`` holds."""
+
+    vary: dict[str, list[FiniteFloat]]
+    seed: int
+    asked: str
+    rounds: list[StoredRound]
 
 
 def design_size(varied: int, most: int, least: int) -> int:
@@ -210,18 +233,26 @@ class Search:
         return short_hash(plain({**asked, "members": self.study.members}))
 
     def _stored(self) -> list[dict[str, Any]]:
-        """Rounds that the folder holds, of the same ranges and seed; with other targets or budget they go on."""
-        try:
-            found = read_json(self.folder / ROUNDS_FILE)
-            known = [found["vary"], found["seed"]] == [plain(self.study.vary), self.study.seed]
-            stored = [{"of": str(one["of"]), "points": one["points"]} for one in found["rounds"]] if known else []
-            shapes = {np.shape(one["points"])[1:] for one in stored}
-        except (OSError, ValueError, KeyError, TypeError):
+        """Rounds that the folder holds, of the same ranges and seed; with other targets or budget they go on.
+
+        Raises
+        ------
+        CaseError
+            They cannot be read, or hold points outside the ranges.
+        """
+        path = self.folder / ROUNDS_FILE
+        if not os.path.lexists(path):
             return []
-        if shapes - {(len(self.study.vary),)}:
-            return []
-        same = found.get("asked") == self._signature
-        return stored if same else [{**one, "of": one["of"].replace(CHECK, LIKELY)} for one in stored]
+        with foreign(CaseError, f"{path}: holds no rounds of this calibration", "put the file back, or delete it"):
+            found = StoredRounds.model_validate(read_json(path))
+            if [found.vary, found.seed] != [plain(self.study.vary), self.study.seed]:
+                return []
+            points = np.array([point for one in found.rounds for point in one.points], float)
+            unit = self.study.unit(points.reshape(-1, len(self.study.vary)))
+            if points.shape[1:] not in ((), unit.shape[1:]) or not ((unit > -NEAR) & (unit < 1 + NEAR)).all():
+                raise ValueError("a point lies outside the ranges")
+        same = found.asked == self._signature
+        return [{"of": one.of if same or one.of != CHECK else LIKELY, "points": one.points} for one in found.rounds]
 
     def write(self) -> None:
         """Write the study and its rounds so far, before their runs are made."""

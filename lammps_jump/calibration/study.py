@@ -19,6 +19,7 @@ from lammps_jump.case.parts.base import Strict, Whole
 from lammps_jump.case.text import CaseSource, read_source
 from lammps_jump.errors import CaseError, FieldError
 from lammps_jump.files import plain
+from lammps_jump.foreign import number_of
 from lammps_jump.quoting import echoed, shortened
 from lammps_jump.runs.run import Case
 from lammps_jump.sweeps import study as sweep_study
@@ -185,7 +186,7 @@ def parse_vary(text: str) -> tuple[str, list[float]]:
     """
     path, sign, bounds = (part.strip() for part in text.partition("="))
     try:
-        low, high = map(float, bounds.split(":"))
+        low, high = map(number_of, bounds.split(":"))
     except ValueError:
         low = high = np.nan
     if not (path and sign and np.isfinite([low, high]).all()):

@@ -15,6 +15,7 @@ from pydantic import Field, model_validator
 
 from lammps_jump.case.parts.base import Strict
 from lammps_jump.errors import CaseError
+from lammps_jump.foreign import number_of
 from lammps_jump.quoting import shortened
 from lammps_jump.runs.summary import open_results
 from lammps_jump.sweeps.table import number_at
@@ -148,7 +149,7 @@ def parse_target(text: str) -> dict[str, Any]:
         Another text.
     """
     number = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-    found = re.fullmatch(rf"\s*([^=\s]+)\s*=\s*({number})\s*(?:±|\+-|\+/-)\s*({number})\s*", text)
+    found = re.fullmatch(rf"\s*([^=\s]+)\s*=\s*({number})\s*(?:±|\+-|\+/-)\s*({number})\s*", text, re.ASCII)
     if not found:
         raise CaseError(f"--target {shortened(text)}: expected a key, a value and its error, for example {EXAMPLE}")
     error = float(found[3])
@@ -196,7 +197,7 @@ def _few(count: int, remedy: str) -> str:
 
 def _is_number(text: str) -> bool:
     try:
-        float(text)
+        number_of(text)
     except ValueError:
         return False
     return True

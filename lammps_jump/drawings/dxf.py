@@ -92,9 +92,11 @@ def read_dxf(data: bytes, file: str, measure: Measure) -> LayeredDrawing:
 
 
 def _require_numbers(data: bytes, file: str) -> None:
-    """CaseError where a group of a part of the drawing holds no number, with its line."""
+    """CaseError where a group of a part of the drawing holds no number, with its line, or where there are no lines."""
     begin, end = PARTS.search(data), OBJECTS.search(data)
-    if data.startswith(BINARY) or begin is None:
+    if data.startswith(BINARY):
+        raise CaseError(f"{file}: is a binary DXF file; save it as text, which CAD programs call ASCII")
+    if begin is None:
         return
     if wrong := NO_NUMBER.search(data, begin.end(), end.start() if end and end.start() > begin.end() else len(data)):
         line = data.count(b"\n", 0, wrong.start(1)) + 1

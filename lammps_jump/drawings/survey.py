@@ -6,10 +6,12 @@ from __future__ import annotations
 import csv
 import re
 from collections.abc import Iterator
+from contextlib import suppress
+from math import isfinite
 from pathlib import Path
 
 from lammps_jump.errors import CaseError
-from lammps_jump.foreign import foreign
+from lammps_jump.foreign import foreign, number_of
 from lammps_jump.quoting import echoed
 from lammps_jump.units import to_si
 
@@ -22,8 +24,6 @@ COLUMNS = {
 """Words of the head of a table, for each of its two columns."""
 HEAD = re.compile(r"\s*([A-Za-z]+)[\s_]*[\[(]?\s*([A-Za-z]*)\s*[\])]?\s*")
 """A word, and perhaps a unit in brackets or behind a line: chainage (m), level [ft], x_mm."""
-NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.ASCII)
-"""A number as tables have it; what Python takes beside it (4_0, nan, other digits) is none."""
 
 
 def read_survey(data: bytes, file: str) -> LayeredDrawing:
@@ -83,12 +83,13 @@ def _rows(lines: list[str], file: str) -> Iterator[tuple[int, list[str]]]:
 
 def _number(cells: list[str], index: int, head: list[str], place: str) -> float:
     """The number of a cell; CaseError for what is none, or has a unit of its own."""
-    if not NUMBER.fullmatch(cells[index]):
-        raise CaseError(
-            f"{place}: {echoed(cells[index])} under {head[index]} is no number; expected is one such as 10.5, in the "
-            "unit of the head: mend the row, or take it out"
-        )
-    return float(cells[index])
+    with suppress(ValueError):
+        if isfinite(value := number_of(cells[index])):
+            return value
+    raise CaseError(
+        f"{place}: {echoed(cells[index])} under {head[index]} is no number; expected is one such as 10.5, in the unit "
+        "of the head: mend the row, or take it out"
+    )
 
 
 def _columns(head: list[str], place: str) -> tuple[list[int], tuple[str, float | None]]:

@@ -16,6 +16,7 @@ import numpy as np
 from lammps_jump.errors import DumpError
 from lammps_jump.files import DUMP_NAMES, FORCES_HEADER, forces_header, text_of, write_text
 from lammps_jump.folders import read_marker
+from lammps_jump.foreign import number_of
 from lammps_jump.quoting import shortened
 from lammps_jump.scene.motion import MovingWall, arms
 from lammps_jump.scene.scene import Scene
@@ -146,7 +147,7 @@ def forces_of(text: str, path: str | Path) -> dict[str, ForceHistory]:
             continue
         try:
             cells = dict(zip(header, next(csv.reader([line])), strict=True))
-            values = tuple(float(cells.get(name, "nan")) for name in columns)
+            values = tuple(number_of(cells.get(name, "nan")) for name in columns)
         except (ValueError, csv.Error):
             if number == len(lines) and not text.endswith("\n"):
                 break

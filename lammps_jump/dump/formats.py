@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from lammps_jump.errors import DumpError
+from lammps_jump.foreign import number_of, whole_of
 from lammps_jump.scene.schedule import MOST_FRAMES
 
 from .frame import LARGEST_FRAME, TEXT_COLUMNS, DumpFile, Frame, FrameHeader, read_only
@@ -105,11 +106,11 @@ def _text_header(dump: DumpFile, buffer: Lines) -> tuple[FrameHeader, np.ndarray
         if item == "UNITS":
             dump.units = _value(buffer).strip()
         elif item == "TIME":
-            time = _number(dump, buffer, float, "a time")
+            time = _number(dump, buffer, number_of, "a time")
         elif item == "TIMESTEP":
-            step = buffer.step = _number(dump, buffer, int, "a step number")
+            step = buffer.step = _number(dump, buffer, whole_of, "a step number")
         elif item == "NUMBER" and rest == "OF ATOMS":
-            n = _number(dump, buffer, int, "a number of discs")
+            n = _number(dump, buffer, whole_of, "a number of discs")
             if not 0 <= n <= LARGEST_FRAME:
                 raise _wrong(dump, buffer.line_number, str(n), "a number of discs, zero or more")
         elif item == "BOX":
@@ -134,11 +135,11 @@ def _value(buffer: Lines) -> str:
     return line
 
 
-def _number(dump: DumpFile, buffer: Lines, kind: type, what: str) -> Any:
+def _number(dump: DumpFile, buffer: Lines, kind: Callable[[str], float], what: str) -> Any:
     text = _value(buffer)
     try:
         number = kind(text)
-        if kind is int and abs(number) > LARGEST_INT:
+        if kind is whole_of and abs(number) > LARGEST_INT:
             raise ValueError("beyond what LAMMPS counts")
         return number
     except ValueError:
@@ -150,7 +151,7 @@ def _box(dump: DumpFile, buffer: Lines) -> tuple[np.ndarray, float]:
     for axis in range(3):
         text = _value(buffer)
         try:
-            values = [float(token) for token in text.split()]
+            values = [number_of(token) for token in text.split()]
         except ValueError:
             values = []
         if len(values) not in (2, 3):
@@ -225,7 +226,7 @@ def _slow_row(dump: DumpFile, line: str, names: tuple[str, ...], number: int) ->
     values = []
     for name, token in zip(names, tokens, strict=True):
         try:
-            values.append(float("nan") if name in TEXT_COLUMNS else float(token.replace("_", "?")))
+            values.append(float("nan") if name in TEXT_COLUMNS else number_of(token))
         except ValueError:
             raise _wrong(dump, number, token, f"a number for {name}") from None
     return values

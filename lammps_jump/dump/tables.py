@@ -12,6 +12,7 @@ import numpy as np
 
 from lammps_jump.errors import DumpError, JumpError
 from lammps_jump.files import read_file
+from lammps_jump.foreign import number_of
 from lammps_jump.quoting import echoed, shortened
 
 MOST_BYTES = 200_000_000
@@ -55,7 +56,7 @@ class TextTable:
 
     def _number(self, line: int, name: str, cell: str) -> float:
         try:
-            value = WORDS[cell] if cell in WORDS else float(cell)
+            value = WORDS[cell] if cell in WORDS else number_of(cell)
         except ValueError:
             raise self.error(f"{self.place}, line {line}, column {name}: {echoed(cell)} is no number") from None
         if isfinite(value) and abs(value) > LARGEST:

@@ -172,6 +172,14 @@ def test_what_is_no_unit_of_a_wall_is_refused(dxf, code):
         read_drawing(dxf(lambda space, _: space.add_line((0, 0), (1, 1)), units=code))
 
 
+@says("A binary DXF file is refused")
+def test_a_binary_file_is_refused(dxf):
+    path = dxf(bed_level)
+    ezdxf.readfile(path).saveas(path, fmt="bin")
+    with pytest.raises(CaseError, match="is a binary DXF file; save it as text"):
+        read_drawing(path)
+
+
 @says("| SVG |")
 def test_what_of_svg_is_read(written):
     inside = """<line id="line" x1="0" y1="100" x2="40" y2="90"/><path id="arc" d="M50 50 A 10 10 0 0 1 60 60"/>

@@ -13,6 +13,7 @@ import numpy as np
 
 from lammps_jump.errors import DumpError
 from lammps_jump.files import POSES_HEADER, open_to_read
+from lammps_jump.foreign import number_of
 from lammps_jump.scene.motion import Pose
 
 from .writer import SideWriter
@@ -125,7 +126,7 @@ class PoseFile:
         """One row; DumpError where it is none."""
         try:
             first, name, *rest = line.split(",")
-            time, pose = float(first), Pose(*map(float, rest))
+            time, pose = number_of(first), Pose(*map(number_of, rest))
             times = self._times[name]
             if times and (time, pose) == (times[-1], self._poses[name][-1]):
                 return
