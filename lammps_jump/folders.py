@@ -33,6 +33,7 @@ from .files import (
     write_json,
     writes,
 )
+from .foreign import foreign
 
 MARKER_FILE = ".lammps-jump"
 """Makes a folder ours."""
@@ -83,16 +84,14 @@ def read_marker(folder: Path) -> Marker | None:
         The file cannot be read.
     """
     path = folder / MARKER_FILE
-    try:
+    if not os.path.lexists(path):
+        return None
+    with foreign(SetupError, f"{path}: is no marker that can be read", "name another folder with --out"):
         stored = read_json(path)
         known = {*RUN_FILES, *RESULT_FILES, *SWEEP_FILES, *COMPARED_FILES}.union(*STUDY_FILES.values())
         made = (FORCE_TABLE, TABLE, FIGURE)
         names = [name for name in stored["files"] if name in known or any(one.fullmatch(name) for one in made)]
         return Marker(str(stored["kind"]), tuple(names), dict(stored["about"]))
-    except (FileNotFoundError, NotADirectoryError):
-        return None
-    except (OSError, ValueError, KeyError, TypeError):
-        raise SetupError(f"{path}: is no marker that can be read; name another folder with --out") from None
 
 
 def require_ours(folder: Path, wanted: Marker) -> None:
@@ -308,7 +307,7 @@ def holder(folder: Path) -> str:
                 fcntl.flock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB)
                 alive = False
         return f"process {pid} on {host!r}" if alive else ""
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+    except Exception:  # whatever stands there was written by no run
         return ""
     finally:
         os.close(lock)

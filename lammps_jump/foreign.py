@@ -49,6 +49,8 @@ def reason(error: BaseException) -> str:
     if callable(found := getattr(error, "errors", None)):  # of pydantic: the first place that is wrong
         first = found()[0]
         return shortened(f"{'.'.join(map(str, first['loc']))}: {first['msg']}".removeprefix(": "))
+    if isinstance(error, UnicodeDecodeError):
+        return f"is not text: byte {error.start} is not UTF-8"
     if isinstance(error, KeyError):
         return f"{shortened(str(error))} is not in it"
     if isinstance(error, OSError) and error.strerror:

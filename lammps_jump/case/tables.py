@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from lammps_jump.errors import CaseError
 from lammps_jump.files import read_file
+from lammps_jump.foreign import foreign
 from lammps_jump.quoting import echoed
 from lammps_jump.scene.tracks import MOST_ROWS
 from lammps_jump.units import to_si
@@ -47,14 +48,11 @@ def _table(source: CaseSource, path: PathKey, name: str, columns: dict[str, str]
     if source.folder is None:
         raise CaseError(f"{place}: {echoed(name)}: the case is of no file, so that it has no folder: give points")
     file = source.folder / name
-    try:
+    with foreign(CaseError, f"{place}: {echoed(name)} cannot be read", "name a CSV file beside the case"):
         found = file.resolve(strict=True)
         if not found.is_relative_to(source.folder.resolve()):
             raise CaseError(f"{place}: {echoed(name)} lies outside the folder of the case; copy it there")
         text = read_file(found, MOST_TABLE).decode("utf-8-sig")
-    except (OSError, ValueError, RuntimeError) as error:
-        reason = "is not text" if isinstance(error, UnicodeDecodeError) else getattr(error, "strerror", None) or error
-        raise CaseError(f"{place}: {echoed(name)} cannot be read ({reason}); name a CSV file beside the case") from None
     return FileTable(name, str(file), *_rows(text, columns, str(file), dotted_path(path)))
 
 

@@ -331,7 +331,7 @@ def _plain(node: yaml.Node, path: PathKey, source: CaseSource, constructor: _Loa
         source.octals[path] = node.value
     try:
         return constructor.construct_object(node)
-    except (yaml.YAMLError, ValueError, LookupError, AttributeError) as error:  # the last two for tags such as !!bool
+    except Exception as error:  # of a tag such as !!bool or !!timestamp it may be of any kind
         problem = getattr(error, "problem", None) or error
         raise CaseError(
             f"{source.file}:{node.start_mark.line + 1}: {dotted_path(path)}: cannot be read "

@@ -53,6 +53,8 @@ LEAST_RADIUS = 1e-6
 """Smallest radius of an arc, m."""
 SAME = 1e-9
 """Distance over the size of a drawing up to which two points are one."""
+MOST_CLOSE = 300_000
+"""Pairs of faces of a wall whose boxes meet, that are held against each other: a second or two."""
 
 
 class PlaceError(ValueError):
@@ -223,15 +225,25 @@ def _check(path: Path, given: int) -> None:
 def _meeting(
     ends: tuple[Point, ...], parts: list[list[Face]], near: float
 ) -> tuple[tuple[int, int], tuple[float, float]] | None:
-    """Numbers of the first two parts of a path that meet, and where, m; joints of neighbours are left out."""
+    """Numbers of the first two parts of a path that meet, and where, m; joints of neighbours are left out.
+
+    PlaceError where too many lie side by side.
+    """
     faces = [(owner, face) for owner, part in enumerate(parts) for face in part]
     whole = Chain(tuple([face.start for _, face in faces] + [ends[-1]]), tuple(face.radius for _, face in faces))
     box = boxes(lay([((whole,), False)]), deep=False)
     order = np.argsort(box[:, 0], kind="stable")
-    low, count = box[order, 0] - near, len(parts)
+    low, count, close = box[order, 0] - near, len(parts), 0
     for rank, i in enumerate(order):
         later = order[rank + 1 : np.searchsorted(low, box[i, 1], side="right")]
         over = (box[later, 2] - near <= box[i, 3]) & (box[later, 3] + near >= box[i, 2])
+        close += int(over.sum())
+        if close > MOST_CLOSE:
+            raise PlaceError(
+                ("points",),
+                f"more than {MOST_CLOSE:,} pairs of its faces lie side by side, too many to see whether the wall meets "
+                "itself; draw it with fewer points, or as several walls",
+            )
         for j in later[over]:
             (one, a), (two, b) = faces[min(i, j)], faces[max(i, j)]
             beside = two - one == 1 or (one == 0 and two == count - 1 and ends[0] == ends[-1])

@@ -30,8 +30,9 @@ from lammps_jump.dump.find import forces_of
 from lammps_jump.dump.read import open_dump
 from lammps_jump.dump.side_files.poses import PoseFile
 from lammps_jump.dump.tables import table_of
-from lammps_jump.errors import JumpError
+from lammps_jump.errors import CaseError, JumpError
 from lammps_jump.files import POSES_HEADER, plain, write_json
+from lammps_jump.folders import holder
 from lammps_jump.script.job import read_site
 from lammps_jump.sweeps import study_folder
 
@@ -328,3 +329,22 @@ def test_texts_that_python_reads_as_numbers_are_none(where, tmp_path):
         with pytest.raises(JumpError) as caught:
             read(tmp_path, text)
         assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "text", ['{"pid": 1e999}', '{"pid": [1]}', "[1]", "null", 5000 * "[", "\x00", '{"pid": "1_0"}']
+)
+@pytest.mark.fault("folders")
+def test_a_lock_that_no_run_wrote_is_none(tmp_path, text):
+    (tmp_path / ".lock").write_text(text)
+    assert holder(tmp_path) == ""
+
+
+@pytest.mark.parametrize(
+    "tag", ["!!timestamp 2001-99-99", "!!float x", "!!bool 7", "!!int a_", "!!binary ?", "!!set {a}"]
+)
+@pytest.mark.fault("mutants of cases")
+def test_a_tag_of_yaml_is_one_sentence(tag):
+    with pytest.raises(CaseError) as caught:
+        lj.Case.parse(f"name: {tag}\n")
+    assert "\n" not in str(caught.value)

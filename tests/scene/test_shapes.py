@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from made_up import examples
 
 from lammps_jump.scene.faces import MOST, touching
-from lammps_jump.scene.shapes import ArcTo, PlaceError, flush, open_ends, tight_bend
+from lammps_jump.scene.shapes import ArcTo, PlaceError, drawn, flush, open_ends, tight_bend
 from lammps_jump.scene.walls import Block, Box, Circle, Line, Plane, Polygon
 
 COORDINATE = st.floats(-5.0, 5.0)
@@ -210,3 +210,12 @@ def test_a_sheet_that_leans_is_no_ground(way):
     x = way * np.linspace(0.036, 0.299, 501)
     ((underside, top),) = Line("side", points=points, sheet=True).grounds(x)
     np.testing.assert_allclose(underside, top, atol=1e-12)
+
+
+def test_faces_side_by_side_have_a_bound(monkeypatch):
+    """A fan of long faces kept the check busy: each of its boxes meets all others."""
+    fan = [(0.01 * k + 100 * (k % 2), 100.0 * (k % 2)) for k in range(200)]
+    assert drawn(fan, least=2).size > 100
+    monkeypatch.setattr("lammps_jump.scene.shapes.MOST_CLOSE", 1000)
+    with pytest.raises(PlaceError, match="pairs of its faces lie side by side"):
+        drawn(fan, least=2)

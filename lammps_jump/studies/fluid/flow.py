@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from math import sqrt
 from pathlib import Path
@@ -12,8 +13,9 @@ import numpy as np
 from lammps_jump.case import ReadCase
 from lammps_jump.case.groups.discs import Column
 from lammps_jump.case.parts.inflow import RowsInflow
-from lammps_jump.errors import CaseError
+from lammps_jump.errors import CaseError, DumpError
 from lammps_jump.files import SUMMARY_FILE, read_json
+from lammps_jump.foreign import foreign
 from lammps_jump.physics import jump
 
 
@@ -103,13 +105,11 @@ def zones_of(case: ReadCase, flow: FlowScales, folder: Path | None = None) -> di
 
 def _measured_depths(case: ReadCase, folder: Path | None) -> tuple[float, float] | None:
     """y1 and y2 of a run of the case, m."""
-    try:
+    with suppress(DumpError), foreign(DumpError):
         summary = read_json((folder or Path("runs") / case.name) / SUMMARY_FILE)
-        if summary["case_hash"].split("-")[0] != case.hash.split("-")[0]:
-            return None
-        return float(summary["jump"]["y1"]), float(summary["jump"]["y2"])
-    except (OSError, ValueError, KeyError, TypeError):
-        return None
+        if summary["case_hash"].split("-")[0] == case.hash.split("-")[0]:
+            return float(summary["jump"]["y1"]), float(summary["jump"]["y2"])
+    return None
 
 
 def _height(case: ReadCase) -> float:

@@ -3,14 +3,16 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from math import sqrt
 from pathlib import Path
 from typing import Any
 
 from lammps_jump.case import ReadCase
 from lammps_jump.compiling.cache import usual_folder
-from lammps_jump.errors import CaseError
+from lammps_jump.errors import CaseError, DumpError
 from lammps_jump.files import plain, read_json
+from lammps_jump.foreign import foreign
 from lammps_jump.identity import LATER, short_hash
 
 from .discs import FluidDiscs, discs_of
@@ -69,12 +71,11 @@ def numbers_at(found: Numbers, discs: FluidDiscs, flow: FlowScales) -> Numbers:
 
 def stored(case: ReadCase) -> Numbers | None:
     """Numbers of the flow of a case (`numbers_at`) where its discs have been measured; None elsewhere."""
-    try:
+    with suppress(CaseError, DumpError), foreign(DumpError):
         flow, discs = flow_of(case), discs_of(case)
         found = read_json(store_of(measured_key(discs, flow)))["summary"]
         return numbers_at(found, discs, flow)
-    except (CaseError, OSError, ValueError, KeyError, TypeError):
-        return None
+    return None
 
 
 def flow_numbers_in_words(at: Numbers) -> str:
