@@ -4,6 +4,9 @@
 An *obstacle* is where the bed rises from where the discs are to a *crest*. The tongue ends before the first gap of two
 diameters along the slope. Where it has come to an upright face, the highest place is the top of the discs that stand
 before the face without such a gap. A disc has gone over when it was last seen beyond the crest.
+
+On a slope over whose crest water goes there is no highest place: its end is the crest, whatever the water would reach.
+Water that stands over the crest from the start runs up nowhere. What goes over has a head, a depth and a discharge.
 """
 
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
@@ -12,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from math import inf, isfinite, nan
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -22,8 +25,9 @@ from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.quantity import Quantity, Wanted
-from lammps_jump.analysis.report.page import Section, Table, described
+from lammps_jump.analysis.report.page import Section, Table, Text, described
 from lammps_jump.dump.frame import Frame, make_frame
+from lammps_jump.physics import jump
 from lammps_jump.scene.chains import X0, X1
 from lammps_jump.units import known, number
 
@@ -35,7 +39,11 @@ LOWEST = 3.0
 BEFORE = 3.0
 """Diameters before an upright face in which discs stand at it."""
 STRIP = 2.0
-"""Width of the strips in which the surface of still water is looked for, diameters."""
+"""Width of the strips in which the surface of still water is looked for, and of the narrowest crest, diameters."""
+LEAST = 30
+"""Discs that go over, from which on there is a discharge: fewer scatter by more than a fifth."""
+PART = 0.1
+"""Share of the time in which water goes over, over whose mean the discharge is largest."""
 
 
 class Obstacle(NamedTuple):
@@ -75,6 +83,7 @@ class RunUp:
         "m", "highest place y of the water on the slope or wall", default=nan, label="highest water"
     )
     run_up: float = number("m", "the same over the still water", default=nan, label="run-up over still water")
+    freeboard: float = number("m", "crest over the still water", default=nan)
     time: float = number("s", "time of the highest place", default=nan, label="at")
     place: float = number("m", "place x of the highest water", default=nan)
     still: float = number("m", "height y of the still water, before walls move or at the start", default=nan)
@@ -83,11 +92,26 @@ class RunUp:
         "m^2", "volume that has gone over the crest, by mass", default=nan, label="volume over the crest"
     )
     over_discs: int = number("", "discs that have gone over the crest", default=0)
+    over_since: float = number("s", "water goes over since", default=nan)
+    over_until: float = number("s", "the last disc goes over at", default=nan)
+    head: float = number(
+        "m", "head over the crest, mean while water goes over", default=nan, label="head over the crest"
+    )
+    largest_head: float = number("m", "largest head over the crest", default=nan)
+    depth: float = number("m", "mass depth on the crest, mean while water goes over", default=nan)
+    largest_depth: float = number("m", "largest mass depth on the crest", default=nan)
+    discharge: float = number(
+        "m^2/s", "discharge over the crest, mean while water goes over", default=nan, label="discharge over the crest"
+    )
+    largest_discharge: float = number("m^2/s", "largest discharge, mean over a tenth of that time", default=nan)
+    critical_discharge: float = number("m^2/s", "critical flow on the crest under this head, mean", default=nan)
     diameters: float = number("", "run-up over the diameter", default=nan)
     reaches_crest: bool | None = None
     still_passes: bool | None = None
     wall: str | None = None
     reason: str | None = None
+    no_run_up: str | None = None
+    no_head: str | None = None
     history: tuple[np.ndarray, ...] | None = field(default=None, metadata={"summary": False})
 
 
@@ -178,8 +202,9 @@ class RunUpWatch:
         self.flow = flow
         self.obstacles: list[Obstacle] = []
         self.still, self._moved, self.begin = nan, False, -inf
-        self.rows: list[list[tuple[float, float, float, float]]] = []
+        self.rows: list[list[tuple[float, ...]]] = []
         self.levels: list[float] = []
+        self.reaches: list[float] = []
         self._seen = np.zeros((0, 3))
         self._first: np.ndarray | None = None
         self._poses: Sequence[object] = []
@@ -196,13 +221,21 @@ class RunUpWatch:
         self._seen = np.concatenate([now, gone])
         for obstacle, rows in zip(self.obstacles, self.rows, strict=True):
             rows.append((time, *self._highest(frame, obstacle), self._over(obstacle)))
+        for obstacle, rows, reach in zip(self.obstacles, self.rows, self.reaches, strict=True):
+            rows[-1] += level_before(frame, self.flow, obstacle, reach), self._depth(frame, obstacle)
 
     def _begin(self, frame: Frame) -> None:
         self._first = np.column_stack([frame.ids, frame.x])
         self.obstacles = obstacles_of(self.flow, float(np.median(frame.x)))
         self.rows = [[] for _ in self.obstacles]
+        middle = float(np.median(frame.x))
+        self.reaches = [
+            max(0.5 * one.side * (one.foot - middle), BEFORE * self.flow.scene.diameter) for one in self.obstacles
+        ]
         if all(one.motion.kind is None for one in self.flow.scene.walls):
-            self.levels = [level_before(frame, self.flow, one) for one in self.obstacles]
+            self.levels = [
+                level_before(frame, self.flow, *pair) for pair in zip(self.obstacles, self.reaches, strict=True)
+            ]
 
     def _find_still(self, frame: Frame, time: float) -> None:
         """Keep the level of the water up to the first motion of a wall."""
@@ -236,6 +269,13 @@ class RunUpWatch:
         place = obstacle.foot + side * min(tip, reach)
         return (float(np.interp(place, obstacle.x, obstacle.bed)), place) if tip > 0 else (nan, nan)
 
+    def _depth(self, frame: Frame, obstacle: Obstacle) -> float:
+        """Mass depth on the crest, m: of the discs over it, from its begin on over two diameters or more."""
+        d = self.flow.scene.diameter
+        width, way = max(abs(obstacle.behind - obstacle.crest), STRIP * d), obstacle.side * (frame.x - obstacle.crest)
+        here = (way > 0) & (way <= width) & (frame.y > obstacle.top)
+        return float(self.flow.relative_masses(frame)[here].sum()) * d**2 / width
+
     def _over(self, obstacle: Obstacle) -> float:
         """Relative mass of the discs that were before the crest at the start and were last seen beyond it."""
         beyond = self._seen[obstacle.side * (self._seen[:, 1] - obstacle.behind) > 0]
@@ -265,13 +305,12 @@ def level_of(frame: Frame, flow: Flow) -> float:
     return float(np.median(top[deep])) if deep.any() else nan
 
 
-def level_before(frame: Frame, flow: Flow, obstacle: Obstacle) -> float:
-    """Height y of the surface of the water at the foot of an obstacle, m; NaN where none lies there."""
+def level_before(frame: Frame, flow: Flow, obstacle: Obstacle, reach: float) -> float:
+    """Height y of the surface of the water up to `reach` (m) before an obstacle, m; NaN where none lies at its foot."""
     before, d = obstacle.side * (obstacle.foot - frame.x), flow.scene.diameter
     if not ((before >= 0) & (before < BEFORE * d)).any():
         return nan
-    half = 0.5 * obstacle.side * (obstacle.foot - float(np.median(frame.x)))
-    near = (before >= 0) & (before <= max(half, BEFORE * d))
+    near = (before >= 0) & (before <= reach)
     columns = {name: column[near] for name, column in frame.columns.items()}
     return level_of(make_frame(frame.step, frame.time, frame.box, columns), flow)
 
@@ -288,55 +327,127 @@ def analyse(gathered: Gathered) -> RunUp | None:
         return RunUp(reason="the water has not reached the foot of the slope or wall")
     which, rows = max(reached, key=lambda pair: (pair[1][3][-1], np.nanmax(pair[1][1])))
     obstacle, still = watch.obstacles[which], watch.levels[which] if watch.levels else watch.still
-    time, height, place, over = rows
+    time, height, place, over, level, depth = rows
     height = np.where(time < watch.begin, nan, height)  # before walls move, the water comes to rest
-    at = int(np.nanargmax(height))
-    highest, d, area = float(height[at]), flow.scene.diameter, flow.scene.mass / flow.scene.density
+    area = flow.scene.mass / flow.scene.density * over
+    gone = _gone_over(flow, obstacle, (time, area, level, depth), watch.count_over(obstacle))
+    why = _why_no_run_up(flow, obstacle, (height, place), still, gone["over_discs"])
+    at, d = int(np.nanargmax(height)), flow.scene.diameter
+    highest = float(height[at]) if not why else nan
     recent = over[time >= time[-1] - 0.05 * (time[-1] - time[0])][0]
-    run_up = highest - still
+    reaches = np.nanmax(height) >= obstacle.top - 0.5 * d or over[-1] > 0
     return RunUp(
-        highest,
-        run_up,
-        float(time[at]),
-        float(place[at]),
-        still,
-        obstacle.top,
-        area * float(over[-1]),
-        watch.count_over(obstacle),
-        run_up / d,
-        bool(highest >= obstacle.top - 0.5 * d or over[-1] > 0),
-        bool(over[-1] > recent),
-        obstacle.name or None,
-        history=(time, height, area * over),
-    )
+        highest=highest, run_up=highest - still, freeboard=obstacle.top - still,
+        time=nan if why else float(time[at]), place=nan if why else float(place[at]),
+        still=still, crest=obstacle.top, diameters=(highest - still) / d,
+        reaches_crest=bool(reaches), still_passes=bool(over[-1] > recent), wall=obstacle.name or None,
+        no_run_up=why or None, **gone,
+        history=(time, height, area, level - obstacle.top, depth),
+    )  # fmt: skip
+
+
+def _why_no_run_up(
+    flow: Flow, obstacle: Obstacle, rows: tuple[np.ndarray, np.ndarray], still: float, discs: int
+) -> str:
+    """Why there is no highest place on an obstacle, over which so many discs have gone; empty where there is one.
+
+    On an upright face water may stand higher than the crest; on a slope its end tells nothing once it is the crest.
+    """
+    (height, place), d = rows, flow.scene.diameter
+    if still >= obstacle.top - 0.5 * d:
+        return "the water stands over the crest from the start"
+    known = np.isfinite(height)
+    passes = discs >= LEAST or bool((np.abs(place[known] - obstacle.crest) < 0.5 * d).any())
+    if not isfinite(obstacle.face) and passes:
+        return "the water goes over the crest, and a slope has no highest place then"
+    if np.nanmax(height) < still - d:
+        return "the water has not risen over its still level on it"
+    return ""
+
+
+def _gone_over(flow: Flow, obstacle: Obstacle, rows: tuple[np.ndarray, ...], discs: int) -> dict[str, Any]:
+    """What goes over an obstacle: volume (m^2), and of the time while it does head, depth (m) and discharge (m^2/s).
+
+    Parameters
+    ----------
+    flow : Flow
+    obstacle : Obstacle
+    rows : tuple of ndarray, shape (frames,)
+        Time (s), volume that has gone over (m^2), height y of the water before it and mass depth on its crest (m).
+    discs : int
+        That have gone over.
+    """
+    time, over, level, depth = rows
+    found: dict[str, Any] = {"over": float(over[-1]), "over_discs": discs}
+    rises = np.flatnonzero(np.diff(over) > 0)
+    if not rises.size:
+        return found
+    first, last = int(rises[0]), int(rises[-1]) + 1
+    passing, span = slice(first, last + 1), float(time[last] - time[first])
+    found |= {"over_since": float(time[first]), "over_until": float(time[last])}
+    if discs < LEAST or span <= 0:
+        return found | {"no_head": f"{discs} discs have gone over, too few for a discharge"}
+    ends = np.linspace(time[first], time[last], round(1 / PART) + 1)
+    found |= {
+        "discharge": float(over[last] - over[first]) / span,
+        "largest_discharge": float(np.diff(np.interp(ends, time, over)).max()) / (PART * span),
+        "depth": float(depth[passing].mean()),
+        "largest_depth": float(depth[passing].max()),
+    }
+    head = level[passing] - obstacle.top
+    stands = np.isfinite(head) & (head > 0)
+    if stands.mean() < 0.5:
+        return found | {"no_head": "the water before it stands below the crest most of the time"}
+    return found | {
+        "head": float(head[stands].mean()),
+        "largest_head": float(head[stands].max()),
+        "critical_discharge": sum(jump.critical_discharge(one, flow.g) for one in head[stands].tolist()) / len(head),
+    }
 
 
 def tables(runup: RunUp) -> Tables:
-    """Highest place of the water (m) and volume that has gone over (m^2) against time."""
+    """Highest place of the water (m), volume that has gone over (m^2), head and depth on the crest (m) against time."""
     if runup.history is None:
         return {}
-    return {"runup.csv": dict(zip(("time", "height", "over"), runup.history, strict=True))}
+    return {"runup.csv": dict(zip(("time", "height", "over", "head", "depth"), runup.history, strict=True))}
 
 
 def figures(runup: RunUp, gathered: Gathered) -> Drawings:
-    """Highest place and volume against time."""
+    """Highest place where it is told, volume and head against time."""
     if runup.history is None:
         return {}
-    time, height, over = runup.history
+    time, height, over, head, depth = runup.history
     levels = {"crest": runup.crest} | ({"still water": runup.still} if isfinite(runup.still) else {})
-    panels = [Panel("Highest water\non the obstacle, y [m]", [Trace("", time, height)], levels=levels)]
+    panels = []
+    if not runup.no_run_up:
+        panels.append(Panel("Highest water\non the obstacle, y [m]", [Trace("", time, height)], levels=levels))
+    if isfinite(runup.discharge):
+        lines = [Trace("depth on the crest", time, depth, "second")]
+        if isfinite(runup.head):
+            lines.insert(0, Trace("head over the crest", time, np.where(head > 0, head, nan)))
+        panels.append(Panel("Over the crest [m]", lines))
     panels += [Panel("Gone over the\ncrest [m²]", [Trace("", time, over)])] if over[-1] > 0 else []
-    return {"runup": Chart("run-up and overtopping", TIME, panels)}
+    return {"runup": Chart("run-up and overtopping", TIME, panels)} if panels else {}
+
+
+KEYS = (
+    "highest", "still", "run_up", "time", "place", "crest", "freeboard", "over", "over_discs", "over_since",
+    "over_until", "discharge", "largest_discharge", "critical_discharge", "head", "largest_head", "depth",
+    "largest_depth",
+)  # fmt: skip
 
 
 def section(runup: RunUp) -> Section:
     """Highest place, still water, crest, and what went over."""
-    if not known(runup.highest):
+    if not known(runup.crest):
         return Section("Run-up", [])
-    keys = ("highest", "still", "run_up", "time", "place", "crest", "over", "over_discs")
-    return Section("Run-up", [Table(described(runup, *(key for key in keys if known(getattr(runup, key)))))])
+    rows = described(runup, *(key for key in KEYS if known(getattr(runup, key))))
+    why = [f"No run-up is told: {runup.no_run_up}." if runup.no_run_up else ""]
+    why.append(f"No head is told: {runup.no_head}." if runup.no_head else "")
+    return Section("Run-up", [Table(rows), *(Text(text, "small") for text in why)])
 
 
+OF_WATER = "of water that flows over a crest without loss, at the head of each instant"
 QUANTITY = Quantity(
     name="runup",
     title="Run-up and overtopping",
@@ -348,6 +459,12 @@ highest       bed under the end of the tongue, before the first gap of two diame
 still water   median of the highest edges of strips two diameters wide, before walls move; without such walls that
               of the water before the foot of the obstacle at the start
 over          discs that were before the crest at the start and were last seen beyond it, their mass over ρ
+run-up        told where water meets a face or slope below the crest. There is none on a slope over whose crest water
+              goes, and where water stands over the crest from the start
+discharge     volume over the time from the first disc that goes over to the last; of 30 discs or more
+head          level of the water before the foot (as of the still water) over the crest, mean of the frames of that time
+              in which it is above the crest; critical: √g (2h/3)^1.5 of each, what water of this head would carry
+depth         mass of the discs on the crest over ρ and its width, which is two diameters or more
 """,
     always=lambda _: True,
     collector=RunUpWatch,
@@ -360,6 +477,8 @@ over          discs that were before the crest at the start and were last seen b
     headline=(
         Wanted("highest", label="highest water, y"),
         Wanted("run_up", label="run-up over still water"),
+        Wanted("discharge", "critical flow", "critical_discharge", "discharge over the crest", holds=OF_WATER),
+        Wanted("head", label="head over the crest"),
         Wanted("over", label="volume over the crest"),
     ),
     rank=30,

@@ -167,22 +167,32 @@ WAVES = Verdict(
 
 def _run_up(summary: Mapping[str, Any]) -> str:
     found = part(summary, "runup")
-    if found.get("highest") is None:
-        return ""
     on = f"{found['wall']}" if found.get("wall") else "the slope"
-    still, over = found.get("run_up"), found.get("over") or 0.0
+    still, over, crest = found.get("run_up"), found.get("over") or 0.0, found.get("crest")
+    if crest is None or (found.get("highest") is None and not over):
+        return ""
+    if over and (found.get("highest") is None or found["highest"] <= crest):
+        return _goes_over(found, on)
     above_still = f", {shown(still)} m over the still water" if still is not None else ""
-    crest = found["crest"]
-    if over and found["highest"] <= crest:
-        return f"{shown(over)} m² of water go over {on}, whose crest is at y = {place(crest)} m."
     tail = f"{shown(over)} m² go over the crest at y = {place(crest)} m"
     if not over:
         tail = f"nothing goes over the crest at y = {place(crest)} m"
     return f"The water reaches y = {place(found['highest'])} m on {on}{above_still}; {tail}."
 
 
+def _goes_over(found: Mapping[str, Any], on: str) -> str:
+    """What goes over a crest, where nothing is told of a run-up."""
+    total, crest = f"{shown(found['over'])} m²", place(found["crest"])
+    if found.get("discharge") is None:
+        return f"{total} of water go over {on}, whose crest is at y = {crest} m."
+    head = f" under a head of {shown(found['head'])} m" if found.get("head") is not None else ""
+    rate = shown(found["discharge"])
+    return f"{rate} m²/s of water go over {on}{head} in the mean, {total} in all; its crest is at y = {crest} m."
+
+
 def _to_the_crest(summary: Mapping[str, Any]) -> str:
-    if not part(summary, "runup").get("reaches_crest"):
+    found = part(summary, "runup")
+    if not found.get("reaches_crest") or (found.get("freeboard") is not None and found["freeboard"] <= 0):
         return ""
     return "the water reaches the crest: a higher slope or wall would show a higher run-up"
 
@@ -203,7 +213,16 @@ def _still_passes(summary: Mapping[str, Any]) -> str:
 RUN_UP = Verdict(
     "How high does a wave run up, and how much goes over?",
     "The water reaches y = 1.9 m on seawall, 1.0 m over the still water; nothing goes over the crest at y = 2.5 m.",
-    ("runup.highest", "runup.run_up", "runup.still", "runup.over", "runup.over_discs"),
+    (
+        "runup.highest",
+        "runup.run_up",
+        "runup.still",
+        "runup.freeboard",
+        "runup.over",
+        "runup.over_discs",
+        "runup.discharge",
+        "runup.head",
+    ),
     _run_up,
     (
         Doubt("the water reaches the crest, so that the run-up is a lower bound", _to_the_crest),

@@ -119,6 +119,14 @@ def critical_depth(discharge: float, gravity: float = GRAVITY) -> float:
     return (discharge**2 / gravity) ** (1.0 / 3.0)
 
 
+def critical_discharge(head: float, gravity: float = GRAVITY) -> float:
+    """Discharge over a crest under a head (m) above it without loss, m^2/s: q = sqrt(g) (2 h / 3)^(3/2).
+
+    The flow is critical there: its depth is two thirds of the head (Chow, Open-Channel Hydraulics, 1959, 3-7).
+    """
+    return sqrt(gravity) * (2.0 * head / 3.0) ** 1.5
+
+
 def fast_depth(discharge: float, energy: float, gravity: float = GRAVITY) -> float:
     """Depth of the fast stream of a discharge (m^2/s) and a specific energy (m), m; NaN below that of critical flow.
 
