@@ -108,6 +108,7 @@ class Front:
     gate_open: float = number("s", "time at which the rising gate is out of the way", default=nan)
     ritter: Ritter | None = None
     martin_moyce: MartinMoyce | None = None
+    stopped_by: str | None = None
     reason: str | None = None
     history: FrontHistory | None = field(default=None, metadata={"summary": False})
 
@@ -133,6 +134,25 @@ def bulk_front(x: np.ndarray, diameter: float, largest: float = 0.0) -> float:
 def quantile_front(x: np.ndarray, diameter: float, share: float = 0.99) -> float:
     """Right edge that `share` of the discs do not pass, m; NaN for none."""
     return float(np.quantile(x, share)) + 0.5 * diameter if len(x) else nan
+
+
+def stop_beside(flow: Flow, place: float, side: int) -> str:
+    """What discs that end at x = `place` (m) touch to their left (`side` -1) or right (1), in words; empty for nothing.
+
+    A wall, a step of the bed, an outlet or the end of the domain within a diameter of them: they would go further.
+    """
+    scene, d = flow.scene, flow.scene.diameter
+    index = 0 if side < 0 else 1
+    for wall in scene.permanent:
+        if abs(wall.room("x")[index] - place) < d:
+            return f"wall '{wall.name}'"
+    here, ahead = flow.bed_height(np.array([place - 0.5 * side * d, place + side * d]))
+    if ahead - here > d:
+        return "a step of the bed"
+    ways = "below", "above"
+    if any(one.axis == "x" and one.side == ways[index] and side * (one.at - place) < d for one in scene.outlets):
+        return "an outlet"
+    return "the end of the domain" if side * (scene.domain[0][index] - place) < d else ""
 
 
 def stack_top(y: np.ndarray, diameter: float, bed: float, largest: float = 0.0) -> float:
@@ -301,6 +321,7 @@ def analyse_front(history: FrontHistory, flow: Flow) -> Front:
         gate_open=rising_gate(flow, base + history.back),
         ritter=_ritter(history, base, depth, gravity, end) if compared else None,
         martin_moyce=_martin_moyce(history, gravity, end) if compared and flow.water else None,
+        stopped_by=stop_beside(flow, float(history.back + history.bulk[last]), 1) or None,
         reason=None if blocked else _no_arrival(free, end),
         history=history,
     )

@@ -3,7 +3,8 @@
 
 The surface is that of the profiles, in bins one diameter wide. On each side of the top a straight line is fitted to
 the bins between 20 % and 80 % of the height. *Run-out* goes by two fronts: the *bulk* ends before the first gap of
-two diameters between neighbours in x, seen from the column; the *99 % front* is what 1 % of the discs pass.
+two diameters between neighbours in x, seen from the column; the *99 % front* is what 1 % of the discs pass. A run-out
+ends at no wall, and there is none where discs have come to one, to an outlet or to the end of the domain.
 """
 
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
@@ -16,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lammps_jump.analysis.contacts import ContactCollector
-from lammps_jump.analysis.devices.front import bulk_front, quantile_front
+from lammps_jump.analysis.devices.front import bulk_front, quantile_front, stop_beside
 from lammps_jump.analysis.draw.chart import PLACE, Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
@@ -73,6 +74,9 @@ class Heap(Estimates):
     shape_off: float = number("", "h/L₀ less that of published discs of this aspect, root mean square", default=nan)
     friction: float = number("", "friction coefficient of the discs", default=nan)
     at_rest: bool | None = None
+    left_at: str | None = None
+    right_at: str | None = None
+    no_run_out: str | None = None
     reason: str | None = None
     shape: Shape | None = field(default=None, metadata={"summary": False})
 
@@ -271,6 +275,8 @@ def analyse(gathered: Gathered) -> Heap:
         **sure,
         left=left,
         right=right,
+        left_at=stop_beside(flow, left, -1) or None,
+        right_at=stop_beside(flow, right, 1) or None,
         **_run_out(remains, flow, shape),
         friction=scene.coefficients.friction,
         at_rest=rests(rest, flow) if isinstance(rest, RestHistory) else None,
@@ -302,11 +308,12 @@ def _run_out(remains: Remains, flow: Flow, shape: Shape) -> dict[str, Any]:
     if column is None or frame is None:
         return {}
     base, start = column.base, column.back
-    runs = [
-        float(np.mean([abs(_end(frame, flow, start, side, bulk=bulk) - start) for side in column.sides])) - base
-        for bulk in (True, False)
-    ]
+    ends = [[(side, _end(frame, flow, start, side, bulk=bulk)) for side in column.sides] for bulk in (True, False)]
+    runs = [float(np.mean([abs(end - start) for _, end in some])) - base for some in ends]
     aspect, height = column.height / base, float(shape.depth.max())
+    met = [next(filter(None, (stop_beside(flow, end, side) for side, end in some)), "") for some in ends]
+    if any(met):  # of both: what 1 % of the discs have not passed may be the wall, too
+        return {"base": base, "aspect": aspect, "no_run_out": f"the discs have come to {met[0] or met[1]}"}
     return {
         "base": base,
         "aspect": aspect,
@@ -383,7 +390,9 @@ def section(heap: Heap) -> Section:
     blocks: list[Text | Table] = []
     if heap.at_rest is False:
         blocks.append(Text("The discs still move: shape and run-out are those of the last frame, not at rest.", "warn"))
-    if known(heap.aspect):
+    if heap.no_run_out:
+        blocks.append(Text(f"There is no run-out: {heap.no_run_out}, where they would go further.", "warn"))
+    if known(heap.run_out):
         keys = ("base", "aspect", "run_out", "run_out_99", "run_out_over_base", "run_out_99_over_base")
         rows += described(heap, *keys, "height_over_base", "friction")
         published = ("discs", "rods", "sand", "height_rods", "shape_off")
@@ -400,7 +409,8 @@ QUANTITY = Quantity(
 surface       free surface in bins one diameter wide, last frame; height: the largest depth over the bed
 angle         straight line through the bins from 80 % down to 20 % of the height, to the horizontal; ± is half of the
               95 % interval, from their scatter about the line; a flank that leans on a wall is none
-run-out       L − L₀; L₀ base of the column at the start, half of it where it falls to both sides (the mean is given)
+run-out       L − L₀; L₀ base of the column at the start, half of it where it falls to both sides (the mean is given);
+              none where the discs have come to a wall, a step of the bed, an outlet or the end of the domain
 fronts        bulk: before the first gap of two diameters between neighbours in x; 99 %: what 1 % of the discs pass
 discs, rods, sand   published, for the same a = H₀/L₀; they are of other grains: friction and sizes differ
 """,

@@ -90,6 +90,17 @@ def _heap(summary: Mapping[str, Any]) -> str:
     return f"The column has run out {shown(heap['run_out_over_base'])} times its base and {rests}{slope}."
 
 
+def _touches(summary: Mapping[str, Any]) -> str:
+    heap = part(summary, "heap")
+    if heap.get("no_run_out"):
+        return f"there is no run-out: {heap['no_run_out']}"
+    # a bed lies between walls, and a column leans on one from the start
+    if heap.get("angle") is None or heap.get("base") is not None:
+        return ""
+    at_ends = dict.fromkeys(heap[key] for key in ("left_at", "right_at") if heap.get(key))
+    return f"the heap touches {' and '.join(at_ends)}, so that its height and slope are not its own" if at_ends else ""
+
+
 def _moves(summary: Mapping[str, Any]) -> str:
     rest = part(summary, "heap").get("at_rest")
     if rest is None:
@@ -136,6 +147,7 @@ HEAP = Verdict(
             below("heap.height_in_diameters", 10.0, "the heap is {} diameters high"),
         ),
         Doubt("friction has no memory", _creeps),
+        Doubt("the heap, or what a column runs out to, touches a wall, an outlet or the end of the domain", _touches),
     ),
     unanswered=reason("heap"),
 )

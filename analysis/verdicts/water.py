@@ -116,6 +116,12 @@ def _lone_discs(summary: Mapping[str, Any]) -> str:
     return f"bulk and 99 % of the discs end at different places, {place(bulk)} and {place(far)} m"
 
 
+def _front_stopped(summary: Mapping[str, Any]) -> str:
+    front = part(summary, "front")
+    stop = front.get("stopped_by") if front.get("arrival_time") is None else None  # an arrival is told as one
+    return f"the front has come to {stop} at the end: it would go further" if stop else ""
+
+
 def _slow_gate(summary: Mapping[str, Any]) -> str:
     opens = at(summary, "front.gate_open")
     return f"the gate takes {shown(opens)} s to open: no closed form belongs to it" if opens is not None else ""
@@ -129,6 +135,7 @@ COLLAPSE = Verdict(
     (
         Doubt("the bulk and 99 % of the discs end at places a quarter apart", _lone_discs),
         Doubt("a gate takes its time to open", _slow_gate),
+        Doubt("the front touches a wall, an outlet or the end of the domain at the end", _front_stopped),
     ),
     _collapse_at_length,
 )

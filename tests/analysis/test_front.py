@@ -5,7 +5,7 @@ from math import sqrt
 
 import numpy as np
 import pytest
-from made_up import collected, disc_frame, flow_context, numbers
+from made_up import collected, columns_of_discs, disc_frame, flow_context, numbers
 
 from lammps_jump.analysis.devices.front import (
     FrontHistory,
@@ -320,3 +320,15 @@ def test_a_column_is_what_a_dump_without_a_jump_is_about():
     assert verdict({"jump": jump, "front": still, "inflow": {}}) == "No hydraulic jump."
     assert "collapsed" not in headline({"jump": jump, "front": still})
     assert "jump" in verdict({"jump": {**jump, "verdict": "jump"}, "front": front})
+
+
+@pytest.mark.parametrize(("end", "stop"), [(3.0, None), (5.4, None), (6.0, "the end of the domain")])
+def test_a_front_that_has_come_to_the_end_of_the_domain_says_so(end, stop):
+    column, run = columns_of_discs(10, 0.0, 2.0), columns_of_discs(3, 0.0, end)
+    flow = flow_context(
+        domain=((-1.0, 6.0), (-1.0, 40.0)), x_range=(0.0, 6.0),
+        walls=(Plane("back", "x", 0.0, "above"), Plane("floor", "y", 0.0, "above")),
+    )  # fmt: skip
+    box = [[-1, 6], [-1, 40]]
+    frames = [disc_frame(*column, box=box), disc_frame(*run, box=box, step=1, time=1.0)]
+    assert analyse_front(collected(FrontTracker(flow), frames), flow).stopped_by == stop

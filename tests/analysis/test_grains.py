@@ -14,12 +14,13 @@ from made_up import collected, columns_of_discs, disc_frame, flow_context, numbe
 from lammps_jump.analysis.grains import heap, layers, rest, state
 from lammps_jump.analysis.passes import Gathered
 from lammps_jump.analysis.tables.rows import rows_of
-from lammps_jump.analysis.verdicts import headline, verdict
+from lammps_jump.analysis.verdicts import doubts, headline, verdict
 from lammps_jump.errors import DumpError
 from lammps_jump.physics import devices
 from lammps_jump.scene.motion import Motion, MovingWall
+from lammps_jump.scene.scene import Outlet
 from lammps_jump.scene.tracks import Oscillate, Translate
-from lammps_jump.scene.walls import Block, Plane
+from lammps_jump.scene.walls import Block, Box, Plane
 
 D, MASS, G, STIFFNESS = 0.2, 40.0, 9.81, 1e9
 ROOM = {"domain": ((-8.0, 8.0), (-1.0, 4.0)), "x_range": (-8.0, 8.0)}
@@ -179,6 +180,66 @@ def test_run_out_of_a_column_that_leans_on_a_wall(sign):
     rows = rows_of([summary])
     assert [row.held for row in rows[:3]] == ["heap.rods", "heap.sand", "heap.height_rods"]
     assert rows[0].difference.value == pytest.approx(2.0 / 3.25 - 1)
+
+
+STOPS = {
+    "wall 'far'": {"walls": [FLOOR, Plane("far", "x", 6.0, "below")]},
+    "a step of the bed": {"walls": [FLOOR, Block("quay", (6.0, 7.0), (-1.0, 2.0))]},
+    "an outlet": {"outlets": (Outlet("x", 6.0, "above", 1),)},
+    "the end of the domain": {"domain": ((-8.0, 6.0), (-1.0, 4.0))},
+}
+MIRRORED = {
+    "wall 'far'": {"walls": [FLOOR, Plane("far", "x", -6.0, "above")]},
+    "a step of the bed": {"walls": [FLOOR, Block("quay", (-7.0, -6.0), (-1.0, 2.0))]},
+    "an outlet": {"outlets": (Outlet("x", -6.0, "below", 1),)},
+    "the end of the domain": {"domain": ((-6.0, 8.0), (-1.0, 4.0))},
+}
+
+
+@pytest.mark.parametrize("stop", list(STOPS))
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("end", [3.0, 5.4, 6.0])
+def test_a_run_out_ends_at_no_wall(stop, sign, end):
+    """A column of 2 m falls to both sides; at 6 m something stops it: with discs up to there it has no run-out."""
+    column = columns_of_discs(10, -1.0, 1.0)
+    x, y = columns_of_discs(5, -2.0, end)
+    frames = [disc_frame(sign * column[0], column[1], box=ROOM["domain"])]
+    frames.append(disc_frame(sign * x, y, box=ROOM["domain"], step=1, time=5.0, id=np.arange(len(x)) % 100 + 1))
+    flow = flow_context(**{**ROOM, "stiffness": STIFFNESS, "walls": [FLOOR]} | (STOPS if sign > 0 else MIRRORED)[stop])
+    found, made = heap_of(flow, frames)
+    touches = end == 6.0
+    assert np.isnan(found.run_out) == touches and np.isnan(found.rods) == touches
+    assert found.no_run_out == (f"the discs have come to {stop}" if touches else None)
+    assert getattr(found, "right_at" if sign > 0 else "left_at") == (stop if touches else None)
+    assert found.base == pytest.approx(1.0)  # what it was is told all the same
+    summary = {"heap": numbers(found)}
+    assert verdict(summary).startswith("A bed" if touches else "The column has run out")
+    assert any("There is no run-out" in text for text in doubts(summary)) == touches
+    assert any("There is no run-out" in block[0] for block in heap.section(found).blocks) == touches
+    assert heap.figures(found, made)
+
+
+def test_a_dump_that_fills_its_box_from_wall_to_wall_has_no_run_out():
+    """A column of 2 m at the left end of a box of 8 m, whose discs lie from end to end later."""
+    room = {"domain": ((0.0, 8.0), (0.0, 4.0)), "x_range": (0.0, 8.0)}
+    walls = [Box("box", (0.0, 8.0), (0.0, 4.0))]
+    column, (x, y) = columns_of_discs(16, 0.0, 2.0), columns_of_discs(4, 0.0, 8.0)
+    frames = [disc_frame(*column, box=room["domain"]), disc_frame(x, y, box=room["domain"], step=1, time=5.0)]
+    found, _ = heap_of(flow_context(**room, stiffness=STIFFNESS, walls=walls), frames)
+    assert np.isnan(found.run_out_over_base) and np.isnan(found.run_out_99)
+    assert (found.left_at, found.right_at) == ("wall 'box'", "wall 'box'")
+    assert verdict({"heap": numbers(found)}) == "A bed of 0.80 m stands."
+
+
+def test_discs_that_1_per_cent_of_reach_a_wall_have_no_run_out_either():
+    """The bulk ends at 4 m, and two of a hundred discs lie at the wall at 6 m."""
+    column = columns_of_discs(10, 0.0, 2.0)
+    x, y = columns_of_discs(5, 0.0, 4.0)
+    x, y = np.append(x[:98], [5.7, 5.9]), np.append(y[:98], [0.1, 0.1])
+    frames = [disc_frame(*column, box=ROOM["domain"]), disc_frame(x, y, box=ROOM["domain"], step=1, time=5.0)]
+    walls = [FLOOR, Plane("back", "x", 0.0, "above"), Plane("far", "x", 6.0, "below")]
+    found, _ = heap_of(flow_of(walls=walls), frames)
+    assert found.right_at is None and found.no_run_out == "the discs have come to wall 'far'"
 
 
 def test_a_column_that_falls_to_both_sides_and_a_published_shape():

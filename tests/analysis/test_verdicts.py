@@ -157,7 +157,22 @@ def test_where_a_body_stands_does_not_decide_whether_it_moved():
         assert "comes 0.05 m far" in verdict({"bodies": {"box": {**moved, "start_x": x, "end_x": x + 0.05}}})
 
 
+def test_a_run_out_that_ends_at_a_wall_is_a_bed_with_a_doubt():
+    """The title told 3.0 times the base of a dump that fills its box from wall to wall."""
+    fills = {**HEAP, "angle": None, "base": 2.0, "run_out_over_base": None, "right_at": "the end of the domain",
+             "no_run_out": "the discs have come to the end of the domain"}  # fmt: skip
+    assert verdict({"heap": fills}) == "A bed of 0.23 m is at rest."
+    assert "There is no run-out: the discs have come to the end of the domain." in doubts({"heap": fills})
+    leans = {**HEAP, "base": 2.0, "run_out_over_base": 1.5, "left_at": "wall 'back'"}
+    assert "has run out 1.5 times" in verdict({"heap": leans})
+    assert not any("touches" in text for text in doubts({"heap": leans}))
+    arrived = {**FRONT, "stopped_by": "wall 'quay'", "arrival_time": 1.9}
+    assert not any("has come to" in text for text in doubts({"front": arrived}))
+
+
 DOUBTFUL = [
+    ({"heap": {**HEAP, "right_at": "wall 'quay'"}}, "the heap touches wall 'quay', so that its height and slope are not its own"),
+    ({"front": {**FRONT, "stopped_by": "the end of the domain"}}, "the front has come to the end of the domain at the end"),
     ({"hopper": {**HOPPER, "discs": 40}}, "40 discs pass while the flow is on"),
     ({"hopper": {**HOPPER, "change": -0.3}}, "the discharge changes by 30 % within"),
     ({"hopper": {**HOPPER, "pause": 0.5}}, "no disc passes for 0.50 s, 250 times"),
