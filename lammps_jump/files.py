@@ -626,7 +626,9 @@ def _written_over(path: Path, old: bytes, new: bytes) -> bool:
             return False
         try:
             _make(copy, old)
+            copied = True
         except OSError as error:
+            copied = False
             if error.errno not in NO_ROOM_BESIDE:
                 raise
         _lent(file, fcntl.F_WRLCK)
@@ -635,12 +637,14 @@ def _written_over(path: Path, old: bytes, new: bytes) -> bool:
                 _overwrite(place, new)
             except BaseException:
                 _overwrite(place, old)  # if this fails too, the copy stays
-                delete(copy)
+                if copied:
+                    delete(copy)
                 raise
         with suppress(OSError):
             fcntl.fcntl(file, fcntl.F_SETLEASE, fcntl.F_UNLCK)
         os.fsync(place)
-        delete(copy)
+        if copied:
+            delete(copy)
     return same
 
 

@@ -71,6 +71,14 @@ def test_mode_owner_and_attributes_stay(case, monkeypatch, way, mode):
     assert attributes(case) == before and alone(case)
 
 
+@pytest.mark.parametrize("hard", [False, True])
+def test_the_longest_name_leaves_no_room_for_a_file_beside_it(case, tmp_path, hard):
+    longest = case.rename(case.with_name("n" * 255))
+    if hard:
+        os.link(longest, tmp_path / "other")
+    assert change_text(longest, BEFORE, AFTER) == AFTER == longest.read_text() and alone(longest)
+
+
 def test_hard_links_stay(case, tmp_path):
     os.link(case, tmp_path / "other")
     assert change_text(case, BEFORE, AFTER) == AFTER

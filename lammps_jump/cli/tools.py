@@ -78,6 +78,7 @@ def open_(
         raise SetupError(f"--port {port}: cannot be used ({error.strerror}); leave it out, and one is found") from None
     with server, interrupts.terminate_as_interrupt(), ExitStack() as left:
         try:
+            pages.prepare()
             print(f"{server.address}\nopen this address in a browser; Ctrl+C here ends it", flush=True)
             if browser and has_display():
                 with suppress(OSError):  # no place for the file: the address is printed

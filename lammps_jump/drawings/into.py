@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -15,6 +16,8 @@ from lammps_jump.files import change_text, real_path, writes
 
 from .entries import Entry, yaml_text
 
+DASH = re.compile("^( *)-", re.MULTILINE)
+"""The beginning of an item, and what stands before it."""
 MOST_TRIES = 5
 """How often walls are added anew to a case that another program has changed meanwhile."""
 
@@ -49,13 +52,18 @@ def with_walls(text: str, found: Sequence[Entry], file: str = "<case>") -> str:
     Raises
     ------
     CaseError
-        Walls in brackets, or a name that is taken.
+        Walls or all fields in brackets, or a name that is taken.
     """
     tree = yaml.compose(text, Loader=yaml.SafeLoader)
     rows = text.splitlines(keepends=True)
     if rows and not rows[-1].endswith("\n"):
         rows[-1] += "\n"
     assert isinstance(tree, yaml.MappingNode)  # a case that was read
+    if tree.flow_style:
+        raise CaseError(
+            f"{file}:{tree.start_mark.line + 1}: the fields stand in braces; write them one below the other, and "
+            "import again"
+        )
     for key, value in tree.value:
         if key.value != "walls":
             continue
@@ -64,9 +72,11 @@ def with_walls(text: str, found: Sequence[Entry], file: str = "<case>") -> str:
                 f"{file}:{value.start_mark.line + 1}: walls: stand in brackets; write them one below the other, each "
                 "behind a dash, and import again"
             )
-        if not value.value:  # walls: [], or nothing
-            rows[key.start_mark.line : key.start_mark.line + 1] = ["walls:\n", yaml_text(found)]
-            return "".join(rows)
+        if not value.value:  # walls: [], or nothing; comments in it and behind it stay
+            whole, start, end = "".join(rows), value.start_mark.index, value.end_mark.index
+            line, stop, rest = whole[end:].partition("\n")
+            inside = whole[start + 1 : end - 1]
+            return "".join([whole[:start].rstrip(" "), inside.rstrip(" "), line, stop, yaml_text(found), rest])
         taken = {name.value for item in value.value for word, name in item.value if word.value == "name"}
         for entry in found:
             if entry.wall["name"] in taken:
@@ -75,9 +85,11 @@ def with_walls(text: str, found: Sequence[Entry], file: str = "<case>") -> str:
                     f"--layer '{entry.layer}'=NAME"
                 )
         after = _last_line(value) + 1
-        rows.insert(after, yaml_text(found, " " * value.start_mark.column))
+        dash = DASH.search(text, value.start_mark.index - value.start_mark.column)  # an anchor may stand before it
+        rows.insert(after, yaml_text(found, dash[1] if dash else ""))
         return "".join(rows)
-    return "".join([*rows, "walls:\n", yaml_text(found)])
+    rows.insert(tree.end_mark.line if tree.end_mark.column == 0 else len(rows), f"walls:\n{yaml_text(found)}")
+    return "".join(rows)
 
 
 def _last_line(node: yaml.Node) -> int:

@@ -120,6 +120,11 @@ class Bounded:
                 self._at_work[1].process.kill()
 
 
+def prepare() -> None:
+    """Start a process before there is work for it: it loads its libraries, a second, while a page opens."""
+    _spare.append(Worker(LOADED))
+
+
 def _ready() -> Worker:
     """A process that waits for work."""
     while _spare:

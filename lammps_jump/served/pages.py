@@ -16,7 +16,7 @@ from lammps_jump.quoting import typed
 from lammps_jump.runs.folder import default_folder, require_case
 
 from .assets import HERE, asset, html
-from .bounded import Bounded, OutOfDate, PageWork
+from .bounded import Bounded, OutOfDate, PageWork, prepare
 from .case_file import CaseFile
 from .children import Children, ServedChild
 from .look import MOST_DRAWN, DroppedFile, look, with_drawing
@@ -71,6 +71,9 @@ class Opened(Pages):
     def post(self, path: str, asked: Mapping[str, Any]) -> Reply | None:
         """What is to be done with a run."""
         return self.runs.post(path[4:], asked) if path.startswith("run/") else None
+
+    def prepare(self) -> None:
+        """Start what a page will need at once."""
 
     def alone(self, token: str) -> Reply | None:
         """The report with this token."""
@@ -141,6 +144,10 @@ class CasePages(Opened):
         if path == "run":
             return self._run(text_of(asked, "key"))
         return super().post(path, asked)
+
+    def prepare(self) -> None:
+        """Start the process that looks at texts."""
+        prepare()
 
     def close(self) -> list[ServedChild]:
         """Leave what is looked at, and end the runs; see `Opened.close`."""

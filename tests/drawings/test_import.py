@@ -329,12 +329,22 @@ def test_a_case_that_is_read_only_is_left(monkeypatch, capsys, tmp_path):
         "walls:\n",
         "",
         "walls:\n- {name: a, kind: line, points: [[0, 0], [1, 0]]}  # one\n# end",
+        "walls: [\n  # none yet\n]  # end\n",
+        "'walls'  :   # those of the channel\n",
+        "walls: &all   # those of the channel\n    - {name: a, kind: line, points: [[0, 0], [1, 0]]}  # one\n",
+        "walls: !!seq\n  -\n    name: a\n    kind: line\n    points:\n    - [0, 0]\n    - - 1\n      - -0.5\n",
     ],
 )
-def test_walls_are_put_in_wherever_there_is_a_place(tmp_path, walls):
+@pytest.mark.parametrize(
+    "around", ["name: a\n{}\nrun: {{duration: 1 s}}\n", "---\nname: a\nrun: {{duration: 1 s}}\n{}...\n# z"]
+)
+def test_walls_are_put_in_wherever_there_is_a_place(tmp_path, walls, around):
     found = entries(read_drawing(written(tmp_path, "bed.csv", BED)))
-    text = with_walls(f"name: a\n{walls}\nrun: {{duration: 1 s}}\n", found)
+    before = around.format(walls)
+    text = with_walls(before, found)
     data = yaml.safe_load(text)
+    words = ("# one", "# end", "# none yet", "# those of the channel", "# z")
+    assert [text.count(one) for one in words] == [before.count(one) for one in words]
     assert data["walls"][-1]["name"] == "bed" and data["run"] == {"duration": "1 s"} and data["name"] == "a"
 
 
@@ -348,6 +358,8 @@ def test_a_case_that_would_be_refused_stays_as_it_is(tmp_path):
     with pytest.raises(CaseError, match="meets itself"):
         write_into(case, found)
     assert case.read_text() == before
+    with pytest.raises(CaseError, match=":1: the fields stand in braces"):
+        with_walls("{name: a}\n", entries(read_drawing(written(tmp_path, "bed.csv", BED))))
     with pytest.raises(CaseError, match=":2: walls: stand in brackets"):
         with_walls("name: a\nwalls: [{name: b}]\n", entries(read_drawing(written(tmp_path, "bed.csv", BED))))
 
