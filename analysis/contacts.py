@@ -147,13 +147,21 @@ def wall_contacts(frame: Frame, wall: Wall, flow: Flow) -> Touching:
             cells=grid.cells[0], start=grid.start, listed=grid.faces, index=index, found=found, room=room,
         )  # fmt: skip
     index, (distance, nx, ny), rate = index[:count], found[:count].T, (np.zeros(count), np.zeros(count))
+    mass, number = flow.scene.mass * flow.relative_masses(frame)[index], flow.number_of(wall)
+    along = across = np.sqrt(flow.scene.mass * mass)
     if moving:
         nx, ny = moving.turned(nx, ny)
-        rate = moving.velocity(frame.x[index] - distance * nx, frame.y[index] - distance * ny)
-    size, number = flow.scene.mass * np.sqrt(flow.relative_masses(frame)[index]), flow.number_of(wall)
+        free = flow.scene.walls[number].motion.free if number >= 0 else None
+        to = distance if free is None else radius[index]  # a body feels it at the rim of the disc
+        x, y = frame.x[index] - to * nx, frame.y[index] - to * ny
+        rate = moving.velocity(x, y)
+        if free is not None and not flow.time(frame) < free.begin:
+            arms = np.column_stack([x, y]) - moving.moment_point
+            along = along / np.sqrt(1.0 + mass * free.gives_way(arms, np.column_stack([nx, ny])))
+            across = across / np.sqrt(1.0 + mass * free.gives_way(arms, np.column_stack([-ny, nx])))
     return Touching(
-        np.full(count, frame.n), index, nx, ny, radius[index] - distance, law.gamma_normal * size,
-        law.gamma_tangential * size, *rate, np.full(count, 1 + number), np.full(count, -1 - number),
+        np.full(count, frame.n), index, nx, ny, radius[index] - distance, law.gamma_normal * along,
+        law.gamma_tangential * across, *rate, np.full(count, 1 + number), np.full(count, -1 - number),
     )  # fmt: skip
 
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from free_bodies import body, scene_of
 from hypothesis import given
 from hypothesis import strategies as st
 from made_up import disc_frame, examples, flow_context
@@ -14,6 +15,7 @@ from lammps_jump.analysis import contacts
 from lammps_jump.analysis.cell_grid import close_pairs
 from lammps_jump.analysis.contacts import find_contacts, pair_sums, touching_pairs, wall_contacts, wall_sums
 from lammps_jump.analysis.flow import from_scene
+from lammps_jump.core.columns import PushedColumns
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.physics.contact import WallLaw
 from lammps_jump.scene.build import handmade_scene
@@ -281,6 +283,30 @@ def test_a_moving_wall_with_numbers_of_its_own_pushes_as_in_the_engine(kind, law
     np.subtract.at(total, found.first, np.column_stack([fx, fy]))
     assert (found.first == 400).sum() > 8
     np.testing.assert_allclose(total[:400], expected, atol=1e-9 * np.abs(expected).max())  # sums in another order
+    (wall,) = flow.walls_at(0.0)
+    assert wall_sums(frame, wall, flow).force == pytest.approx(-engine.walls.sums[0, :2], rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "fields",
+    [{}, {"hinge": (-0.6, 0.4)}, {"axes": (False, True, True)}, {"axes": (True, False, False)}, {"begin": 9.0}],
+    ids=["free", "hinged", "rail y", "rail x", "held"],
+)
+def test_a_body_pushes_as_in_the_engine_by_the_mass_of_each_contact(fields):
+    rng = np.random.default_rng(12)
+    x, y, vx, vy, spin = *rng.uniform(-1.5, 1.5, (2, 400)), *rng.normal(0, 2, (2, 400)), rng.normal(0, 9, 400)
+    light = body(Block("sill", (-0.6, 0.8), (-0.3, 0.4)), (0.0, 0.0), 100.0, **fields)
+    law = {"friction": 0.3, "rotation": True, "impact_speed": 8.0, "overlap_limit": 9.0, "probes": ("sill",)}
+    scene = scene_of(light, positions=np.column_stack([x, y]), velocities=np.zeros((400, 2)), gravity=(0.0, 0.0), **law)
+    engine, flow = NativeSimulation(scene), from_scene(scene)
+    rows = engine.discs.ids[:400] - 1
+    engine.discs.omega[:400], engine.discs.vx[:400], engine.discs.vy[:400] = spin[rows], vx[rows], vy[rows]
+    engine.discs.fx[:], engine.discs.fy[:] = 0.0, 0.0
+    engine.walls.sums[:] = 0.0
+    engine.walls.moves.pushed[:, PushedColumns.SPEED] = 0.0  # what the discs of the first step have given it
+    engine.walls.place(0)
+    engine._forces()
+    frame = disc_frame(x, y, vx, vy, box=BOX, omegaz=spin, time=0.0)
     (wall,) = flow.walls_at(0.0)
     assert wall_sums(frame, wall, flow).force == pytest.approx(-engine.walls.sums[0, :2], rel=1e-9)
 

@@ -99,7 +99,7 @@ def shaken(wall: Wall, free: Free, spacing: float) -> float:
     normal = (
         np.column_stack([points[:, 1] - after[:, 1], after[:, 0] - points[:, 0]]) / np.maximum(length, 1e-300)[:, None]
     )
-    ways = free.ways(0.5 * (points + after), normal)
+    ways = free.ways(0.5 * (points + after) - free.point, normal)
     most = np.linalg.eigvalsh((ways * (length / spacing)[:, None]).T @ ways)[-1]
     return free.mass * float(most) + 2.0  # two more at its ends
 

@@ -72,15 +72,15 @@ class Free(Kind):
         """Moment of inertia about that point, kg m."""
         return about_point(self.mass, self.inertia, hypot(*self.arm))
 
-    def ways(self, points: np.ndarray, directions: np.ndarray) -> np.ndarray:
+    def ways(self, arms: np.ndarray, directions: np.ndarray) -> np.ndarray:
         """What forces on the body move: ``ways @ ways.T`` are the velocities along them that impulses of 1 N s give.
 
         The square of a row is what the body gives way to a force of 1 N there, 1/kg.
 
         Parameters
         ----------
-        points : ndarray, shape (n, 2)
-            Where they act while the body is where the case has it, m.
+        arms : ndarray, shape (n, 2)
+            From the point of turning to where they act, m.
         directions : ndarray, shape (n, 2)
             Unit vectors.
 
@@ -89,13 +89,16 @@ class Free(Kind):
         ndarray, shape (n, 3)
             Along x and y and as a turn, kg^-1/2.
         """
-        arm = np.subtract(points, self.point)
-        lever = arm[:, 0] * directions[:, 1] - arm[:, 1] * directions[:, 0]
+        lever = arms[:, 0] * directions[:, 1] - arms[:, 1] * directions[:, 0]
         scale = np.array([1.0 / sqrt(self.mass), 1.0 / sqrt(self.mass), 1.0 / sqrt(self.inertia_there)])
         return np.column_stack([directions, lever]) * scale * np.array(self.freedom)
 
+    def gives_way(self, arms: np.ndarray, directions: np.ndarray) -> np.ndarray:
+        """What the body gives way to forces of 1 N, each alone, 1/kg, shape (n,); parameters as of `ways`."""
+        return np.sum(self.ways(arms, directions) ** 2, axis=1)
+
     def yielding(self, point: Point) -> float:
-        """Most that the body gives way to a force of 1 N at a point, in whatever direction, 1/kg."""
-        x, y = self.ways(np.array([point, point]), np.eye(2))
+        """Most that the body gives way to a force of 1 N at a point of where the case has it (m), 1/kg."""
+        x, y = self.ways(np.subtract([point, point], self.point), np.eye(2))
         a, b, d = float(x @ x), float(x @ y), float(y @ y)
         return 0.5 * (a + d) + sqrt((0.5 * (a - d)) ** 2 + b * b)
