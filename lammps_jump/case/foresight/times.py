@@ -33,7 +33,9 @@ def _no_inflow(case: CaseFields) -> list[str]:
     inflow, end = case.inflow, case.run.duration
     if not isinstance(inflow, RowsInflow) or not inflow.table or inflow.hydrograph.means(0.0, end)[1] > 0:
         return []
-    return [f"inflow.table lets no disc in before the run ends at {end:zg} s; begin its flow earlier, or run longer"]
+    return [
+        f"the inflow.table lets no disc in before the run ends at {end:zg} s; begin its flow earlier, or run longer"
+    ]
 
 
 def _long_intervals(case: CaseFields) -> list[str]:
