@@ -4,8 +4,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 
 class JumpError(Exception):
@@ -87,21 +86,26 @@ class RunInterrupted(RunError):
     exit_status = 75
 
 
-def no_attribute(owner: Any, what: str, name: str, more: Iterable[str] = ()) -> AttributeError:
-    """The error for a name that an object does not have, with the nearest name that it has.
+class NearestNames:
+    """Answers a name that an object does not have with the nearest one; what a property raised itself passes through.
 
-    Parameters
+    Attributes
     ----------
-    owner : object
-    what : str
-        What it is, in words: "a run".
-    name : str
-        What was asked for.
-    more : iterable of str
-        Further names that may be meant.
+    in_words : str
+        What an object of the class is, for the message: "a run".
     """
-    known = [one for one in {*dir(owner), *more} if not one.startswith("_")]
-    close = difflib.get_close_matches(name, sorted(known), n=1, cutoff=0.6)
-    close = close or sorted(one for one in known if name in one or one in name)[:1]
-    hint = f"did you mean '{close[0]}'?" if close else f"use one of {', '.join(sorted(known))}"
-    return AttributeError(f"{what} has no '{name}'; {hint}", name=name, obj=None)
+
+    in_words = "this object"
+
+    def _missing(self, name: str) -> Any:
+        """Raise the AttributeError for a name that is not there."""
+        if name.startswith("_") or hasattr(type(self), name):
+            return object.__getattribute__(self, name)  # raises what a property lacked
+        known = sorted(one for one in dir(self) if not one.startswith("_"))
+        close = difflib.get_close_matches(name, known, n=1, cutoff=0.6)
+        close = close or [one for one in known if name in one or one in name][:1]
+        hint = f"did you mean '{close[0]}'?" if close else f"use one of {', '.join(known)}"
+        raise AttributeError(f"{self.in_words} has no '{name}'; {hint}", name=name, obj=None)
+
+    if not TYPE_CHECKING:
+        __getattr__ = _missing

@@ -16,7 +16,7 @@ from lammps_jump.analysis.report.page import show_page
 from lammps_jump.calibration import page
 from lammps_jump.case.case import ReadCase
 from lammps_jump.dump.exports import read_netcdf, write_netcdf
-from lammps_jump.errors import CaseError, no_attribute
+from lammps_jump.errors import CaseError, NearestNames
 from lammps_jump.files import STUDY_FILES, plain, read_json, write_json, write_text
 from lammps_jump.folders import Marker
 from lammps_jump.foreign import foreign
@@ -201,7 +201,7 @@ class StoredAnswer(BaseModel, strict=True):
         return self
 
 
-class Calibrated:
+class Calibrated(NearestNames):
     """A calibration, seen through its folder.
 
     Parameters
@@ -219,6 +219,8 @@ class Calibrated:
     CaseError
         No answer there.
     """
+
+    in_words = "a calibration"
 
     def __init__(self, folder: str | Path):
         self.folder = Path(folder)
@@ -269,11 +271,6 @@ class Calibrated:
 
     def _repr_html_(self) -> str:
         return f"<p>{html.escape(self.verdict)}</p>{self.table.to_html()}"
-
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("_") or name == "data":
-            raise AttributeError(name)
-        raise no_attribute(self, "a calibration", name)
 
     @property
     def verdict(self) -> str:

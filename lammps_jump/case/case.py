@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 import yaml
 from pydantic import ValidationError
 
-from lammps_jump.errors import CaseError, FieldError, no_attribute
+from lammps_jump.errors import CaseError, FieldError, NearestNames
 from lammps_jump.files import plain
 from lammps_jump.identity import case_key
 from lammps_jump.quoting import echoed, plain_name
@@ -38,7 +38,7 @@ NOT_OF_THE_RUN = ("name", "description", "analysis")
 
 
 @dataclass(frozen=True)
-class ReadCase:
+class ReadCase(NearestNames):
     """A validated case; `lammps_jump.Case` adds what runs it.
 
     Attributes
@@ -48,6 +48,8 @@ class ReadCase:
     source : CaseSource
         Where each value stands, for messages.
     """
+
+    in_words = "a case"
 
     fields: CaseFields
     source: CaseSource = field(repr=False, compare=False)
@@ -99,9 +101,7 @@ class ReadCase:
         def __getattr__(self, name: str) -> Any:
             if name in CaseFields.model_fields:
                 return getattr(self.fields, name)
-            if name.startswith("_") or hasattr(type(self), name):
-                return object.__getattribute__(self, name)  # raises what a property lacked
-            raise no_attribute(self, "a case", name, CaseFields.model_fields)
+            return self._missing(name)
 
     def __dir__(self) -> list[str]:
         return sorted({*super().__dir__(), *CaseFields.model_fields})

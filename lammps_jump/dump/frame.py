@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lammps_jump.errors import DumpError, no_attribute
+from lammps_jump.errors import DumpError, NearestNames
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -38,7 +38,7 @@ LIMITED = SIZES | {"id", "x", "y", "vx", "vy", "xu", "yu", "xs", "ys", "xsu", "y
 
 
 @dataclass(frozen=True)
-class Frame:
+class Frame(NearestNames):
     """One time of a dump.
 
     Attributes
@@ -51,6 +51,8 @@ class Frame:
     columns : mapping of str to ndarray, shape (n,)
         Every numeric column of the file, float64, read-only, in the file's order of discs.
     """
+
+    in_words = "a frame"
 
     step: int
     time: float | None
@@ -87,11 +89,11 @@ class Frame:
     if not TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> Any:
-            if name.startswith("_") or name == "columns":
-                raise AttributeError(name)
-            if name in self.columns:
-                return self.columns[name]
-            raise no_attribute(self, "a frame", name, self.columns)
+            columns = vars(self).get("columns", {})
+            return columns[name] if name in columns else self._missing(name)
+
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__(), *self.columns})
 
     def _repr_html_(self) -> str:
         time = "" if self.time is None else f", {self.time:zg} s"

@@ -6,12 +6,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, overload
 
 import numpy as np
 
 from lammps_jump.dump import Dump, Frame, read_dump
-from lammps_jump.errors import DumpError, no_attribute
+from lammps_jump.errors import DumpError, NearestNames
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -22,7 +22,7 @@ COLUMNS = ("x", "y", "vx", "vy", "radius")
 UNITS = {"x": "m", "y": "m", "vx": "m/s", "vy": "m/s", "radius": "m"}
 
 
-class Frames:
+class Frames(NearestNames):
     """The frames of a run: ``frames[10]``, ``frames[-1]``, ``frames.at(1.5)``, or a loop that holds one at a time.
 
     Parameters
@@ -34,6 +34,8 @@ class Frames:
     settle_steps : int
         Steps before t = 0.
     """
+
+    in_words = "the sequence of frames"
 
     def __init__(self, folder: str | Path, time_step: float, settle_steps: int = 0):
         self.folder = Path(folder)
@@ -130,8 +132,3 @@ class Frames:
         times = self.times
         span = f", from {times[0]:zg} to {times[-1]:zg} s" if len(times) else ""
         return f"<p>{len(times)} frames{span}; columns: {' '.join(self._dump.columns)}</p>"
-
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("_"):
-            raise AttributeError(name)
-        raise no_attribute(self, "the sequence of frames", name)

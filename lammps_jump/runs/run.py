@@ -22,7 +22,7 @@ from lammps_jump.case.case import Changes, ReadCase
 from lammps_jump.case.fields import CaseFields
 from lammps_jump.case.parts.base import HOW_TO_CHANGE
 from lammps_jump.engines import NATIVE_KERNELS, ProgressCallback, RunResult, Setting
-from lammps_jump.errors import CaseError, DumpError, RunError, no_attribute
+from lammps_jump.errors import CaseError, DumpError, NearestNames, RunError
 from lammps_jump.files import CURVES
 from lammps_jump.folders import holder, locked, require_replaceable
 from lammps_jump.scene.scene import Scene
@@ -104,8 +104,10 @@ def run(
     return Run(place)
 
 
-class BoundRun:
+class BoundRun(NearestNames):
     """What ``case.run`` is: a call runs the case, and a name is that of its field, such as ``case.run.duration``."""
+
+    in_words = "the group 'run' of a case"
 
     def __init__(self, case: Case):
         object.__setattr__(self, "_case", case)
@@ -115,10 +117,8 @@ class BoundRun:
         return run(self._case, folder, **given)
 
     def __getattr__(self, name: str) -> Any:
-        group = self.__dict__["_case"].fields.run
-        if name not in type(group).model_fields:
-            raise no_attribute(self, "the group 'run' of a case", name, type(group).model_fields)
-        return getattr(group, name)
+        group = vars(self)["_case"].fields.run
+        return getattr(group, name) if name in type(group).model_fields else self._missing(name)
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"run.{name}: the fields of a case do not change; {HOW_TO_CHANGE}")
@@ -224,7 +224,7 @@ def open_run(folder: str | Path) -> Run:
     return Run(folder)
 
 
-class Run:
+class Run(NearestNames):
     """A run of a case, seen through its folder.
 
     Parameters
@@ -237,6 +237,8 @@ class Run:
     ----------
     folder : Path
     """
+
+    in_words = "a run"
 
     def __init__(self, folder: str | Path, changes: Mapping[str, object] | None = None):
         self.folder = Path(folder)
@@ -308,9 +310,7 @@ class Run:
     def __getattr__(self, name: str) -> Any:
         if name in QUANTITIES:
             return self._found.results.get(name)
-        if name.startswith("_"):
-            raise AttributeError(name)
-        raise no_attribute(self, "a run", name)
+        return self._missing(name)
 
     def __dir__(self) -> list[str]:
         return sorted({*super().__dir__(), *QUANTITIES})
@@ -336,9 +336,12 @@ class Run:
         found = cast("Forces | None", self._found.results.get("force"))
         return {} if found is None else found.structures
 
-    @property
+    @cached_property
     def frames(self) -> Frames:
-        """The frames of the dump: ``run.frames[10]``, ``run.frames.at(1.5)``, or a loop over ``run.frames``."""
+        """The frames of the dump: ``run.frames[10]``, ``run.frames.at(1.5)``, or a loop over ``run.frames``.
+
+        Their number and times are those of the first look; another `open_run` looks again.
+        """
         scene = self.scene
         return Frames(self.folder, scene.time_step, scene.settle_steps)
 

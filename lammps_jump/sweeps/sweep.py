@@ -18,7 +18,7 @@ import lammps_jump.sweeps as sweeps
 from lammps_jump.analysis.report.page import show_page
 from lammps_jump.case.case import ReadCase
 from lammps_jump.dump.exports import csv_text, write_netcdf
-from lammps_jump.errors import CaseError, DumpError, RunInterrupted, no_attribute
+from lammps_jump.errors import CaseError, DumpError, NearestNames, RunInterrupted
 from lammps_jump.files import SWEEP_FILES, write_json, write_text
 from lammps_jump.folders import Marker, clear
 from lammps_jump.provenance import usable_cores
@@ -99,7 +99,7 @@ class Board:
         self.show(self.now)
 
 
-class Sweep(StudyResults):
+class Sweep(NearestNames, StudyResults):
     """A study, seen through its folder, with its page and figures.
 
     Parameters
@@ -116,10 +116,14 @@ class Sweep(StudyResults):
         The folder holds no study.
     """
 
+    in_words = "a study"
+
     def __init__(self, study: str | Path | Study, folder: Path | None = None, starts: Sequence[Start] | None = None):
         if isinstance(study, str | Path):
             folder, study = Path(study), _stored_study(Path(study))
-        super().__init__(study, folder or Path(), starts)
+        if folder is None:
+            raise TypeError("Sweep: a study that was read needs the folder of its runs")
+        super().__init__(study, folder, starts)
 
     @property
     def path(self) -> Path:
@@ -145,11 +149,6 @@ class Sweep(StudyResults):
         """Show the page of the study in the browser; it is written where it lacks."""
         page = self.folder / "sweep.html"
         show_page(page if page.is_file() else self.write())
-
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("_") or hasattr(type(self), name):
-            raise AttributeError(name)
-        raise no_attribute(self, "a study", name)
 
     def write(self) -> Path:
         """Write table, figures and page into the folder; the path of the page."""

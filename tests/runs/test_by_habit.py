@@ -129,3 +129,17 @@ def test_show_opens_the_page(run, study, monkeypatch):
 @pytest.mark.parametrize("what", ["run", "case", "study", "run.frames", "run.frames[-1]"])
 def test_a_notebook_shows_each(run, case, study, what):
     assert "<" in eval(what, {"run": run, "case": case, "study": study})._repr_html_()
+
+
+def test_what_a_property_lacks_is_said_itself(run, study, monkeypatch):
+    """An AttributeError inside a property would else read as if the name were not there."""
+    monkeypatch.setattr(lj.Run, "times", property(lambda self: self.summary.colour))
+    monkeypatch.setattr(type(study), "runs", property(lambda self: self.folder.colour))
+    for one, name in ((run, "times"), (study, "runs")):
+        with pytest.raises(AttributeError, match="colour"):
+            getattr(one, name)
+
+
+def test_a_study_that_was_read_needs_its_folder(study):
+    with pytest.raises(TypeError, match="needs the folder of its runs"):
+        lj.Sweep(study.study)
