@@ -34,7 +34,7 @@ class Ways(NamedTuple):
     Attributes
     ----------
     start, stop : ndarray, shape (n,), m
-        OpenEnds of each way.
+        Ends of each way.
     weight : ndarray, shape (n,)
         Share of a disc that counts; 0 of one that is beyond the ends.
     ends : (float, float)

@@ -226,9 +226,9 @@ class RunUpWatch:
 
     def _begin(self, frame: Frame) -> None:
         self._first = np.column_stack([frame.ids, frame.x])
-        self.obstacles = obstacles_of(self.flow, float(np.median(frame.x)))
-        self.rows = [[] for _ in self.obstacles]
         middle = float(np.median(frame.x))
+        self.obstacles = obstacles_of(self.flow, middle)
+        self.rows = [[] for _ in self.obstacles]
         self.reaches = [
             max(0.5 * one.side * (one.foot - middle), BEFORE * self.flow.scene.diameter) for one in self.obstacles
         ]
@@ -413,7 +413,7 @@ def tables(runup: RunUp) -> Tables:
 
 
 def figures(runup: RunUp, gathered: Gathered) -> Drawings:
-    """Highest place where it is told, volume and head against time."""
+    """Highest place where there is one, volume and head against time."""
     if runup.history is None:
         return {}
     time, height, over, head, depth = runup.history

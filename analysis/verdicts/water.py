@@ -188,7 +188,7 @@ def _run_up(summary: Mapping[str, Any]) -> str:
 
 
 def _goes_over(found: Mapping[str, Any], on: str) -> str:
-    """What goes over a crest, where nothing is told of a run-up."""
+    """What goes over a crest, where there is no run-up."""
     total, crest = f"{shown(found['over'])} m²", place(found["crest"])
     if found.get("discharge") is None:
         return f"{total} of water go over {on}, whose crest is at y = {crest} m."

@@ -361,11 +361,7 @@ def override(source: CaseSource, assignment: str) -> None:
     container: Any = source.data
     path: PathKey = ()
     for depth, part in enumerate(parts, 1):
-        key: str | int = part
-        if isinstance(container, list):
-            key = _item_index(container, part, told, path)
-        elif not isinstance(container, dict):
-            raise CaseError(f"{told}: {dotted_path(path)} is a single value and has no part '{shortened(part)}'")
+        key = _key(container, part, told, path)
         path = (*path, key)
         if depth == len(parts):
             container[key] = value
@@ -390,12 +386,8 @@ def value_at(data: Any, dotted: str) -> Any:
     told, here = f"case[{shortened(str(dotted))!r}]", data
     path: PathKey = ()
     for part in str(dotted).split("."):
-        key: str | int = part
-        if isinstance(here, list):
-            key = _item_index(here, part, told, path)
-        elif not isinstance(here, dict):
-            raise CaseError(f"{told}: {dotted_path(path)} is a single value and has no part '{shortened(part)}'")
-        elif part not in here:
+        key = _key(here, part, told, path)
+        if isinstance(here, dict) and part not in here:
             inside = f" of {dotted_path(path)}" if path else ""
             raise CaseError(f"{told}: there is no '{shortened(part)}'{inside}; {_hint(data, here, part, path)}")
         here, path = here[key], (*path, key)
@@ -406,6 +398,15 @@ def _hint(data: Any, here: dict[str, Any], part: str, path: PathKey) -> str:
     """The nearest name in a group, or the group of the case that has such a name."""
     groups = [name for name, group in data.items() if isinstance(group, dict) and part in group]
     return f"did you mean '{groups[0]}.{part}'?" if groups and not path else nearest(part, list(here))
+
+
+def _key(container: Any, part: str, told: str, path: PathKey) -> str | int:
+    """Key of a part of a path: in a list the number of the item; CaseError where there can be none of that name."""
+    if isinstance(container, list):
+        return _item_index(container, part, told, path)
+    if not isinstance(container, dict):
+        raise CaseError(f"{told}: {dotted_path(path)} is a single value and has no part '{shortened(part)}'")
+    return part
 
 
 def _is_number(part: str) -> bool:

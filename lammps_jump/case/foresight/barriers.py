@@ -18,7 +18,7 @@ from lammps_jump.scene.walls import Wall, bed_height
 SAMPLES = 400
 """Places along the ground before a wall that are looked at."""
 WIDE = 1.0
-"""Width of a gap in the ground from which on it is told, in diameters of the largest disc."""
+"""Width of a gap in the ground from which on it is named, in diameters of the largest disc."""
 
 
 class Barrier(NamedTuple):

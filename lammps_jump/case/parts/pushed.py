@@ -24,7 +24,7 @@ NOUNS = {"free": "body", "load": "lid", "hold": "tailgate"}
 SAME = 1e-9
 """Difference of outlines that is round-off, over the size of a wall."""
 LEAST_TURN = 1e-3
-"""Turn in degrees from which on it is told."""
+"""Turn in degrees from which on it is named."""
 
 
 class Pushable(NamedTuple):
