@@ -69,11 +69,14 @@ sanitize: $(VENV)/.test
 	CXX="$(SANITIZING)" ASAN_OPTIONS=detect_leaks=0 LD_PRELOAD="$$(g++ -print-file-name=libasan.so) $$(g++ -print-file-name=libstdc++.so)" \
 	$(BIN)/python -m pytest -p no:cacheprovider $(SANITIZED)
 
-# the bits of the native engine in WebAssembly (node), on arm64 (qemu-user) and with SSE2 alone, a quarter of an hour; packages
-# that are missing are installed, Debian's as root
+# the bits of the native engine in WebAssembly (node), on arm64 (qemu-user) and with SSE2 alone, and stock LAMMPS in node, a
+# quarter of an hour; packages that are missing are installed, Debian's as root
 bits: $(VENV)/.test
 	@$(call install,--editable '.[wasm]')
-	@command -v qemu-aarch64 >/dev/null || { apt-get update -q && apt-get install -q -y --no-install-recommends qemu-user; }
+	@command -v qemu-aarch64 >/dev/null && command -v npm >/dev/null || \
+		{ apt-get update -q && apt-get install -q -y --no-install-recommends qemu-user nodejs npm; }
+	@[ -d $(VENV)/npm ] || npm install --silent --prefix $(VENV)/npm lammps.js
+	$(BIN)/python -m pytest -m "" tests/script/test_in_lammps_js.py
 	$(BIN)/python tests/bits/elsewhere.py
 
 # job files under a Slurm of this machine; installs Debian's packages where they are missing, as root
