@@ -24,6 +24,7 @@ from .runs.run import Run as Run
 from .runs.run import load_case as load_case
 from .runs.run import open_run as open_run
 from .runs.run import run as run
+from .runs.stepped import SteppedRun as SteppedRun
 from .scene.scene import Scene as Scene
 from .studies.opening import open as open
 from .sweeps.sweep import Sweep as Sweep

@@ -4,6 +4,7 @@ from . import folder as folder
 from . import results as results
 from . import start as start
 from . import steady as steady
+from . import stepped as stepped
 from . import summary as summary
 from . import view as view
 from .run import Run as Run

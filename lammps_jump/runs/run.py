@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from lammps_jump.analysis.forces.history import Forces
 
     from .results import ResultsInMemory
+    from .stepped import SteppedRun
 
 Status = Literal["complete", "unchecked", "interrupted", "failed", "running"]
 
@@ -166,6 +167,34 @@ class Case(ReadCase):
             A path that is not there, or a value that is not allowed.
         """
         return self.replace(path if isinstance(path, Mapping) else {path: value})
+
+    def start(
+        self,
+        folder: str | Path | None = None,
+        *,
+        moves: Sequence[str] = (),
+        force: bool = False,
+        resume: bool = False,
+    ) -> SteppedRun:
+        """A run of the case on the native engine that Python steps: ``with case.start(folder) as run: run.advance(2)``.
+
+        Parameters
+        ----------
+        folder : str or Path, optional
+            As of `run`.
+        moves : sequence of str
+            Names of walls without a motion that may be moved: their motion is a table from the start.
+        force, resume : bool
+            As of `run`.
+
+        Raises
+        ------
+        CaseError, SetupError, ResumeError
+            As of `run`, when the block begins.
+        """
+        return runs.stepped.SteppedRun(
+            self, Path(folder or default_folder(self)), moves=moves, force=force, resume=resume
+        )
 
     def __or__(self, changes: Mapping[str, object]) -> Case:
         return self.replace(changes) if isinstance(changes, Mapping) else NotImplemented

@@ -105,7 +105,7 @@ def _run(
     if checkpoint is None:
         write_folder(case, folder, marker_of(case, setting))
         before = {"build": time.perf_counter() - begin}
-    with _files_at_risk(folder), Ahead(case, folder, setting, whole=checkpoint is None) as ahead:
+    with files_at_risk(folder), Ahead(case, folder, setting, whole=checkpoint is None) as ahead:
         result, steady = _run_engine(case, folder, setting, checkpoint, watch)
         if checkpoint is not None:
             clear(folder, set(quantities.result_files()) - {SUMMARY_FILE})  # those of the part before
@@ -176,7 +176,7 @@ def _reanalyse(case: ReadCase, folder: Path, setting: Setting, notes: tuple[str,
     stored = read_summary(folder)
     if stored.get("kernel") in ("stock", "compiled") and setting.engine == "lammps":
         setting = replace(setting, kernel=stored["kernel"])
-    with _files_at_risk(folder):
+    with files_at_risk(folder):
         result = result_of(case, folder, stored, setting)
         before = {**(stored.get("wall_seconds") or {}), "analysis": 0.0}
         steady = stored.get("stopped_when_steady") or ""
@@ -208,7 +208,7 @@ def _run_engine(
 
 
 @contextmanager
-def _files_at_risk(folder: Path) -> Iterator[None]:
+def files_at_risk(folder: Path) -> Iterator[None]:
     """A disk that is full, or a folder that is taken away, while the run goes on: a `RunError` that says so."""
     try:
         yield

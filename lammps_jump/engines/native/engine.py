@@ -86,7 +86,7 @@ def run_native(
         Status 'failed' with a message where a guard ended the run; what there was is kept.
     """
     setting = setting or replace(Setting("native", "core", checkpoint_interval=inf), **options)
-    part = _EnginePart(scene, folder, setting, resume)
+    part = EnginePart(scene, folder, setting, resume)
     simulation = part.simulation
 
     def report() -> None:
@@ -121,14 +121,10 @@ def run_native(
     finally:
         part.close()
     report()
-    if status != "failed":
-        part.keep_end()
-    if status == "interrupted":
-        return part.interrupted()
-    return part.result(status, message)
+    return part.ended(status, message)
 
 
-class _EnginePart:
+class EnginePart:
     """A part of a run, from its start or checkpoint to where it ends: stepping, files, clocks.
 
     Attributes
@@ -245,6 +241,23 @@ class _EnginePart:
         name = f"checkpoint-{self.simulation.step}.npz"
         save_state(self.simulation, folder / name)
         return [name]
+
+    def go_on_as(self, scene: Scene) -> None:
+        """Go on from here with another scene, whose past is the same; springs, lists and sums stay as they are."""
+        assert self.folder is not None and self.between_steps
+        path = self.folder / f"checkpoint-{self.simulation.step}.npz"
+        save_state(self.simulation, path)
+        self.scene, old = scene, self.simulation
+        self.simulation = load_state(scene, path, ledger=old.ledger_on, loops=old.loops)
+        delete(path)
+        if self.checkpoints is not None:
+            self.checkpoints.scene = scene
+
+    def ended(self, status: str, message: str) -> RunResult:
+        """The result of a part that is at its end; state and checkpoint are kept where there can be one."""
+        if status != "failed":
+            self.keep_end()
+        return self.interrupted() if status == "interrupted" else self.result(status, message)
 
     def keep_end(self) -> None:
         """Write the state from which another run goes on."""
