@@ -265,7 +265,7 @@ oncoming      largest ρsu² + ρgs²/2 two bins in front
     rank=110,
     structures=_touched,
     errors=lambda found: [*found.structures.items(), ("", found.reflected)],
-    named=Named("probe", "name the wall in probes.forces of the case", "structures", "structures.<wall>"),
+    named=Named("probe", "name the wall in probes.forces of the case", "structures", "<wall>"),
     parts={
         "settled": dict[str, dict[str, float]],
         "reflected_wave": ReflectedWave,
