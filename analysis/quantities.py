@@ -101,6 +101,7 @@ LISTED = {
     "sizes": ListedAnalysis("lammps_jump.analysis.grains.sizes"),
     "tailgate": ListedAnalysis("lammps_jump.analysis.devices.tailgate"),
     "bodies": ListedAnalysis("lammps_jump.analysis.devices.bodies"),
+    "stability": ListedAnalysis("lammps_jump.analysis.devices.stability"),
     "depth": ListedAnalysis("lammps_jump.analysis.budgets.depths"),
     "state": ListedAnalysis("lammps_jump.analysis.grains.state"),
 }

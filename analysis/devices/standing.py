@@ -140,7 +140,7 @@ def standing_of(flow: Flow, one: MovingWall, history: BodyHistory) -> Standing:
         return Standing(reason=NOTHING_BELOW)
     state, side, since = _at_end(path, faces, base, float(history.angle[start]), g / flow.g)
     if not carried(flow, history.time[-1 - ROWS :], history.vx[-1 - ROWS :], history.vy[-1 - ROWS :]):
-        return Standing(reason="it is in the air at the end")
+        return Standing(reason=IN_THE_AIR, falls_at=falls if isfinite(falls) else nan)
     middle = path.along.mean(axis=1)
     return Standing(
         state, side, turn=float(path.turn[-1]), slid_by=float(middle[-1]), slides_at=slides, tips_at=tips,
@@ -149,6 +149,7 @@ def standing_of(flow: Flow, one: MovingWall, history: BodyHistory) -> Standing:
 
 
 NOTHING_BELOW = "it stood on nothing at the start"
+IN_THE_AIR = "it is in the air at the end"
 
 
 def _why_not(flow: Flow, kind: Free, history: BodyHistory, start: int, base: HullFace | None) -> str:

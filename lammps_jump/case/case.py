@@ -34,6 +34,8 @@ Changes = Mapping[str, object] | Iterable[str]
 """Values by path, ``{"walls.sill.y": [-10, 3]}``, or texts ``path=value`` as of ``--set``."""
 
 NOT_OF_THE_RUN = ("name", "description", "analysis")
+WEIGHTS = ("stability", "stability_mean")
+"""Fields of ``probes`` that only the analysis reads; of the run the names are, whose forces are recorded."""
 """Fields that change nothing of the run itself."""
 
 
@@ -125,8 +127,12 @@ class ReadCase(NearestNames):
     def structures(self) -> tuple[str, ...]:
         """Names in the force record: the walls asked for, those of groups, and the groups."""
         probes = self.fields.probes
-        members = (member for group in probes.groups.values() for member in group)
-        return tuple(dict.fromkeys((*probes.forces, *members, *probes.groups)))
+        return tuple(dict.fromkeys((*probes.walls, *probes.groups)))
+
+    @property
+    def weighed(self) -> tuple[str, ...]:
+        """Names of the structures whose stability is looked at: bodies, and walls that are given a weight."""
+        return (*self.body_names, *(self.fields.probes.stability or {}))
 
     @property
     def tailgates(self) -> tuple[str, ...]:
@@ -149,12 +155,16 @@ class ReadCase(NearestNames):
         data = {key: value for key, value in self._data.items() if key not in NOT_OF_THE_RUN}
         for group, name in (("run", "checkpoint_interval"), ("engine", "threads")):
             data[group] = {key: value for key, value in data[group].items() if key != name}
+        probes = {key: value for key, value in data["probes"].items() if key not in WEIGHTS}
+        data["probes"] = probes | {"stability": sorted(names)} if (names := self.fields.probes.stability) else probes
         return data
 
     @cached_property
     def rest(self) -> dict[str, Any]:
         """Plain data of what changes no run: name, description and analysis."""
-        return {key: value for key, value in self._data.items() if key in NOT_OF_THE_RUN}
+        found = {key: value for key, value in self._data.items() if key in NOT_OF_THE_RUN}
+        weights = {key: value for key, value in self._data["probes"].items() if key in WEIGHTS}
+        return found | ({"weights": weights} if weights else {})
 
     @cached_property
     def _data(self) -> dict[str, Any]:

@@ -23,6 +23,7 @@ from lammps_jump.scene import (
     Sizes,
     Stations,
 )
+from lammps_jump.scene.scene import STABILITY_MEAN, Weighed
 from lammps_jump.scene.schedule import Schedule, fitted_step, plan_stations, plan_steps
 
 from . import checks, walls
@@ -103,7 +104,7 @@ def _times(case: CaseFields) -> tuple[float, float, float | None]:
     return (
         case.run.duration,
         case.output_interval,
-        case.probes.interval if case.probes.forces or case.probes.groups else None,
+        case.probes.interval if case.probes.walls else None,
     )
 
 
@@ -150,6 +151,8 @@ def _scene(case: CaseFields, runs: Runs) -> Scene:
         outlets=around.outlets,
         probes=seen.probes,
         groups=seen.groups,
+        stability=seen.weighed,
+        stability_mean=case.probes.stability_mean or STABILITY_MEAN,
         stations=_stations(case, begun, around.inlet.rows, around.outlets),
         gauges=places.gauges(case, around.domain[0]),
         seed=case.run.seed,
@@ -242,6 +245,7 @@ class _Seen(NamedTuple):
     kept: list[MovingWall]
     probes: tuple[str, ...]
     groups: tuple[tuple[str, tuple[str, ...]], ...]
+    weighed: tuple[tuple[str, Weighed], ...]
 
 
 def _foreseen(case: CaseFields, begun: Beginning, around: _Around, reached: Sequence[MovingWall]) -> list[str]:
@@ -258,9 +262,11 @@ def _seen(case: CaseFields, begun: Beginning, around: _Around) -> _Seen:
     """The walls that matter, and the forces that are asked for."""
     probes = _probes(case, [wall.name for wall, _ in around.walls])
     groups = walls.groups(case, around.walls, around.names)
-    asked = {*probes, *(name for _, members in groups for name in members)}
+    weighed = walls.weighed(case, around.walls)
+    asked = {*probes, *(name for _, members in groups for name in members), *(name for name, _ in weighed)}
     reached = [one for one in around.walls if walls.reachable(one, begun, around.domain)]
-    return _Seen(reached, [one for one in around.walls if one in reached or one.wall.name in asked], probes, groups)
+    kept = [one for one in around.walls if one in reached or one.wall.name in asked]
+    return _Seen(reached, kept, probes, groups, weighed)
 
 
 def _touch(case: CaseFields, begun: Beginning, laws: dict[str, contact.WallLaw]) -> dict[str, Any]:

@@ -13,10 +13,12 @@ import numpy as np
 
 from lammps_jump.errors import FieldError
 from lammps_jump.physics import contact
+from lammps_jump.physics.bodies import section_of_polygon
 from lammps_jump.scene import Beginning, Block, InletRow, Interval, MovingWall, Plane, Scene, Wall, gate
 from lammps_jump.scene.bodies.meeting import stiffness_between
 from lammps_jump.scene.chains import Point, boxes
 from lammps_jump.scene.motion import Motion, arms, largest_speed, way
+from lammps_jump.scene.scene import Weighed
 from lammps_jump.scene.shapes import ArcTo, PlaceError, flush, open_ends, over_each_other, tight_bend, vertices
 from lammps_jump.scene.tracks import Held, Loaded, Translate
 from lammps_jump.scene.walls import Line
@@ -282,6 +284,25 @@ def groups(case: CaseFields, moving: Sequence[MovingWall], taken: set[str]) -> t
                 raise FieldError(f"{place}.{index}", f"'{member}' stands twice, so that its force would count twice")
         arms(name, [by_name[member] for member in members])
     return tuple(case.probes.groups.items())
+
+
+def weighed(case: CaseFields, moving: Sequence[MovingWall]) -> tuple[tuple[str, Weighed], ...]:
+    """Walls that are looked at as if they had a weight: those that stand, with an outline of some area."""
+    by_name = {one.wall.name: one for one in moving}
+    for name in case.probes.stability or {}:
+        place = f"probes.stability.{name}"
+        require_wall(case, place, name, list(by_name))
+        wall, motion = by_name[name]
+        if motion.free:
+            raise FieldError(place, f"'{name}' is a body: it has its own weight and friction; leave the entry out")
+        if motion.kind:
+            raise FieldError(place, f"wall '{name}' moves; only a wall that stands can be given a weight")
+        if not wall.finite or wall.hollow or len(chains := wall.chains()) != 1 or not chains[0].closed:
+            raise FieldError(place, f"wall '{name}' has no outline with an area; give a block or a polygon a weight")
+        if not section_of_polygon(wall.outline((0.0, 0.0), (0.0, 0.0))[0]).area > 0:
+            raise FieldError(place, f"wall '{name}' has no thickness, so that it weighs nothing; give it one")
+    found = (case.probes.stability or {}).items()
+    return tuple((name, Weighed(one.density, one.friction)) for name, one in found)
 
 
 def require_wall(case: CaseFields, place: str, name: str, walls: Sequence[str]) -> None:

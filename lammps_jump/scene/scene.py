@@ -21,6 +21,9 @@ from .motion import STILL, MovingWall, Pose, Went, arms
 from .sizes import Sizes
 from .walls import Interval, Wall
 
+STABILITY_MEAN = 0.1
+"""Time of the moving mean over which least factors of safety are told, where a case has none, s."""
+
 
 @dataclass(frozen=True, slots=True)
 class InletRow:
@@ -102,6 +105,14 @@ class Stations:
     speed: float
     first_step: int
     last_step: int
+
+
+@dataclass(frozen=True, slots=True)
+class Weighed:
+    """What a wall that stands would weigh and bear: density over its outline (kg/m^3), friction of its base."""
+
+    density: float
+    friction: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -290,6 +301,10 @@ class Scene(Measures):
         Names of groups and of their walls, whose forces are summed.
     gauges : tuple of float
         Places along x where the analysis follows the depth, m.
+    stability : tuple of (str, Weighed)
+        Walls that are looked at as if they had this weight, by name; their forces are recorded too.
+    stability_mean : float
+        Time of the moving mean over which least factors of safety are told, s.
     stations : Stations, optional
         Between them the native engine keeps an energy budget.
     sizes : Sizes, optional
@@ -368,14 +383,19 @@ class Scene(Measures):
     stiffer: str = "make the contacts stiffer"
     groups: tuple[tuple[str, tuple[str, ...]], ...] = ()
     gauges: tuple[float, ...] = ()
+    stability: tuple[tuple[str, Weighed], ...] = ()
+    stability_mean: float = STABILITY_MEAN
     earlier: Earlier | None = None
 
     def __post_init__(self) -> None:
-        """Let a wall that is given alone stand; record the walls of groups; CaseError where they move apart."""
+        """Let walls that are given alone stand; record what is weighed and groups; CaseError where these move apart."""
         walls = tuple(MovingWall(one) if isinstance(one, Wall) else one for one in self.walls)
         object.__setattr__(self, "walls", walls)
         if self.springs is not None and not self.slots:
             object.__setattr__(self, "slots", slots_of(self.smallest, self.largest))
+        if self.stability:
+            weighed = (name for name, _ in self.stability)
+            object.__setattr__(self, "probes", tuple(dict.fromkeys((*self.probes, *weighed))))
         if self.groups:
             members = (member for _, group in self.groups for member in group)
             object.__setattr__(self, "probes", tuple(dict.fromkeys((*self.probes, *members))))

@@ -24,6 +24,15 @@ class StationPair(Strict):
     )
 
 
+class WeightOfWall(Strict):
+    """What a wall that stands would weigh and bear if it were a body."""
+
+    density: Annotated[units.Density, Field(ge=1e-3, le=1e6)] = Field(
+        description="of the material of the wall, over the area of its outline"
+    )
+    friction: units.Friction = Field(description="coefficient of friction of its base")
+
+
 class Probes(Strict):
     """What is recorded at every step: forces on walls, and the energy between two stations."""
 
@@ -43,11 +52,28 @@ class Probes(Strict):
         description="`{name: [walls]}`: sums of the forces on walls, which need not stand in `probes.forces`; their "
         "moment is about the point of the first wall",
     )
+    stability: dict[Name, WeightOfWall] | None = Field(
+        default=None,
+        description="`{name: {density: 2400, friction: 0.6}}`: walls that stand and are looked at as if they had this "
+        "weight: do they slide or tip? They need not stand in `probes.forces`. Bodies have their own weight and "
+        "friction, and are looked at anyway",
+    )
+    stability_mean: units.Duration | None = Field(
+        default=None,
+        description="time of the moving mean of forces over which the least factors of safety are told beside those "
+        "of single windows. Without it, 0.1 s",
+    )
     gauges: tuple[units.Coordinate, ...] = Field(
         default=(),
         max_length=100,
         description="places along x: depth there against time, and the height of a paddle's waves",
     )
+
+    @property
+    def walls(self) -> tuple[str, ...]:
+        """Names of the walls whose forces are recorded, each once."""
+        members = (member for group in self.groups.values() for member in group)
+        return tuple(dict.fromkeys((*self.forces, *members, *(self.stability or {}))))
 
 
 class Layers(Strict):
