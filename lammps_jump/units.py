@@ -9,10 +9,9 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
-import re
 from collections.abc import Hashable, Mapping
 from functools import lru_cache, partial
-from math import floor, inf, isfinite, log10, nan
+from math import floor, isfinite, log10, nan
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeVar, cast, get_args, get_type_hints
 
 from pydantic import AfterValidator, BeforeValidator, Field, GetCoreSchemaHandler, GetJsonSchemaHandler, WithJsonSchema
@@ -21,6 +20,7 @@ from pydantic_core.core_schema import no_info_before_validator_function
 
 from lammps_jump.errors import CaseError
 from lammps_jump.quoting import echoed
+from lammps_jump.written import FieldUnit, to_number
 
 ABSENT = "–"  # noqa: RUF001  (a dash for readers)
 """Shown in place of a number that was not measured."""
@@ -253,90 +253,31 @@ def _to_digit_of(error: float, value: float) -> str:
     return f"{round(value, last) + 0.0:z.{max(0, last)}f}"
 
 
-_FACTOR = r"(?:[^\W\d_]\w*|°|%)(?:(?:\^|\*\*)[+-]?[0-9]+)?"
-_QUANTITY = re.compile(
-    r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"  # one number
-    rf"(?:\s*((?:1\s*/\s*)?{_FACTOR}(?:(?:\s*[*/·]\s*|\s+){_FACTOR})*))?\s*"  # factors of a unit, as 1/s, kg/m^3
-)
-
-
-@lru_cache(maxsize=1)
-def _registry() -> Any:
-    import pint  # 0.14 s, so only where a string with a unit is met
-
-    return pint.UnitRegistry()
-
-
 def to_si(value: Any, unit: str) -> Any:
-    """`value` as a float in `unit`; strings like '20 cm' are converted.
-
-    Raises
-    ------
-    ValueError
-        For booleans, NaN, infinities, unknown units and units of another dimension (pydantic adds the place).
-    """
-    if isinstance(value, bool):
-        raise ValueError(f"{str(value).lower()} is not a number; expected {_expected(unit)}")
-    if isinstance(value, str):
-        value = _from_text(value, unit)
-    if isinstance(value, int | float):
-        try:
-            value = float(value)
-        except OverflowError:  # a whole number of more than 308 digits
-            value = inf
-        if not isfinite(value):
-            raise ValueError(f"{value} is not a finite number; expected {_expected(unit)}")
-        return value
-    if value is None:
-        raise ValueError(f"is empty; expected {_expected(unit)}")
-    return value
+    """`value` as a float in `unit`; strings like '20 cm' are converted, as `to_number` of ``written.py`` does."""
+    return to_number(value, _FIELD_UNITS.get(unit) or FieldUnit(unit))
 
 
-def _from_text(text: str, unit: str) -> float:
-    # pint evaluates malformed numbers instead of refusing them: 0.1.2 gives 0.02, 1:30 gives 30, 1 000 gives 0
-    found = _QUANTITY.fullmatch(text)
-    if not found:
-        raise ValueError(f"{echoed(text)} is not one number with or without a unit; expected {_expected(unit)}")
-    number, given = found.groups()
-    if given is None:
-        return float(number)
-    import pint
-
-    try:
-        units = _registry().parse_units(given.replace("·", "*"))
-        return float(_registry().Quantity(float(number), units).to(unit or "dimensionless").magnitude)
-    except pint.DimensionalityError as error:
-        raise ValueError(f"{echoed(text)} is in {error.units1}; expected {_expected(unit)}") from None
-    except Exception:  # pint raises many kinds (also tokenizer errors) for text that is no quantity
-        raise ValueError(f"{echoed(text)} is not a number with a known unit; expected {_expected(unit)}") from None
-
-
-def _expected(unit: str) -> str:
-    return f"a number in {unit}, or a string such as '{_EXAMPLES.get(unit, '1 ' + unit)}'" if unit else "a plain number"
-
-
-_EXAMPLES: dict[str, str] = {}
-"""Text of a number in a unit, of the types below."""
+_FIELD_UNITS: dict[str, FieldUnit] = {}
+"""What a number in a unit is, of the types below."""
 BOUNDS = {"ge": "minimum", "gt": "exclusiveMinimum", "le": "maximum", "lt": "exclusiveMaximum"}
 """Bounds as pydantic calls them, and as a JSON schema does."""
 
 
 @dataclasses.dataclass(frozen=True)
-class InUnit:
+class InUnit(FieldUnit):
     """Annotation of a float that is given as a number in `unit`, or as text with a unit such as the example.
 
     The JSON schema of a field tells the unit, and the range of the number.
     """
 
-    unit: str
-    example: str = ""
-
     def __post_init__(self) -> None:
-        _EXAMPLES[self.unit] = self.example or f"1 {self.unit}"
+        if not self.slope:
+            _FIELD_UNITS[self.unit] = self
 
     def __get_pydantic_core_schema__(self, source: object, handler: GetCoreSchemaHandler) -> CoreSchema:
         """What pydantic checks a value with."""
-        return no_info_before_validator_function(partial(to_si, unit=self.unit), handler(source))
+        return no_info_before_validator_function(partial(to_number, wanted=self), handler(source))
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         """For editors: a number within its range, or text."""
@@ -346,20 +287,22 @@ class InUnit:
         return {"anyOf": [{"type": "number", **bounds}, {"type": "string"}], "unit": self.unit or "1", **told}
 
 
-Metre = Annotated[float, InUnit("m", "20 cm")]
-MetrePerSecond = Annotated[float, InUnit("m/s", "16 m/s")]
-MetrePerSecond2 = Annotated[float, InUnit("m/s^2")]
-MetrePerSecondMetre = Annotated[float, InUnit("m^2/s", "16 m^2/s")]
-Second = Annotated[float, InUnit("s", "100 ms")]
-Density = Annotated[float, InUnit("kg/m^3", "1000 kg/m^3")]
-Degree = Annotated[float, InUnit("degree", "2 degree")]
-DegreePerSecond = Annotated[float, InUnit("degree/s", "30 degree/s")]
-KilogramPerMetre = Annotated[float, InUnit("kg/m", "500 kg/m")]
-KilogramMetre = Annotated[float, InUnit("kg*m", "60 kg*m")]
-Pascal = Annotated[float, InUnit("Pa", "5 MPa")]
-NewtonPerMetre = Annotated[float, InUnit("N/m", "2.56e7 N/m")]
-PerSecond = Annotated[float, InUnit("1/s", "100 1/s")]
+Metre = Annotated[float, InUnit("m", "20 cm", "mm, um, km, ft, in")]
+MetrePerSecond = Annotated[float, InUnit("m/s", "16 m/s", "cm/s, mm/s, km/h")]
+MetrePerSecond2 = Annotated[float, InUnit("m/s^2", "9.81 m/s^2", "cm/s^2, N/kg")]
+MetrePerSecondMetre = Annotated[float, InUnit("m^2/s", "16 m^2/s", "m^3/s/m, cm^2/s, l/s/m")]
+Second = Annotated[float, InUnit("s", "100 ms", "us, min, h")]
+Density = Annotated[float, InUnit("kg/m^3", "1000 kg/m^3", "g/cm^3, t/m^3")]
+Degree = Annotated[float, InUnit("degree", "2 degree", "rad, mrad, turn")]
+DegreePerSecond = Annotated[float, InUnit("degree/s", "30 degree/s", "rad/s, rpm")]
+KilogramPerMetre = Annotated[float, InUnit("kg/m", "500 kg/m", "t/m, g/cm")]
+KilogramMetre = Annotated[float, InUnit("kg*m", "60 kg*m", "t*m, kg*m^2/m")]
+Pascal = Annotated[float, InUnit("Pa", "5 MPa", "kPa, GPa, N/mm^2, bar")]
+NewtonPerMetre = Annotated[float, InUnit("N/m", "2.56e7 N/m", "kN/m, MN/m, N/mm")]
+PerSecond = Annotated[float, InUnit("1/s", "100 1/s", "1/ms, Hz")]
 Plain = Annotated[float, InUnit("")]
+Slope = Annotated[float, InUnit("", slope=True)]
+"""A plain number that is the tangent of an angle, which may be given in its place: a friction coefficient."""
 
 # Ranges that several fields have: wider than any use, and narrow enough that squares and quotients stay finite.
 Length = Annotated[Metre, Field(ge=1e-6, le=1e6)]
@@ -369,7 +312,7 @@ Moment = Annotated[Second, Field(ge=-1e9, le=1e9)]
 Duration = Annotated[Second, Field(ge=1e-9, le=1e9)]
 Mass = Annotated[KilogramPerMetre, Field(ge=1e-9, le=1e15)]
 Stiffness = Annotated[NewtonPerMetre, Field(ge=1e-6, le=1e24)]
-Friction = Annotated[Plain, Field(ge=0, le=1000)]
+Friction = Annotated[Slope, Field(ge=0, le=1000)]
 Restitution = Annotated[Plain, Field(ge=1e-6, le=1)]
 Point = tuple[Coordinate, Coordinate]
 Vector = tuple[Component, Component]
@@ -407,7 +350,7 @@ def parse_accuracy(text: str | float) -> float:
     """
     word = str(text).strip()
     try:
-        value = float(word[:-1]) / 100 if word.endswith("%") else float(word)
+        value = to_si(word[:-1], "") / 100 if word.endswith("%") else to_si(word, "")
     except ValueError:
         raise CaseError(f"accuracy {echoed(text)} is no share; write 1% or 0.01") from None
     if not 0 < value < 1:

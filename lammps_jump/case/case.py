@@ -21,6 +21,7 @@ from lammps_jump.quoting import echoed, plain_name
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.tracks import Held
 
+from .angles import slopes_of_angles
 from .derived import Derived
 from .explain import explain
 from .fields import CaseFields
@@ -236,7 +237,7 @@ class ReadCase(NearestNames):
         CaseError
             As `scene`.
         """
-        return Derived(self.fields, self.scene(), self.source.left_out)
+        return Derived(self.fields, self.scene(), self.source.left_out, slopes_of_angles(self.source.data))
 
     def to_yaml(self) -> str:
         """The case as YAML text, every default filled in, in the order of the fields."""

@@ -36,11 +36,14 @@ class Derived:
     scene : Scene
     left_out : str
         Scene whose description the case still had although its flow is another one.
+    slopes : tuple of str
+        Sentences on numbers that the case gives as angles, whose tangents they are.
     """
 
     fields: CaseFields
     scene: Scene
     left_out: str = ""
+    slopes: tuple[str, ...] = ()
 
     @property
     def tables(self) -> list[tuple[str, list[Row]]]:
@@ -100,6 +103,7 @@ class Derived:
                 "inflow_rows": rows,
                 "walls": self.walls,
                 "begins": list(self.begins),
+                "slopes": list(self.slopes),
                 "skipped": list(scene.skipped),
                 "warnings": list(scene.warnings),
                 "adapted": list(scene.adapted),
@@ -142,6 +146,8 @@ class Derived:
                 f"{row.every_steps * scene.time_step:z.5f} s"
                 for row in scene.inlets
             ]
+        if self.slopes:
+            lines += ["", "taken from angles", *(f"  {text}" for text in self.slopes)]
         if self.walls:
             width = max(map(len, self.walls))
             lines += ["", "walls with a motion or contact of their own"]

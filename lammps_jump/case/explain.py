@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Sequence
 from typing import Any, get_args
 
@@ -13,9 +14,21 @@ from pydantic_core import ErrorDetails
 
 from lammps_jump.errors import CaseError
 from lammps_jump.quoting import echoed, shortened
+from lammps_jump.written import is_quantity, odd_blank
 
 from .fields import CaseFields
-from .groups.field_words import SIGNS, briefly, fields_at, fields_by_name, fields_of, kind_of, models_in, range_of
+from .groups.field_words import (
+    SIGNS,
+    Vector,
+    briefly,
+    fields_at,
+    fields_by_name,
+    fields_of,
+    kind_of,
+    models_in,
+    range_of,
+    vector_in,
+)
 from .parts import other_words
 from .text import CaseSource, PathKey, dotted_path, nearest
 
@@ -40,6 +53,8 @@ def explain(error: ValidationError, source: CaseSource, model: type[BaseModel]) 
     if first["type"] == "union_tag_invalid":
         path += ("kind",)
     path += getattr(first.get("ctx", {}).get("error"), "path", ())  # of a `PlaceError`
+    if first["type"] == "missing" and isinstance(first["loc"][-1], int):
+        path = path[:-1]  # of the vector that lacks it
     more = f" ({len(problems) - 1} more after this one{_others(problems, source)})" if len(problems) > 1 else ""
     return CaseError(f"{source.place(path)}: {_sentence(first, path, model)}{more}")
 
@@ -67,7 +82,13 @@ def _data_path(location: tuple[Any, ...], data: Any) -> PathKey:
 
 def _sentence(problem: ErrorDetails, path: PathKey, model: type[BaseModel]) -> str:
     kind, context, value = problem["type"], problem.get("ctx", {}), problem.get("input")
+    if vector := _vector(problem, path, model):
+        return vector
     if kind in UNKNOWN:
+        if blank := odd_blank(str(path[-1])):
+            return f"unknown field, with {blank} in its name; write blanks alone"
+        if value is None and re.fullmatch(r"[0-9]+\D*", str(path[-1])):
+            return "unknown field; a decimal comma ends a number in braces: decimals have a point, such as 0.2"
         return f"unknown field; {_meant(path, _models_at(problem['loc'][:-1], model), model)}"
     if kind == "missing":
         fields = fields_at(model, problem["loc"])
@@ -92,8 +113,46 @@ def _sentence(problem: ErrorDetails, path: PathKey, model: type[BaseModel]) -> s
         written = "point is written [x, y]" if "points" in path else "pair is written [low, high]"
         return f"{echoed(value)} does not fit: {problem['msg'].lower()}; a {written}, a list with dashes"
     if kind in ("model_type", "model_attributes_type", "dataclass_type", "dict_type"):
+        if blank := odd_blank(value) if isinstance(value, str) else "":
+            return f"{echoed(value)} has {blank}, which YAML takes for a letter of a text; write blanks alone"
         return f"{echoed(value)} is a single value; this field is a group of fields (`lammps-jump new` shows one)"
     return f"{echoed(value)} does not fit: {problem['msg'][0].lower()}{problem['msg'][1:]}"
+
+
+NUMBER_WORDS = {2: "two", 3: "three", 4: "four"}
+
+
+def _vector(problem: ErrorDetails, path: PathKey, model: type[BaseModel]) -> str:
+    """What a vector, an interval or a row of numbers lacks or has too many of; empty where the problem is another."""
+    kind, location, value = problem["type"], problem["loc"], problem.get("input")
+    if kind == "missing" and isinstance(location[-1], int):
+        location = location[:-1]
+    elif kind not in ("tuple_type", "list_type", "too_long", "too_short"):
+        return ""
+    if not (vector := vector_in(fields_at(model, location))):
+        return ""
+    given = list(value) if isinstance(value, list | tuple) else [value]
+    words = NUMBER_WORDS.get(vector.length, str(vector.length))
+    example = shortened(", ".join(_example(given, vector)))
+    point = " [x, y]" if "points" in path and vector.length == 2 else ""
+    needs = f"needs {words} numbers{point}, for example [{example}]"
+    if value is None:
+        return f"is empty; {needs}"
+    if len(given) > vector.length:
+        return f"{echoed(value)} has {len(given)} values; {needs} (decimals have a point: 0.5)"
+    return f"{echoed(value)} does not fit: {needs}"
+
+
+def _example(given: list[Any], vector: Vector) -> list[str]:
+    """Numbers of a vector, those that were given among them."""
+    texts = [f"{one:zg}" for one in given if isinstance(one, int | float) and not isinstance(one, bool)]
+    if not texts and given and isinstance(given[0], str):  # 8 m/s, or 8, 0
+        parts = given if is_quantity(given[0]) else re.split(r"[\s,;]+", given[0].strip("[]() "))
+        texts = [one for one in parts if isinstance(one, str) and is_quantity(one)]
+    if vector.rises and len(texts) == 1 and re.match(r"[0-9.]*[1-9]", texts[0]):
+        return ["0", *texts]
+    last = "1" if vector.rises and texts == ["0"] else "0"
+    return [*(texts or ["1"]), *[last] * vector.length][: vector.length]
 
 
 def _meant(path: PathKey, models: list[type], whole: type[BaseModel]) -> str:

@@ -81,10 +81,10 @@ def _rows(text: str, columns: dict[str, str], file: str, field: str) -> tuple[li
 
 
 def _cells(line: str) -> list[str]:
-    """Cells of a line between commas, else semicolons, else blanks; none of an empty line or a comment."""
+    """Cells of a line between semicolons, else commas, else blanks; none of an empty line or a comment."""
     if not line.strip() or line.lstrip().startswith("#"):
         return []
-    sign = next((sign for sign in ",;" if sign in line), None)
+    sign = next((sign for sign in ";," if sign in line), None)
     return [cell.strip().strip('"') for cell in line.split(sign)]
 
 

@@ -16,6 +16,7 @@ import yaml
 from lammps_jump.errors import CaseError, FieldError
 from lammps_jump.files import read_file
 from lammps_jump.quoting import shortened
+from lammps_jump.written import odd_blank
 
 if TYPE_CHECKING:
     from lammps_jump.dump.side_files.ended import Ended
@@ -242,12 +243,7 @@ def parse_source(text: str, file: str = "<case>") -> CaseSource:
     try:
         node = _compose(text, file)
     except yaml.YAMLError as error:
-        mark = getattr(error, "problem_mark", None)
-        line = f":{mark.line + 1}" if mark else ""
-        problem = getattr(error, "problem", None) or str(error).splitlines()[0]
-        raise CaseError(
-            f"{file}{line}: is not YAML ({shortened(problem)}); check indentation, colons and brackets there"
-        ) from None
+        raise CaseError(f"{file}{_not_yaml(error, text)}") from None
     if node is None:
         raise CaseError(
             f"{file}: is empty; a case needs at least discs, contact and run (`lammps-jump new` writes one)"
@@ -258,6 +254,20 @@ def parse_source(text: str, file: str = "<case>") -> CaseSource:
     constructor = _Loader("")
     source.data = _plain(node, (), source, constructor)
     return source
+
+
+def _not_yaml(error: yaml.YAMLError, text: str) -> str:
+    """Line and problem of a text that is no YAML; a tab or another odd blank there is what is wrong."""
+    mark, begin = getattr(error, "problem_mark", None), getattr(error, "context_mark", None)
+    problem = getattr(error, "problem", None) or str(error).splitlines()[0]
+    if mark is None:
+        return f": is not YAML ({shortened(problem)}); check indentation, colons and brackets there"
+    lines = text.splitlines()
+    for number in range(begin.line if begin else max(mark.line - 1, 0), min(mark.line + 1, len(lines))):
+        if blank := odd_blank(lines[number].partition(" #")[0]):
+            problem = f"it has {blank}, which is no blank to YAML"
+            return f":{number + 1}: is not YAML ({problem}); write blanks alone, also in the indentation"
+    return f":{mark.line + 1}: is not YAML ({shortened(problem)}); check indentation, colons and brackets there"
 
 
 def _compose(text: str, file: str) -> yaml.Node | None:

@@ -68,7 +68,7 @@ def look(text: str, file: Path, wide: int) -> dict[str, Any]:
             "places": [asdict(one) for one in places.found],
             "derived": [group for group in groups if group[1]],
             "doubtful": [*found.warnings, *chosen],
-            "notes": [*found.begins, *found.skipped],
+            "notes": [*found.begins, *found.slopes, *found.skipped],
         }
     )
 

@@ -7,12 +7,12 @@ import re
 from collections.abc import Iterable, Iterator
 from dataclasses import fields, is_dataclass
 from types import UnionType
-from typing import Any, Union, cast, get_args, get_origin, get_type_hints
+from typing import Any, NamedTuple, Union, cast, get_args, get_origin, get_type_hints
 
-from pydantic import BaseModel
+from pydantic import AfterValidator, BaseModel
 from pydantic.fields import FieldInfo
 
-from lammps_jump.units import InUnit, unit_in_words
+from lammps_jump.units import InUnit, not_backwards, ordered, unit_in_words
 
 SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
 """Bounds as pydantic calls them."""
@@ -102,7 +102,7 @@ def _field(annotation: Any) -> FieldInfo:
     return FieldInfo.from_annotation(annotation)
 
 
-def _notes(field: FieldInfo) -> Iterator[object]:
+def notes_of(field: FieldInfo) -> Iterator[object]:
     """What annotates a field, its alternatives and its items, groups of fields left out."""
     yield from field.metadata
     waiting = [field.annotation]
@@ -113,9 +113,37 @@ def _notes(field: FieldInfo) -> Iterator[object]:
         waiting += () if isinstance(kind, type) else get_args(kind)
 
 
+def _is_number(kind: Any) -> bool:
+    return any(isinstance(note, InUnit) for note in notes_of(_field(kind)))
+
+
+class Vector(NamedTuple):
+    """How many numbers a field has, and whether they must rise."""
+
+    length: int
+    rises: bool
+
+
+def vector_in(found: Iterable[FieldInfo]) -> Vector | None:
+    """What vector a field is: a list of so many numbers, or one of its alternatives is; None where there is none."""
+    for field in found:
+        rises = any(
+            isinstance(note, AfterValidator) and note.func in (ordered, not_backwards) for note in notes_of(field)
+        )
+        waiting = [field.annotation]
+        while waiting:
+            kind: Any = waiting.pop(0)
+            parts = get_args(kind)
+            if get_origin(kind) is not tuple:
+                waiting += parts
+            elif Ellipsis not in parts and all(_is_number(part) for part in parts):
+                return Vector(len(parts), rises)
+    return None
+
+
 def unit_of(found: Iterable[FieldInfo]) -> str:
     """The SI unit of fields; empty where they have none, or several."""
-    units = {note.unit for field in found for note in _notes(field) if isinstance(note, InUnit)}
+    units = {note.unit for field in found for note in notes_of(field) if isinstance(note, InUnit)}
     return units.pop() if len(units) == 1 else ""
 
 
@@ -129,7 +157,7 @@ def range_of(found: Iterable[FieldInfo]) -> str:
     """What numbers are allowed, with their unit; empty where there are no bounds."""
     found = list(found)
     bounds = (
-        (sign, getattr(note, key, None)) for field in found for note in _notes(field) for key, sign in SIGNS.items()
+        (sign, getattr(note, key, None)) for field in found for note in notes_of(field) for key, sign in SIGNS.items()
     )
     text = " and ".join(dict.fromkeys(f"{sign} {bound:zg}" for sign, bound in bounds if bound is not None))
     unit = unit_of(found)

@@ -5,11 +5,11 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BeforeValidator, Field
+from pydantic import Field
 from pydantic.functional_validators import field_validator
 
 from lammps_jump import units
-from lammps_jump.case.parts.base import FineLength, Strict, Whole, no_truth
+from lammps_jump.case.parts.base import FineLength, Strict, Whole, WholeOrAuto
 
 FILM_INTERVAL = 0.4
 """Time between frames over sqrt(d/g): discs drawn between them by cubics are 0.01 d off, a few overlap (measured)."""
@@ -54,7 +54,7 @@ class RunFields(Strict):
         description="such as `1%`: use the cheapest setting shown to be that accurate (benchmark.md). Without it, the "
         "settings of the case",
     )
-    members: Annotated[int, Field(ge=1, le=1000), BeforeValidator(no_truth)] | None = Field(
+    members: Annotated[Whole, Field(ge=1, le=1000)] | None = Field(
         default=None,
         description="starts of the case, of seeds 1 to this number: `build-and-run` runs them all (sweeps.md)",
     )
@@ -96,10 +96,8 @@ class Engine(Strict):
         description="styles of LAMMPS: `stock` (its own) or `compiled` (this project's plugin). `auto`: compiled where "
         "there is a compiler",
     )
-    ranks: Annotated[int | Literal["auto"], BeforeValidator(no_truth)] = Field(
-        default=1, description="number of MPI ranks, 1 or more, or `auto` (scaling.md)"
-    )
-    threads: Annotated[int | Literal["auto"], BeforeValidator(no_truth)] = Field(
+    ranks: WholeOrAuto = Field(default=1, description="number of MPI ranks, 1 or more, or `auto` (scaling.md)")
+    threads: WholeOrAuto = Field(
         default="auto",
         description=f"threads of the compiled kernel and of the native engine, 1 to {MOST_THREADS}. `auto`: up to the "
         "cores that the process may use, as many as steps show to be the quickest; one with several ranks and in "

@@ -3,25 +3,19 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 from lammps_jump import units
 from lammps_jump.quoting import LONGEST_NAME
+from lammps_jump.written import whole
 
 # Wider than any use, and narrow enough that squares and quotients stay finite; more of them are in `units.py`.
 LEAST_GRAVITY, MOST_GRAVITY = 1e-6, 1e6
 LEAST_SPEED, MOST_SPEED = 1e-6, 1e6
 FineLength = Annotated[units.Metre, Field(ge=1e-12, le=1e6)]
 Speed = Annotated[units.MetrePerSecond, Field(ge=LEAST_SPEED, le=MOST_SPEED)]
-
-
-def no_truth(value: Any) -> Any:
-    """The value, unless it is true or false."""
-    if isinstance(value, bool):
-        raise ValueError(f"{str(value).lower()} is not a number; expected a whole number")
-    return value
 
 
 Name = Annotated[
@@ -32,7 +26,10 @@ Name = Annotated[
         description="letters, digits, `_`, `.` and `-`",
     ),
 ]
-Whole = Annotated[int, BeforeValidator(no_truth)]
+Whole = Annotated[int, BeforeValidator(whole)]
+WholeOrAuto = Annotated[
+    int | Literal["auto"], BeforeValidator(lambda value: value if value == "auto" else whole(value))
+]
 Shift = Annotated[units.Plain, Field(description="random shift of each disc, in diameters")]
 Jitter = Annotated[Shift, Field(ge=0, le=0.5)]
 
