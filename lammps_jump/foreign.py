@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from .errors import JumpError
 from .quoting import shortened
 
-NUMBER = re.compile(r"\s*[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?|nan|inf(?:inity)?)\s*", re.ASCII | re.IGNORECASE)
+NUMBER = re.compile(r"\s*[-+]?(?:(?:\d+(?:\.\d*)?|\.\d+)(?:e[-+]?\d+)?|nan|inf(?:inity)?)\s*", re.ASCII | re.IGNORECASE)
 """A number as files have it."""
 WHOLE = re.compile(r"\s*[-+]?\d+\s*", re.ASCII)
 

@@ -148,7 +148,7 @@ def parse_target(text: str) -> dict[str, Any]:
     CaseError
         Another text.
     """
-    number = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+    number = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
     found = re.fullmatch(rf"\s*([^=\s]+)\s*=\s*({number})\s*(?:±|\+-|\+/-)\s*({number})\s*", text, re.ASCII)
     if not found:
         raise CaseError(f"--target {shortened(text)}: expected a key, a value and its error, for example {EXAMPLE}")

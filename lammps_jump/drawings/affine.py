@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from .strokes import Point
 
-NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
 NUMBERS = re.compile(NUMBER, re.ASCII)
 SINGLE = re.compile(r"\s*([A-Za-z]+)\s*\(([^()]*)\)[\s,]*")
 TWO_COMMAS = re.compile(r",\s*,")
@@ -61,8 +61,8 @@ def numbers(text: str) -> list[float]:
 
 def transform(text: str) -> Affine:
     """The map of an attribute ``transform``; ValueError for what is none."""
-    found, place = Affine(), 0
-    while place < len(text.rstrip()):
+    found, place, text = Affine(), 0, text.rstrip()
+    while place < len(text):
         single = SINGLE.match(text, place)
         values = numbers(re.sub(r"(?<=[\d.])(?:px|deg)\b", "", single[2])) if single else []
         counts, make = TRANSFORMS.get(single[1] if single else "", ((), None))

@@ -7,10 +7,11 @@ import importlib
 import io
 import logging
 import re
-from collections.abc import Callable, Iterator
-from itertools import pairwise
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from itertools import pairwise, product, repeat
 from math import cos, hypot, isfinite, pi, radians, sin, sqrt
-from typing import Any
+from typing import Any, NamedTuple
 
 from lammps_jump.errors import CaseError
 from lammps_jump.quoting import echoed, shortened
@@ -45,7 +46,7 @@ UNITS = {
 """Name and metres of the units of ``$INSUNITS`` (DXF reference, header section)."""
 NO_NUMBER = re.compile(
     rb"(?m)^[ \t]*(?:[1-7]\d|9\d|2[123]0)[ \t]*\r?\n"
-    rb"(?![ \t]*[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?[ \t]*\r?$)([^\r\n]*)"
+    rb"(?![ \t]*[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?[ \t]*\r?$)([^\r\n]*)"
 )
 """A group that holds a number, and does not. ezdxf makes numbers of 7,5 and 4_0. A value that is taken for a group here
 does no harm: a number of a group follows it."""
@@ -63,6 +64,14 @@ MOST_BULGE = 1e6
 """Largest bulge; that of a whole circle is infinite."""
 BETWEEN = (0.25, 0.5, 0.75)
 """Where a piece of a spline is held against its chord."""
+MOST_DEGREE = 10
+"""Degree of a spline."""
+MOST_FITTED = 10_000
+"""Points that a spline runs through, where it has no control points: root of the sum of their squares over splines."""
+DEEPEST = 100
+"""Blocks inside blocks."""
+READ = {"LINE", "LWPOLYLINE", "POLYLINE", "ARC", "CIRCLE", "SPLINE", "ELLIPSE"}
+"""Parts that are copied with their block."""
 
 
 def read_dxf(data: bytes, file: str, measure: Measure) -> LayeredDrawing:
@@ -80,7 +89,7 @@ def read_dxf(data: bytes, file: str, measure: Measure) -> LayeredDrawing:
     _require_numbers(data, file)
     document, audit = recover.read(io.BytesIO(data))
     told, unit = _unit(document.header.get("$INSUNITS", 0))
-    reader = _DxfReader(document, file, measure.tolerance_in(unit))
+    reader = _DxfReader(document, file, measure.tolerance_in(unit), _Tools.of_ezdxf())
     reader.count_copies()
     for entity in document.modelspace():
         reader.take(entity)
@@ -113,12 +122,35 @@ def _unit(code: object) -> tuple[str, float | None]:
     return f"$INSUNITS is {code}, {name}", metres
 
 
+class _Place(NamedTuple):
+    """A point of a curve."""
+
+    x: float
+    y: float
+    z: float
+
+
+class _Tools(NamedTuple):
+    """What is taken of ezdxf: maps, ellipses, and the error of a part that a map makes another kind of."""
+
+    matrix: Any
+    ellipse: Any
+    oblique: type[Exception]
+
+    @classmethod
+    def of_ezdxf(cls) -> _Tools:
+        """Those of the package that is installed."""
+        math, parts = map(importlib.import_module, ("ezdxf.math", "ezdxf.entities"))
+        oblique = importlib.import_module("ezdxf.math.transformtools").NonUniformScalingError
+        return cls(math.Matrix44, parts.Ellipse, oblique)
+
+
 class _DxfReader:
     """Takes entities of a drawing, blocks by their parts."""
 
-    def __init__(self, document: Any, file: str, tolerance: float) -> None:
-        self.document, self.file, self.tolerance = document, file, tolerance
-        self.found, self.hidden, self.high = GatheredStrokes(file), set[str](), 0
+    def __init__(self, document: Any, file: str, tolerance: float, tools: _Tools) -> None:
+        self.document, self.file, self.tolerance, self.tools = document, file, tolerance, tools
+        self.found, self.hidden, self.high, self.fitted = GatheredStrokes(file), set[str](), 0, 0
         layers = [(layer.dxf.name.lower(), layer) for layer in document.layers]
         self.frozen = {name for name, layer in layers if layer.is_frozen()}
         self.off = {name for name, layer in layers if layer.is_off()} | self.frozen
@@ -130,13 +162,17 @@ class _DxfReader:
         def inside(entities: Any, depth: int) -> int:
             total = 0
             for entity in entities:
-                total += entity.mcount * of_block(entity.dxf.name.lower(), depth) if _is_insert(entity) else 1
+                if _is_insert(entity):
+                    columns, rows = _grid(entity)
+                    total += columns * rows * of_block(entity.dxf.name.lower(), depth)
+                else:
+                    total += 1
                 if total > MOST_PARTS:
                     self.found.part(MOST_PARTS + 1)
             return total
 
         def of_block(name: str, depth: int) -> int:
-            if counts.get(name, 0) is None or depth > 100:
+            if counts.get(name, 0) is None or depth > DEEPEST:
                 raise CaseError(f"{self.file}: block '{shortened(name)}' holds itself; draw it anew")
             if name not in counts:
                 counts[name] = None
@@ -160,8 +196,12 @@ class _DxfReader:
         if outside:
             yield f"paper space: {outside} parts left out"
 
-    def take(self, entity: Any, inserted: str | None = None) -> None:
-        """Add an entity; one on layer 0 of a block lies on the layer where the block is inserted."""
+    def take(self, entity: Any, inserted: str | None = None, put: tuple[Any, ...] = ()) -> None:
+        """Add an entity; one on layer 0 of a block lies on the layer where the block is inserted.
+
+        `put` are the maps from the block to the drawing, the first one first. What is not read is not copied: a block
+        of a large hatch may stand in a drawing many times.
+        """
         kind, layer = entity.dxftype(), entity.dxf.get("layer", "0")
         if inserted is not None and layer == "0":
             layer = inserted
@@ -170,7 +210,10 @@ class _DxfReader:
         elif layer.lower() in (self.frozen if kind == "INSERT" else self.off):  # of a block each part has its layer
             self.hidden.add(layer)
         elif kind == "INSERT":
-            self._insert(entity, layer)
+            self._insert(entity, layer, put)
+        elif put and kind in READ:
+            for part in self._copies(entity, kind, put):
+                self.take(part, layer)
         elif kind in ("SPLINE", "ELLIPSE"):
             points = (self._spline if kind == "SPLINE" else self._ellipse)(entity)
             if points:
@@ -179,19 +222,51 @@ class _DxfReader:
         else:
             self._plain(entity, kind, layer)
 
-    def _insert(self, entity: Any, layer: str) -> None:
+    def _insert(self, entity: Any, layer: str, put: tuple[Any, ...]) -> None:
         """Add the parts of a block, of an array of them each copy."""
         if entity.dxf.name not in self.document.blocks:
             self.found.leave("INSERT of a block that is not there")
             return
-        for copy in entity.multi_insert() if entity.mcount > 1 else (entity,):
+        block, ocs, (columns, rows) = entity.block(), entity.ocs(), _grid(entity)
+        turn = self.tools.matrix.z_rotate(radians(entity.dxf.rotation))
+        for up, across in product(range(rows), range(columns)):
             self.found.part()
-            for part in copy.virtual_entities(skipped_entity_callback=self._skip):
-                self.take(part, layer)
+            way = ocs.to_wcs(turn.transform((across * entity.dxf.column_spacing, up * entity.dxf.row_spacing, 0.0)))
+            onto = self._joined(entity.matrix44() * self.tools.matrix.translate(*way), put)
+            for part in block:
+                if part.dxftype() != "ATTDEF":  # a place for words, which each copy may fill
+                    self.take(part, layer, onto)
 
-    def _skip(self, part: Any, why: str) -> None:
-        """Count a part of a block that ezdxf cannot put where its copy is."""
-        self.found.leave(f"{part.dxftype()} of a block")
+    def _joined(self, onto: Any, put: tuple[Any, ...]) -> tuple[Any, ...]:
+        """Maps one after the other, as one where it keeps right angles: ezdxf takes no other for what it is."""
+        both = onto * put[0] if put else onto
+        return (both, *put[1:]) if both.is_orthogonal else (onto, *put)
+
+    def _copies(self, entity: Any, kind: str, put: tuple[Any, ...]) -> list[Any]:
+        """Copies of a part of a block where it is put: arcs that are stretched become ellipses."""
+        self.found.look(_size(entity, kind) * len(put))
+        if kind == "POLYLINE" and not (entity.is_2d_polyline or entity.is_3d_polyline):
+            self.found.leave(kind)
+            return []
+        copies = [entity.copy()]
+        for matrix in put:
+            copies = [piece for copy in copies for piece in self._mapped(copy, matrix)]
+        return copies
+
+    def _mapped(self, copy: Any, matrix: Any) -> list[Any]:
+        """A part that is no other's where a map puts it."""
+        kind = copy.dxftype()
+        try:
+            return [copy.transform(matrix)]
+        except self.tools.oblique:
+            if kind not in ("ARC", "CIRCLE"):
+                return [piece for part in copy.virtual_entities() for piece in self._mapped(part, matrix)]
+            if copy.dxf.radius > 0.0:
+                return [self.tools.ellipse.from_arc(copy).transform(matrix)]
+        except NotImplementedError:
+            pass
+        self.found.leave(f"{kind} of a block")
+        return []
 
     def _plain(self, entity: Any, kind: str, layer: str) -> None:
         """Add an entity of lines and arcs; seen from behind, as CAD programs mirror parts, x runs the other way."""
@@ -276,19 +351,53 @@ class _DxfReader:
 
     def _spline(self, entity: Any) -> list[Point]:
         """Points of a spline: each part between its knots is halved until its chords lie within the tolerance."""
+        self._require_short(entity)
         curve = entity.construction_tool()
-        knots = sorted(set(curve.knots()))
-        points = [curve.point(knots[0])]
-        for part in pairwise(knots):
-            points += self._halved(curve.point, part)
+        self.found.room(len(curve.control_points))
+        points: list[_Place] = []
+        for at, part in self._parts_of(curve):
+            points += ([] if points else [at(part[0])]) + self._halved(at, part)
             self.found.room(len(points))
+        if not points:
+            self.found.leave("SPLINE without length")
+            return []
         self._see_heights(*(point.z for point in points))
         found = [_xy(point) for point in points]
-        return [*found[:-1], found[0]] if hypot(*(points[0] - points[-1]).vec2) <= self.tolerance else found
+        (x0, y0), (x1, y1) = found[0], found[-1]
+        return [*found[:-1], found[0]] if hypot(x0 - x1, y0 - y1) <= self.tolerance else found
 
-    def _halved(self, at: Callable[[float], Any], part: tuple[float, float]) -> list[Any]:
+    def _require_short(self, entity: Any) -> None:
+        """CaseError for a spline whose points cost more than they number."""
+        fitted = 0 if entity.control_point_count() else entity.fit_point_count()
+        self.fitted += fitted * fitted
+        if not 1 <= entity.dxf.degree <= MOST_DEGREE:
+            raise CaseError(
+                f"{self.file}: a spline of degree {entity.dxf.degree}; at most {MOST_DEGREE} is read: draw it anew"
+            )
+        if self.fitted > MOST_FITTED**2:
+            raise CaseError(
+                f"{self.file}: a spline without control points runs through {fitted:,} points, and at most "
+                f"{MOST_FITTED:,} are read: draw it as a polyline"
+            )
+
+    def _parts_of(self, curve: Any) -> Iterator[tuple[Callable[[float], _Place], tuple[float, float]]]:
+        """A spline between each two of its knots: the curve of the control points that count there.
+
+        A point of the whole curve takes a time that grows with the control points.
+        """
+        order, knots, weights = curve.order, curve.knots(), curve.weights()
+        corners = [
+            (weight * x, weight * y, weight * z, weight)
+            for (x, y, z), weight in zip(curve.control_points, weights or repeat(1.0), strict=False)
+        ]
+        for last in range(order - 1, len(corners)):
+            first, part = last + 1 - order, (knots[last], knots[last + 1])
+            if part[0] < part[1]:
+                yield partial(_de_boor, corners[first : last + 1], knots[first + 1 : last + order]), part
+
+    def _halved(self, at: Callable[[float], _Place], part: tuple[float, float]) -> list[_Place]:
         """Points after the first of a part of a curve."""
-        found: list[Any] = []
+        found: list[_Place] = []
         parts = [(*part, 0)]
         while parts:
             begin, end, turns = parts.pop()
@@ -304,12 +413,52 @@ class _DxfReader:
         return found
 
 
-def _off(point: Any, start: Any, end: Any) -> float:
+def _de_boor(corners: Sequence[tuple[float, ...]], knots: Sequence[float], at: float) -> _Place:
+    """Point of a rational spline of degree p between two knots.
+
+    Parameters
+    ----------
+    corners : sequence of tuple of float, shape (p + 1, 4)
+        The control points that count there, times their weights, and the weights.
+    knots : sequence of float, shape (2 p,)
+        Those around, p on each side.
+    at : float
+        Between the two in the middle.
+
+    Source: C. de Boor, On calculating with B-splines, J. Approx. Theory 6 (1972), of homogeneous coordinates.
+    """
+    degree = len(corners) - 1
+    for turn in range(degree):
+        shares = [(at - knots[i]) / (knots[i + degree - turn] - knots[i]) for i in range(turn, degree)]
+        corners = [
+            tuple(p + share * (q - p) for p, q in zip(one, two, strict=True))
+            for share, (one, two) in zip(shares, pairwise(corners), strict=True)
+        ]
+    x, y, z, weight = corners[0]
+    return _Place(x / weight, y / weight, z / weight)
+
+
+def _off(point: _Place, start: _Place, end: _Place) -> float:
     """Distance of a point from the line through two others."""
     dx, dy = end.x - start.x, end.y - start.y
     length = hypot(dx, dy)
     aside = dx * (point.y - start.y) - dy * (point.x - start.x)
     return abs(aside) / length if length else hypot(point.x - start.x, point.y - start.y)
+
+
+def _grid(entity: Any) -> tuple[int, int]:
+    """Columns and rows of an insert; those that lie on each other count once."""
+    columns, rows = entity.dxf.column_count, entity.dxf.row_count
+    return (max(1, columns) if entity.dxf.column_spacing else 1, max(1, rows) if entity.dxf.row_spacing else 1)
+
+
+def _size(entity: Any, kind: str) -> int:
+    """Points of an entity."""
+    if kind == "LWPOLYLINE":
+        return 1 + len(entity)
+    if kind == "POLYLINE":
+        return 1 + len(entity.vertices)
+    return 1 + entity.control_point_count() + entity.fit_point_count() if kind == "SPLINE" else 1
 
 
 def _is_insert(entity: Any) -> bool:

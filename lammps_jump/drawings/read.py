@@ -137,7 +137,7 @@ def _measure(scale: str | None, tolerance: float) -> Measure:
     if scale is None:
         return Measure(tolerance=tolerance)
     low, high = SCALES
-    reduced = re.fullmatch(r"1\s*:\s*(\d+\.?\d*)", scale, re.ASCII)
+    reduced = re.fullmatch(r"1\s*:\s*(\d+(?:\.\d*)?)", scale, re.ASCII)
     if reduced and low <= float(reduced[1]) <= high:
         return Measure(None, float(reduced[1]), tolerance)
     for text in (scale, f"1 {scale or 'unit'}"):

@@ -22,6 +22,8 @@ MOST_POINTS = 300_000
 """Points of a drawing, those of curves in straight pieces among them."""
 MOST_PARTS = 300_000
 """Lines, circles and other parts of a drawing; of blocks and of what SVG uses again each copy."""
+MOST_LOOKED = 3_000_000
+"""Points of copies that are made, those among them of which nothing is taken."""
 FARTHEST_DRAWN = 1e30
 """Largest coordinate in a unit of the drawing."""
 MOST_KINDS = 30
@@ -138,7 +140,7 @@ class GatheredStrokes:
         self.rings: dict[str, list[Ring]] = {}
         self.left_out: dict[str, int] = {}
         self.flattened: dict[str, int] = {}
-        self.points = self.parts = 0
+        self.points = self.parts = self.looked = 0
 
     def stroke(self, layer: str, points: Sequence[Point], bends: Sequence[float] = ()) -> None:
         """Add a stroke; without bends a straight one.
@@ -178,6 +180,15 @@ class GatheredStrokes:
             raise CaseError(
                 f"{self.file}: more than {MOST_PARTS:,} lines, circles and other parts, copies counted; draw what are "
                 "walls alone, in polylines"
+            )
+
+    def look(self, count: int) -> None:
+        """Count points of copies; CaseError where there are too many."""
+        self.looked += count
+        if self.looked > MOST_LOOKED:
+            raise CaseError(
+                f"{self.file}: what is used again has more than {MOST_LOOKED:,} points, copies counted; draw what are "
+                "walls alone"
             )
 
     def room(self, count: int) -> None:

@@ -22,6 +22,12 @@ COLUMNS = {
     "level": ("level", "elevation", "height", "z", "y"),
 }
 """Words of the head of a table, for each of its two columns."""
+MOST_LINES = 2_000_000
+"""Lines of a table, empty ones among them."""
+MOST_COLUMNS = 10_000
+"""Cells of a row."""
+LONGEST_HEAD = 60
+"""Letters of the head of a column."""
 HEAD = re.compile(r"\s*([A-Za-z]+)[\s_]*[\[(]?\s*([A-Za-z]*)\s*[\])]?\s*")
 """A word, and perhaps a unit in brackets or behind a line: chainage (m), level [ft], x_mm."""
 
@@ -34,28 +40,37 @@ def read_survey(data: bytes, file: str) -> LayeredDrawing:
     CaseError
         No such columns, two units, cells that are no numbers; with the line.
     """
-    try:
-        lines = data.decode("utf-8-sig").splitlines()
-    except UnicodeDecodeError as error:
-        raise CaseError(f"{file}: is not text (byte {error.start} is not UTF-8); a survey is a CSV file") from None
-    rows = _rows(lines, file)
+    rows = _rows(_lines(data, file), file)
     head_line, head = next(rows, (0, []))
     if not head:
         raise CaseError(f"{file}: is empty; a survey has a head such as `chainage (m),level (m)`, and rows of numbers")
     order, unit = _columns(head, f"{file}:{head_line}")
     points: list[tuple[float, float]] = []
+    found = GatheredStrokes(file)
     for number, cells in rows:
+        found.room(len(points))
         x, y = (_number(cells, index, head, f"{file}:{number}") for index in order)
         if not points or (x, y) != points[-1]:
             points.append((x, y))
     if len(points) < 2:
         raise CaseError(f"{file}: {len(points)} row of numbers; a line needs two different ones or more")
-    found = GatheredStrokes(file)
     found.stroke(Path(file).stem, points)
     return LayeredDrawing(file, unit[1], unit[0], found.layers())
 
 
-def _rows(lines: list[str], file: str) -> Iterator[tuple[int, list[str]]]:
+def _lines(data: bytes, file: str) -> Iterator[str]:
+    """Lines of a text; CaseError where it is none, or has too many."""
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise CaseError(f"{file}: is not text (byte {error.start} is not UTF-8); a survey is a CSV file") from None
+    count = sum(map(text.count, "\n\r"))
+    if count > MOST_LINES:
+        raise CaseError(f"{file}: has {count:,} lines; at most {MOST_LINES:,} are read, and a wall needs far fewer")
+    return iter(text.splitlines())
+
+
+def _rows(lines: Iterator[str], file: str) -> Iterator[tuple[int, list[str]]]:
     """Number and cells of each row, as many as the head has; empty ones at the end and lines of `#` are left out.
 
     The head says what stands between cells: a semicolon, a tab, a comma or blanks. A cell may stand in quotes.
@@ -64,6 +79,10 @@ def _rows(lines: list[str], file: str) -> Iterator[tuple[int, list[str]]]:
     for number, line in enumerate(lines, 1):
         if not line.strip() or line.startswith("#"):
             continue
+        if (longest := max(map(line.count, ";\t, "))) > MOST_COLUMNS:
+            raise CaseError(
+                f"{file}:{number}: has {longest:,} cells or blanks; at most {MOST_COLUMNS:,} are read in a row"
+            )
         if not width:
             sign = next((sign for sign in (";", "\t", ",") if sign in line), " ")
         cells = [cell.strip() for cell in (line.split() if sign == " " else line.split(sign))]
@@ -94,7 +113,7 @@ def _number(cells: list[str], index: int, head: list[str], place: str) -> float:
 
 def _columns(head: list[str], place: str) -> tuple[list[int], tuple[str, float | None]]:
     """Columns of chainage and level, and the unit: what tells it, and in metres."""
-    words = [HEAD.fullmatch(cell) for cell in head]
+    words = [HEAD.fullmatch(cell) if len(cell) <= LONGEST_HEAD else None for cell in head]
     order: list[int] = []
     for wanted, known in COLUMNS.items():
         found = [i for i, word in enumerate(words) if word and word[1].lower() in known]

@@ -22,6 +22,7 @@ from lammps_jump.quoting import echoed, shortened
 from .affine import NUMBER, NUMBERS, Affine, numbers, transform, view_box
 from .strokes import (
     MOST_KINDS,
+    MOST_PARTS,
     GatheredStrokes,
     LayeredDrawing,
     Measure,
@@ -50,8 +51,13 @@ MOST_ELEMENTS = 1_000_000
 """Elements of a file."""
 MOST_NUMBERS = 1_000_000
 """Numbers of all paths."""
+MOST_LETTERS = 30_000_000
+"""Letters of all attributes that are read, those of copies and of rules among them."""
+LONGEST_NUMBER = 100
+"""Letters of a length."""
 STRAIGHT = {"M": 2, "L": 2, "H": 1, "V": 1, "Z": 0}
 """Commands of a path without curves, and how many numbers each takes."""
+NO_EXPONENT = re.compile(r"[eE](?![-+\d])")
 COMMANDS = re.compile(r"([MmLlHhVvZz])([^MmLlHhVvZz]*)")
 GROUPS = {"g", "a", "svg", "switch"}
 SHAPES = {"path", "rect", "circle", "ellipse", "line", "polyline", "polygon"}
@@ -75,8 +81,9 @@ def read_svg(data: bytes, file: str, measure: Measure) -> LayeredDrawing:
     path = importlib.import_module("svgelements").Path
     root = _root(data, file)
     page = _Page.of(root)
-    reader = _SvgReader(file, path, measure.tolerance_in(page.unit), Styles.of(root))
+    reader = _SvgReader(file, path, measure.tolerance_in(page.unit), Styles.of(root, file))
     reader.index(root)
+    reader.count_copies(root)
     reader.inside(root, page.view, 0)
     return LayeredDrawing(file, page.unit, page.told, reader.found.layers(), tuple(reader.notes(measure.tolerance)))
 
@@ -109,7 +116,7 @@ def length(text: str | None, whole: float, default: float = 0.0) -> float:
     """A length in pixels; `whole` is what a share is of. ValueError for what is none."""
     if text is None or text.strip() == "auto":
         return default
-    found = LENGTH.fullmatch(text)
+    found = LENGTH.fullmatch(text) if len(text) <= LONGEST_NUMBER else None
     unit = found[2].lower() if found else ""
     if found is None or unit not in ("", "px", "%", *PIXELS):
         raise ValueError(f"{echoed(text)} is no length of a drawing")
@@ -177,13 +184,54 @@ class _SvgReader:
 
     def __init__(self, file: str, path: Callable[[str], Any], tolerance: float, styles: Styles) -> None:
         self.file, self.path, self.tolerance, self.styles = file, path, tolerance, styles
-        self.found, self.ids, self.numbers = GatheredStrokes(file), dict[str, Element](), 0
+        self.found, self.ids, self.numbers, self.letters = GatheredStrokes(file), dict[str, Element](), 0, 0
         self.hidden, self.hidden_layers, self.cut = 0, dict[str, None](), 0
 
     def index(self, root: Element) -> None:
         """Remember the elements that have an id, the first one of each."""
         for element in root.iter():
             self.ids.setdefault(element.get("id", ""), element)
+
+    def count_copies(self, root: Element) -> None:
+        """CaseError where parts that are used again, those in them again, are more than is read; before any is drawn.
+
+        Each element is looked at once: a file of a kilobyte may ask for a milliard of copies.
+        """
+        counts: dict[int, int | None] = {}
+
+        def inside(group: Element, depth: int) -> int:
+            total = 0
+            for part in self._parts(group):
+                if (total := total + of(part, depth)) > MOST_PARTS:
+                    self.found.part(MOST_PARTS + 1)
+            return total
+
+        def of(part: Element, depth: int) -> int:
+            known = counts.get(id(part), 0)
+            if known is None or depth > MOST_DEPTH:
+                raise self._too_deep()
+            if not known:
+                counts[id(part)] = None
+                counts[id(part)] = known = 1 + below(part, depth + 1)
+            return known
+
+        def below(part: Element, depth: int) -> int:
+            kind = _kind(part)
+            if kind != "use" and kind not in GROUPS:
+                return 0
+            if style_of({}, self.styles.given(part, kind))["shown"] == "no":
+                return 0
+            if kind in GROUPS:
+                return inside(part, depth)
+            target = self._used(part)
+            if target is None:
+                return 0
+            return inside(target, depth) if _kind(target) in ("symbol", "svg") else of(target, depth)
+
+        inside(root, 0)
+
+    def _too_deep(self) -> CaseError:
+        return CaseError(f"{self.file}: groups or parts used again stand more than {MOST_DEPTH} deep, or in themselves")
 
     def notes(self, tolerance: float) -> Iterator[str]:
         """What a user has to know."""
@@ -197,22 +245,25 @@ class _SvgReader:
 
     def inside(self, group: Element, view: Viewport, depth: int) -> None:
         """Take what a group holds; of a switch the first part that asks for nothing."""
-        for part in group:
+        for part in self._parts(group):
             self.take(part, view, depth)
+
+    def _parts(self, group: Element) -> Iterator[Element]:
+        """What a group holds, of a switch up to the first part that asks for nothing."""
+        for part in group:
+            yield part
             if _kind(group) == "switch" and _kind(part) and part.get("requiredExtensions") is None:
                 break
 
     def take(self, part: Element, view: Viewport, depth: int) -> None:
         """Take an element, as its parent is seen."""
         kind = _kind(part)
+        self.found.part()
         if not kind or kind in NOT_DRAWN:
             return
-        self.found.part()
         if depth > MOST_DEPTH:
-            raise CaseError(
-                f"{self.file}: groups or parts used again stand more than {MOST_DEPTH} deep, or in themselves"
-            )
-        given = self.styles.given(part, kind)
+            raise self._too_deep()
+        given = self._given(part, kind)
         style = style_of(view.style, given)
         name = view.layer or shortened(part.get(LABEL) or part.get("id") or "")
         if style["shown"] == "no" or (kind in SHAPES and style.get("visibility") in ("hidden", "collapse")):
@@ -238,10 +289,25 @@ class _SvgReader:
             getattr(self, f"_{kind}")(given, pen, seen)
             pen.end()
 
+    def _given(self, part: Element, kind: str) -> dict[str, str]:
+        """Attributes and styles of an element; CaseError where those of all are too long."""
+        given = self.styles.given(part, kind)
+        self.letters += sum(map(len, given.values()))
+        if self.letters > MOST_LETTERS:
+            raise CaseError(
+                f"{self.file}: the attributes of its parts have more than {MOST_LETTERS:,} letters, copies counted; "
+                "draw what are walls alone"
+            )
+        return given
+
+    def _used(self, part: Element) -> Element | None:
+        """What a part uses again; None where it is not in the file."""
+        href = next((part.get(name, "") for name in HREFS if part.get(name)), "")
+        return self.ids.get(href[1:]) if href.startswith("#") and len(href) > 1 else None
+
     def _use(self, part: Element, given: Mapping[str, str], view: Viewport, depth: int) -> None:
         """Take what is used again, where it is put."""
-        href = next((part.get(name, "") for name in HREFS if part.get(name)), "")
-        target = self.ids.get(href[1:]) if href.startswith("#") and len(href) > 1 else None
+        target = self._used(part)
         if target is None:
             self.found.leave("use of what is not in the file")
             return
@@ -249,7 +315,7 @@ class _SvgReader:
         put = view._replace(onto=view.onto.after(Affine(e=x, f=y)))
         if _kind(target) in ("symbol", "svg"):
             size = {name: given[name] for name in ("width", "height") if name in given}
-            own = self.styles.given(target, _kind(target))
+            own = self._given(target, _kind(target))
             if target.get("display") != "none":
                 self.inside(target, self._viewport(target, {**own, "x": "0", "y": "0", **size}, put), depth + 1)
         else:
@@ -345,9 +411,10 @@ class _SvgReader:
                 f"{self.file}: its paths have more than {MOST_NUMBERS:,} numbers; draw what are walls alone"
             )
         with foreign(CaseError, f"{self.file}: layer '{pen.layer}': {echoed(text[:60])} is no path", "draw it anew"):
-            if not PATH.fullmatch(text):
+            if not PATH.fullmatch(text) or NO_EXPONENT.search(text):
                 raise ValueError("a path begins with M, and has commands and numbers")
-            if set(re.sub(r"[^A-Za-z]|[eE](?=[-+\d])", "", text).upper()) <= STRAIGHT.keys():
+            letters = {letter.upper() for letter in set(text) if letter.isalpha()}
+            if letters <= {*STRAIGHT, "E"}:
                 _straight(text, pen)
             else:
                 for part in self.path(text):

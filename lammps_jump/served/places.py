@@ -18,7 +18,7 @@ from lammps_jump.units import to_si
 
 MOST = 400
 """Places of a case that are offered; a surveyed line of more is edited as text."""
-NUMBER = re.compile(r"""(["']?)([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^"']*)\1""")
+NUMBER = re.compile(r"""(["']?)([-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?)\s*([^"']*)\1""")
 POINTS = {"centre", "origin", "arc_to", "about", "pivot", "hinge"}
 """Fields that hold one point."""
 LISTS = {"points", "positions"}

@@ -570,6 +570,7 @@ def test_points_have_a_bound(dxf, written, monkeypatch):
         read_drawing(dxf(lambda space, _: space.add_spline([(0, 0), (1e12, 0), (0, 1e12), (3e11, 2)])))
 
 
+@says("Copies are counted before one is drawn.", "A table has at most 2,000,000 lines.")  # more in test_bounds.py
 def test_copies_have_a_bound(dxf, written, monkeypatch):
     def nested(space, document):
         before = None
@@ -604,6 +605,8 @@ def test_copies_have_a_bound(dxf, written, monkeypatch):
     for inside in ('<g id="q"><use href="#q"/></g>', 200 * "<g>" + 200 * "</g>"):
         with pytest.raises(CaseError, match="150 deep"):
             read_drawing(svg(written, inside))
+    with pytest.raises(CaseError, match="has 2,000,001 lines; at most 2,000,000 are read"):
+        read_drawing(written("a.csv", "x,y" + 2_000_001 * "\n"))
 
 
 @says("A drawing gives at most 1,000 walls")
