@@ -90,7 +90,7 @@ DEFECTS = [
            TWIN_TESTS),
     Defect("sign", CORE_CONTACT, "-out.lever_b * out.tangential - rolls", "-out.lever_b * out.tangential + rolls",
            TWIN_TESTS),
-    Defect("sign", CORE_PAIRS, "s.fy[j] -= b.given[c][1];", "s.fy[j] += b.given[c][1];", TWIN_TESTS),
+    Defect("sign", CORE_PAIRS, "force(j) -= *rein", "force(j) += *rein", TWIN_TESTS),
     Defect("off by one", CORE_PARTITION, "part.first_row = reaching(s, own);", "part.first_row = own;", THREAD_TESTS),
     Defect("left out", CORE_PARTITION, "? reaching(s, part.end_row) : part.end_row;", "? part.end_row : part.end_row;",
            THREAD_TESTS),

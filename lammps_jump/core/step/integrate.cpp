@@ -25,6 +25,13 @@ double fastest(const ContactVelocities &seen, int64_t begin, int64_t end)
   return most(most(most_of[0], most_of[1]), most(most_of[2], most_of[3]));
 }
 
+double fastest(const double (*at)[4], int64_t begin, int64_t end)
+{
+  double found = 0.0;
+  for (int64_t i = begin; i < end; i++) found = most(at[i][2] * at[i][2] + at[i][3] * at[i][3], found);
+  return found;
+}
+
 /** Sum of term(i) over the discs of a block. */
 template <class Term> static double sum_over(int64_t begin, int64_t end, const Term &term)
 {
@@ -36,21 +43,6 @@ template <class Term> static double sum_over(int64_t begin, int64_t end, const T
   return (part[0] + part[1]) + (part[2] + part[3]);
 }
 
-/** Sum of p . (v + half f / R^2) over the discs; takes p to zero for the next step. */
-template <bool SIZES>
-static double power(const jump_state &s, int64_t begin, int64_t end, double *__restrict px, double *__restrict py, double half)
-{
-  const double *const __restrict vx = s.vx, *const __restrict vy = s.vy, *const __restrict fx = s.fx;
-  const double *const __restrict fy = s.fy, *const __restrict radius = s.radius;
-  const double sum = sum_over(begin, end, [=](int64_t i) {
-    const double kick = SIZES ? half / (radius[i] * radius[i]) : half;
-    return px[i] * (vx[i] + kick * fx[i]) + py[i] * (vy[i] + kick * fy[i]);
-  });
-  std::fill(px + begin, px + end, 0.0);
-  std::fill(py + begin, py + end, 0.0);
-  return sum;
-}
-
 static double fourth(double radius) { return (radius * radius) * (radius * radius); }
 
 /** Sum of torque (omega + half torque / R^4) over the discs. */
@@ -60,16 +52,6 @@ template <bool SIZES> static double power_of_torque(const jump_state &s, int64_t
   return sum_over(begin, end, [=](int64_t i) {
     return torque[i] * (omega[i] + (SIZES ? half / fourth(radius[i]) : half) * torque[i]);
   });
-}
-
-/** What dashpots and friction take over the whole kick: v_n is the mean of the velocities around it. */
-template <bool SIZES> static Dissipated taken_of(const jump_state &s, int64_t begin, int64_t end, double kick)
-{
-  Dissipated taken{power<SIZES>(s, begin, end, s.dashpot_x, s.dashpot_y, 0.5 * kick), 0.0, 0.0};
-  if (!s.friction_x) return taken;
-  taken.friction = power<SIZES>(s, begin, end, s.friction_x, s.friction_y, 0.5 * kick);
-  if (s.omega) taken.turning = power_of_torque<SIZES>(s, begin, end, 0.5 * s.time_step / s.inertia);
-  return taken;
 }
 
 template <bool SIZES, bool EXTRA> static void kick_spin(const jump_state &s, int64_t begin, int64_t end)
@@ -85,24 +67,31 @@ template <bool SIZES, bool EXTRA> static void kick_spin(const jump_state &s, int
   }
 }
 
-/** Numbers from a place of an array: one, or four. */
+/** Numbers at a place of an array: one, or four; to be written, and read. */
 static double &numbers(double, double *from) { return *from; }
 static AnyFour &numbers(const Four &, double *from) { return *reinterpret_cast<AnyFour *>(from); }
-static double numbers(double, const double *from) { return *from; }
-static Four numbers(const Four &, const double *from) { return four(from); }
+static double read(double, const double *from) { return *from; }
+static Four read(const Four &, const double *from) { return four(from); }
 
 /** How many of them are not at most `limit`; NaN is not. */
 static int64_t beyond(double x, double limit) { return !(x <= limit); }
 static int64_t beyond(const Four &x, double limit) { return 4 - __builtin_popcount(bits(x <= limit)); }
 
-static void put_row(double x, double y, double vx, double vy, double (*rows)[4])
+/** Four columns of a row of one disc, or of those of four. */
+template <class Number> struct RowColumns {
+  Number of[4];
+};
+static void put_row(const RowColumns<double> &from, double (*row)[4]) { std::copy_n(from.of, 4, *row); }
+static void put_row(const RowColumns<Four> &from, double (*rows)[4])
 {
-  const double row[] = {x, y, vx, vy};
-  std::copy_n(row, 4, *rows);
+  rows_of_four(from.of[0], from.of[1], from.of[2], from.of[3], rows);
 }
-static void put_row(const Four &x, const Four &y, const Four &vx, const Four &vy, double (*rows)[4])
+static RowColumns<double> columns(double, const double (*row)[4]) { return {{(*row)[0], (*row)[1], (*row)[2], (*row)[3]}}; }
+static RowColumns<Four> columns(const Four &, const double (*rows)[4])
 {
-  rows_of_four(x, y, vx, vy, rows);
+  RowColumns<Four> out;
+  transpose4(four(rows[0]), four(rows[1]), four(rows[2]), four(rows[3]), out.of);
+  return out;
 }
 
 /** Calls run(kind, i) from `begin` to `end`: with a Four for four discs at a time, with a double for the rest. */
@@ -113,71 +102,119 @@ template <class Run> static void each_four(int64_t begin, int64_t end, const Run
   for (; i < end; i++) run(0.0, i);
 }
 
-void show(const jump_state &s, int64_t begin, int64_t end, double (*rows)[4])
+void load(const jump_state &s, int64_t begin, int64_t end, const StepRows &rows)
 {
-  const double *const x = s.x, *const y = s.y, *const vx = s.ux ? s.ux : s.vx, *const vy = s.ux ? s.uy : s.vy;
-  each_four(begin, end, [=](const auto &kind, int64_t i) {
-    put_row(numbers(kind, x + i), numbers(kind, y + i), numbers(kind, vx + i), numbers(kind, vy + i), rows + i);
-  });
-}
-
-template <bool SIZES, bool EXTRA>
-static int64_t kick_drift(const jump_state &s, int64_t begin, int64_t end, double kick, double (*rows)[4])
-{
-  const double dt = s.time_step, weight_x = s.weight_x, weight_y = s.weight_y, reach2 = s.reach2;
-  double *const x = s.x, *const y = s.y, *const vx = s.vx, *const vy = s.vy, *const fx = s.fx, *const fy = s.fy;
-  double *const ux = s.ux, *const uy = s.uy;
-  const double *const x0 = s.x0, *const y0 = s.y0, *const radius = s.radius;
-  int64_t moved = 0;
-  each_four(begin, end, [=, &moved](const auto &kind, int64_t i) {
+  const double *const vx = s.ux ? s.ux : s.vx, *const vy = s.ux ? s.uy : s.vy;
+  each_four(begin, end, [&](const auto &kind, int64_t i) {
     using Number = std::decay_t<decltype(kind)>;
-    const Number old_x = numbers(kind, vx + i), old_y = numbers(kind, vy + i);
-    Number each = kick - Number{}, fall_x = weight_x - Number{}, fall_y = weight_y - Number{};
-    if constexpr (SIZES) {
-      const Number own = numbers(kind, radius + i), square = own * own;
-      each = kick / square;
-      fall_x = weight_x * square;
-      fall_y = weight_y * square;
-    }
-    const Number new_x = old_x + each * numbers(kind, fx + i), new_y = old_y + each * numbers(kind, fy + i);
-    numbers(kind, vx + i) = new_x;
-    numbers(kind, vy + i) = new_y;
-    Number seen_x = new_x, seen_y = new_y;
-    if constexpr (EXTRA) {
-      numbers(kind, ux + i) = seen_x = 1.5 * new_x - 0.5 * old_x;
-      numbers(kind, uy + i) = seen_y = 1.5 * new_y - 0.5 * old_y;
-    }
-    const Number px = numbers(kind, x + i) + dt * new_x, py = numbers(kind, y + i) + dt * new_y;
-    numbers(kind, x + i) = px;
-    numbers(kind, y + i) = py;
-    numbers(kind, fx + i) = fall_x;
-    numbers(kind, fy + i) = fall_y;
-    put_row(px, py, seen_x, seen_y, rows + i);
-    const Number dx = px - numbers(kind, x0 + i), dy = py - numbers(kind, y0 + i);
-    moved += beyond(dx * dx + dy * dy, reach2);
+    const auto from = [&](const double *array) { return array ? read(kind, array + i) : Number{}; };
+    put_row(RowColumns<Number>{{from(s.x), from(s.y), from(vx), from(vy)}}, rows.at + i);
+    put_row(RowColumns<Number>{{from(s.fx), from(s.fy), from(s.dashpot_x), from(s.dashpot_y)}}, rows.forces + i);
   });
-  return moved;
 }
 
-template <bool SIZES, bool EXTRA>
-static int64_t drift_kind(const jump_state &s, int64_t begin, int64_t end, Dissipated *taken, double (*rows)[4])
+void store(const jump_state &s, int64_t begin, int64_t end, const StepRows &rows)
+{
+  double *const of_place[] = {s.x, s.y, s.ux ? s.ux : s.vx, s.ux ? s.uy : s.vy};
+  double *const of_force[] = {s.fx, s.fy, s.dashpot_x, s.dashpot_y};
+  each_four(begin, end, [&](const auto &kind, int64_t i) {
+    const auto places = columns(kind, rows.at + i), forces = columns(kind, rows.forces + i);
+    for (int c = 0; c < 4; c++) {
+      numbers(kind, of_place[c] + i) = places.of[c];
+      if (of_force[c]) numbers(kind, of_force[c] + i) = forces.of[c];
+    }
+  });
+}
+
+/** Sums of four chains; one disc beside them is of the first. */
+static void add_to(Four &chains, const Four &terms) { chains += terms; }
+static void add_to(Four &chains, double term) { chains[0] += term; }
+static double sum_of(const Four &chains) { return (chains[0] + chains[1]) + (chains[2] + chains[3]); }
+
+/** What a force of 1 N gives in a step and in half of one, m/s, and the weight of a disc, N; all per m of width. */
+template <class Number> struct ByMass {
+  Number each, half, fall_x, fall_y;
+};
+template <bool SIZES, class Number> static ByMass<Number> by_mass(const jump_state &s, const Number &kind, int64_t i)
 {
   const double kick = s.time_step / s.mass;
+  if constexpr (SIZES) {
+    const Number own = read(kind, s.radius + i), square = own * own;
+    return {kick / square, 0.5 * kick / square, s.weight_x * square, s.weight_y * square};
+  } else {
+    const Number zero{};
+    return {kick - zero, 0.5 * kick - zero, s.weight_x - zero, s.weight_y - zero};
+  }
+}
+
+/** Kick and drift of a block. LEDGER: `taken` gets what dashpots and friction take over the whole kick: v_n is the mean of the
+    velocities around it. */
+template <bool SIZES, bool EXTRA, bool LEDGER>
+static int64_t kick_drift(const jump_state &s, int64_t begin, int64_t end, const StepRows &rows, double (*next)[4], Dissipated *taken)
+{
+  const double dt = s.time_step, reach2 = s.reach2;
+  double *const friction_x = s.friction_x, *const friction_y = s.friction_y;
   int64_t moved = 0;
-  for (int64_t from = begin; from < end; from += BLOCK) {    // all that is done with a block, while it is in the cache
-    const int64_t to = std::min(from + BLOCK, end);
-    if (s.dashpot_x) taken[from / BLOCK] = taken_of<SIZES>(s, from, to, kick);
-    if (s.omega) kick_spin<SIZES, EXTRA>(s, from, to);
-    moved += kick_drift<SIZES, EXTRA>(s, from, to, kick, rows);
+  Four dashpots{}, friction{};
+  each_four(begin, end, [&](const auto &kind, int64_t i) {
+    using Number = std::decay_t<decltype(kind)>;
+    const RowColumns<Number> at = columns(kind, rows.at + i), force = columns(kind, rows.forces + i);
+    const Number &fx = force.of[0], &fy = force.of[1];
+    Number old_x = at.of[2], old_y = at.of[3];
+    if constexpr (EXTRA) {
+      old_x = read(kind, s.vx + i);
+      old_y = read(kind, s.vy + i);
+    }
+    const auto [each, half, fall_x, fall_y] = by_mass<SIZES>(s, kind, i);
+    if constexpr (LEDGER) {
+      const Number mean_x = old_x + half * fx, mean_y = old_y + half * fy;
+      add_to(dashpots, force.of[2] * mean_x + force.of[3] * mean_y);
+      if (friction_x) {
+        add_to(friction, read(kind, friction_x + i) * mean_x + read(kind, friction_y + i) * mean_y);
+        numbers(kind, friction_x + i) = numbers(kind, friction_y + i) = Number{};
+      }
+    }
+    const Number new_x = old_x + each * fx, new_y = old_y + each * fy;
+    Number seen_x = new_x, seen_y = new_y;
+    if constexpr (EXTRA) {
+      numbers(kind, s.vx + i) = new_x;
+      numbers(kind, s.vy + i) = new_y;
+      seen_x = 1.5 * new_x - 0.5 * old_x;
+      seen_y = 1.5 * new_y - 0.5 * old_y;
+    }
+    const Number px = at.of[0] + dt * new_x, py = at.of[1] + dt * new_y;
+    put_row(RowColumns<Number>{{px, py, seen_x, seen_y}}, next + i);
+    put_row(RowColumns<Number>{{fall_x, fall_y, Number{}, Number{}}}, rows.forces + i);
+    const Number dx = px - read(kind, s.x0 + i), dy = py - read(kind, s.y0 + i);
+    moved += beyond(dx * dx + dy * dy, reach2);
+  });
+  if constexpr (LEDGER) {
+    taken->dashpots = sum_of(dashpots);
+    taken->friction = sum_of(friction);
   }
   return moved;
 }
 
-int64_t drift(const jump_state &s, int64_t begin, int64_t end, Dissipated *taken, double (*rows)[4])
+template <bool SIZES, bool EXTRA>
+static int64_t drift_kind(const jump_state &s, int64_t begin, int64_t end, Dissipated *taken, const StepRows &rows, double (*next)[4])
+{
+  int64_t moved = 0;
+  for (int64_t from = begin; from < end; from += BLOCK) {
+    const int64_t to = std::min(from + BLOCK, end);
+    Dissipated *const of = taken + from / BLOCK;
+    if (s.friction_x && s.omega) of->turning = power_of_torque<SIZES>(s, from, to, 0.5 * s.time_step / s.inertia);
+    if (s.omega) kick_spin<SIZES, EXTRA>(s, from, to);
+    moved += s.dashpot_x ? kick_drift<SIZES, EXTRA, true>(s, from, to, rows, next, of)
+                         : kick_drift<SIZES, EXTRA, false>(s, from, to, rows, next, of);
+  }
+  return moved;
+}
+
+int64_t drift(const jump_state &s, int64_t begin, int64_t end, Dissipated *taken, const StepRows &rows, double (*next)[4])
 {
   if (s.radius)
-    return s.ux ? drift_kind<true, true>(s, begin, end, taken, rows) : drift_kind<true, false>(s, begin, end, taken, rows);
-  return s.ux ? drift_kind<false, true>(s, begin, end, taken, rows) : drift_kind<false, false>(s, begin, end, taken, rows);
+    return s.ux ? drift_kind<true, true>(s, begin, end, taken, rows, next) : drift_kind<true, false>(s, begin, end, taken, rows, next);
+  return s.ux ? drift_kind<false, true>(s, begin, end, taken, rows, next) : drift_kind<false, false>(s, begin, end, taken, rows, next);
 }
 
 }    // namespace jump

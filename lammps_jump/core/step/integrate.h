@@ -16,17 +16,27 @@ struct Dissipated {
   double dashpots, friction, turning;
 };
 
+/** Rows of the discs between the steps of a call: place and velocity as contacts see them, and force with its part that dashpots
+    lose. They are what steps go on from; arrays of the state have them before and behind. */
+struct StepRows {
+  double (*at)[4], (*forces)[4];
+};
+
+/** Take discs `begin` to `end` from the arrays of the state. */
+void load(const jump_state &s, int64_t begin, int64_t end, const StepRows &rows);
+
+/** Put them back. */
+void store(const jump_state &s, int64_t begin, int64_t end, const StepRows &rows);
+
 /** Of discs `begin` to `end`: v += dt F/m, x += dt v, F = weight.
 
-    `taken` has a place for each block of all discs; without a ledger it is not used. `rows` is as of `show`. Returns the number of discs further
-    than half the skin from their place in the list. A NaN counts as moved. */
-int64_t drift(const jump_state &s, int64_t begin, int64_t end, Dissipated *taken, double (*rows)[4]);
+    `taken` has a place for each block of all discs; without a ledger it is not used. `next` takes the places and velocities. Returns
+    the number of discs further than half the skin from their place in the list. A NaN counts as moved. */
+int64_t drift(const jump_state &s, int64_t begin, int64_t end, Dissipated *taken, const StepRows &rows, double (*next)[4]);
 
-/** Put place and velocity of these discs, as contacts see them, into a row of each. */
-void show(const jump_state &s, int64_t begin, int64_t end, double (*rows)[4]);
-
-/** Largest square of the velocities that contacts see. */
+/** Largest square of velocities. */
 double fastest(const ContactVelocities &seen, int64_t begin, int64_t end);
+double fastest(const double (*at)[4], int64_t begin, int64_t end);
 
 }    // namespace jump
 

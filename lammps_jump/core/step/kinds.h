@@ -182,6 +182,12 @@ inline Pair<double> pair_of(const jump_state &s, const ContactVelocities &seen, 
   return pair;
 }
 
+/** A disc that may touch a wall: its number, radius, place, and velocity and spin as contacts see them. */
+struct DiscAtWall {
+  int64_t number;
+  double radius, x, y, vx, vy, spin;
+};
+
 /** A wall of a state as a disc meets it. */
 struct WallView : WallInPlace {
   int64_t wall;
@@ -195,11 +201,10 @@ struct WallView : WallInPlace {
     body = s.moving[wall] == BODY;
   }
 
-  /** The contact of disc i at (x, y). */
-  template <bool SPIN>
-  AtWall<double> meet(const jump_state &s, const ContactVelocities &seen, int64_t i, const FaceContact &found, double x, double y) const
+  /** The contact of a disc. */
+  AtWall<double> meet(const DiscAtWall &disc, const FaceContact &found) const
   {
-    return at(found, x, y, radius_of(s, i), seen.vx[i], seen.vy[i], SPIN ? seen.spin[i] : 0.0);
+    return at(found, disc.x, disc.y, disc.radius, disc.vx, disc.vy, disc.spin);
   }
 
   /** Whether the wall and a disc that stays feel each other: a body and a rough bed do. */
@@ -215,26 +220,26 @@ struct WallView : WallInPlace {
   }
 };
 
-/** The force of a body on disc i, `of` being the numbers of a disc of nominal size at a wall; those of the effective mass of this
+/** The force of a body on a disc, `of` being the numbers of a disc of nominal size at a wall; those of the effective mass of this
     contact count. It stands apart so that what is left of the loop is that of walls without bodies. */
 template <bool SIZES, bool SPIN, class Law>
 [[gnu::noinline]] WallForce<double> body_force(const jump_state &s, const Law &law, const Numbers<double> &of, const WallView &view,
-                                               int64_t i, const AtWall<double> &at, WallHistory history)
+                                               const DiscAtWall &body_meets, const AtWall<double> &at, WallHistory history)
 {
-  const double arm[2] = {s.x[i] - at.radius * at.nx - view.cx - view.placed->now.x,
-                         s.y[i] - at.radius * at.ny - view.cy - view.placed->now.y};
+  const double arm[2] = {body_meets.x - at.radius * at.nx - view.cx - view.placed->now.x,
+                         body_meets.y - at.radius * at.ny - view.cy - view.placed->now.y};
   const double mass = SIZES ? s.mass * at.radius * at.radius : s.mass;
-  const DiscMass disc{mass, 0.5 * mass * at.radius * at.radius, is_fixed(s, i)};
+  const DiscMass disc{mass, 0.5 * mass * at.radius * at.radius, is_fixed(s, body_meets.number)};
   const Numbers<double> own = numbers_at_body(of, s.mass, disc, s.load[view.wall], s.pushed[view.wall], arm, at);
   return wall_contact<false, SPIN>(law, own, at, history);
 }
 
-/** The force of a wall on disc i. */
+/** The force of a wall on a disc. */
 template <bool SIZES, bool SPIN, class Law>
-inline WallForce<double> wall_force(const jump_state &s, const Law &law, const Numbers<double> &of, const WallView &view, int64_t i,
-                                    const AtWall<double> &at, const WallHistory &history)
+inline WallForce<double> wall_force(const jump_state &s, const Law &law, const Numbers<double> &of, const WallView &view,
+                                    const DiscAtWall &disc, const AtWall<double> &at, const WallHistory &history)
 {
-  if (view.body) return body_force<SIZES, SPIN>(s, law, of, view, i, at, history);
+  if (view.body) return body_force<SIZES, SPIN>(s, law, of, view, disc, at, history);
   return wall_contact<SIZES, SPIN>(law, of, at, WallHistory(history));
 }
 

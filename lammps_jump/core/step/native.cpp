@@ -30,7 +30,8 @@ static void clear_fixed(const jump_state &s, const ThreadPart &part)
 {
   for (int64_t i = part.begin; i < part.end; i++) {
     if (s.fixed[i] == 0) continue;
-    for (double *const of : {s.fx, s.fy, s.torque, s.dashpot_x, s.dashpot_y, s.friction_x, s.friction_y})
+    std::fill_n(part.forces[i], 4, 0.0);
+    for (double *const of : {s.torque, s.friction_x, s.friction_y})
       if (of) of[i] = 0.0;
   }
 }
@@ -51,8 +52,7 @@ static void end_contacts(const jump_state &s, int64_t begin, int64_t end)
 static double slope_now(const jump_state &s, ThreadPartition &partition)
 {
   if (!(s.pair.sign_ramp > 0.0)) return 0.0;
-  const ContactVelocities seen = seen_by(s);
-  partition.each([&](ThreadPart &part) { part.fastest = fastest(seen, part.begin, part.end); });
+  partition.each([&](ThreadPart &part) { part.fastest = fastest(part.at, part.begin, part.end); });
   double found = 0.0;
   for (const ThreadPart &part : partition.parts) found = most(part.fastest, found);
   return slope_of(s, found);
@@ -136,9 +136,14 @@ static int64_t end_drift(const jump_state &s, const ThreadPartition &partition)
   return moved;
 }
 
+static void drift_part(const jump_state &s, ThreadPartition &partition, ThreadPart &part, double (*next)[4])
+{
+  part.moved = drift(s, part.begin, part.end, partition.taken.data(), part.rows(), next);
+}
+
 static int64_t drift(const jump_state &s, ThreadPartition &partition)
 {
-  partition.each([&](ThreadPart &part) { part.moved = drift(s, part.begin, part.end, partition.taken.data(), partition.rows()); });
+  partition.each([&](ThreadPart &part) { drift_part(s, partition, part, part.at); });
   return end_drift(s, partition);
 }
 
@@ -152,7 +157,7 @@ static int64_t forces_and_drift(const jump_state &s, ThreadPartition &partition)
   const double slope = begin_forces(s, partition);
   partition.each([&](ThreadPart &part) {
     forces_on(s, slope, part);
-    part.moved = drift(s, part.begin, part.end, partition.taken.data(), partition.other_rows());
+    drift_part(s, partition, part, partition.other_rows());
   });
   partition.turn_rows();
   end_forces(s, slope, partition);
@@ -195,24 +200,35 @@ StopReason relist(jump_state &s, ThreadPartition &partition)
   return ++partition.lists_made % LISTS_A_LOOK == 0 ? CHECK_OVERLAP : DONE;
 }
 
+static void store(const jump_state &s, ThreadPartition &partition)
+{
+  partition.each([&](ThreadPart &part) { store(s, part.begin, part.end, part.rows()); });
+}
+
+static void begin(const jump_state &s, ThreadPartition &partition)
+{
+  partition.divide(s);
+  partition.each([&](ThreadPart &part) { load(s, part.begin, part.end, part.rows()); });
+}
+
 int64_t advance(jump_state &s, ThreadPartition &partition, int64_t steps, bool forces_pending, StopReason &left)
 {
   int64_t done = 0;
-  const auto begin = [&]() {
-    partition.divide(s);
-    if (forces_pending) partition.each([&](ThreadPart &part) { show(s, part.begin, part.end, partition.rows()); });
-  };
   left = DONE;
-  begin();
+  begin(s, partition);
   while (true) {
     partition.tuner.begin_step((int) s.n);
     const bool whole = forces_pending && steps > 0;
-    if (forces_pending && s.grid_first && !search_cells(s)) {
-      left = LIST_STALE;
-      return done;
+    if (forces_pending && s.grid_first) {
+      store(s, partition);
+      if (!search_cells(s)) {
+        left = LIST_STALE;
+        return done;
+      }
     }
     if (steps == 0) {
       if (forces_pending) forces(s, partition);
+      store(s, partition);
       return 0;
     }
     bool old = (forces_pending ? forces_and_drift(s, partition) : drift(s, partition)) > 0;
@@ -221,9 +237,10 @@ int64_t advance(jump_state &s, ThreadPartition &partition, int64_t steps, bool f
     if (s.moving && move_walls(s, s.clock->step + (double) done)) old = true;
     const int threads = partition.tuner.threads();
     partition.tuner.end_step(!whole);
+    if (old || done == steps) store(s, partition);
     if (old) left = relist(s, partition);
     if (left != DONE || done == steps) return done;
-    if (old) begin();
+    if (old) begin(s, partition);
     else if (partition.tuner.threads() != threads) partition.divide(s);
   }
 }

@@ -73,7 +73,7 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
 
  public:
   PairSums(const jump_state &s, const Law &law, const ThreadPart &part)
-      : s(s), law(law), part(part), seen(seen_by(s)), at(part.at)
+      : s(s), law(law), part(part), seen(seen_by(s)), at(part.at), rubs(HAS_FRICTION && s.friction_x)
   {
   }
 
@@ -89,8 +89,7 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
       b.find<SIZES>(at, s.radius, s.diameter, part.first, s.neighbours, begin, end);
       for (int c = 0; c < b.n; c++) b.difference(c) = disc(b.one[c]) - disc(b.two[c]);
       compute();
-      if (s.dashpot_x) add_batch<true>(first);
-      else add_batch<false>(first);
+      add_batch(first);
       add_rows(first, (int) (behind - first));
     }
     b.n = 0;
@@ -136,11 +135,13 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
   const ThreadPart &part;
   const ContactVelocities seen;
   const double (*const at)[4];
+  const bool rubs;
   size_t remote_history = 0;    // of the part's, those that are read
   SummedBatch b;
   Added rows[BATCH];
 
   const Four &disc(int64_t i) const { return *reinterpret_cast<const Four *>(at[i]); }
+  Four &force(int64_t i) const { return *reinterpret_cast<Four *>(part.forces[i]); }
 
   /** The forces of the batch. */
   void compute()
@@ -212,63 +213,39 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
   }
 
   /** Take the force of a contact off its second disc. */
-  template <bool LEDGER> void take_off(int c, int64_t j) const
+  void take_off(int c, int64_t j) const
   {
-    s.fx[j] -= b.given[c][0];
-    s.fy[j] -= b.given[c][1];
+    force(j) -= *reinterpret_cast<const Four *>(b.given[c]);
     if constexpr (SPIN) s.torque[j] += b.moment[1][c];
-    if constexpr (LEDGER) {
-      s.dashpot_x[j] -= b.given[c][2];
-      s.dashpot_y[j] -= b.given[c][3];
-      if constexpr (HAS_FRICTION) {
-        s.friction_x[j] += b.rubbed_x[c];
-        s.friction_y[j] -= b.rubbed_y[c];
-      }
-    }
+    if (!rubs) return;
+    s.friction_x[j] += b.rubbed_x[c];
+    s.friction_y[j] -= b.rubbed_y[c];
   }
 
   /** Add it to the sum of its first disc. */
-  template <bool LEDGER> void put_on(int c, Added &sum) const
+  void put_on(int c, Added &sum) const
   {
     sum.given += *reinterpret_cast<const Four *>(b.given[c]);
     if constexpr (SPIN) sum.torque += b.moment[0][c];
-    if constexpr (LEDGER && HAS_FRICTION) {
+    if constexpr (HAS_FRICTION) {
       sum.rubbed_x -= b.rubbed_x[c];
       sum.rubbed_y += b.rubbed_y[c];
     }
   }
 
-  /** Add the sums of rows to their discs, four at a time. */
+  /** Add the sums of rows to their discs. */
   void add_rows(int64_t first, int count)
   {
-    int k = 0;
-    for (; k + 4 <= count; k += 4) {
-      Four part[4];
-      transpose4(rows[k].given, rows[k + 1].given, rows[k + 2].given, rows[k + 3].given, part);
-      double *const to[] = {s.fx, s.fy, s.dashpot_x, s.dashpot_y};
-      for (int of = 0; of < (s.dashpot_x ? 4 : 2); of++) *reinterpret_cast<AnyFour *>(to[of] + first + k) += part[of];
-      for (int c = 0; HAS_FRICTION && c < 4; c++) add_rubbing(first + k + c, rows[k + c]);
-    }
-    for (; k < count; k++) add(first + k, rows[k]);
+    for (int k = 0; k < count; k++) add(first + k, rows[k]);
     std::fill_n(rows, count, Added{});
   }
 
   void add(int64_t i, const Added &sum) const
   {
-    s.fx[i] += sum.given[0];
-    s.fy[i] += sum.given[1];
-    if (s.dashpot_x) {
-      s.dashpot_x[i] += sum.given[2];
-      s.dashpot_y[i] += sum.given[3];
-    }
-    add_rubbing(i, sum);
-  }
-
-  void add_rubbing(int64_t i, const Added &sum) const
-  {
+    force(i) += sum.given;
     if constexpr (SPIN) s.torque[i] += sum.torque;
     if constexpr (HAS_FRICTION) {
-      if (!s.dashpot_x) return;
+      if (!rubs) return;
       s.friction_x[i] += sum.rubbed_x;
       s.friction_y[i] += sum.rubbed_y;
     }
@@ -277,19 +254,16 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
   /** Add a contact to those of its discs that the part has. */
   void add_pair(int c, Added &sum) const
   {
-    if (s.dashpot_x) put_on<true>(c, sum);
-    else put_on<false>(c, sum);
-    if (!part.owns(b.two[c])) return;
-    if (s.dashpot_x) take_off<true>(c, b.two[c]);
-    else take_off<false>(c, b.two[c]);
+    put_on(c, sum);
+    if (part.owns(b.two[c])) take_off(c, b.two[c]);
   }
 
   /** Add the batch: to second discs now, to the sums of rows for first ones. */
-  template <bool LEDGER> void add_batch(int64_t first)
+  void add_batch(int64_t first)
   {
     for (int c = 0; c < b.n; c++) {
-      put_on<LEDGER>(c, rows[b.one[c] - first]);
-      take_off<LEDGER>(c, b.two[c]);
+      put_on(c, rows[b.one[c] - first]);
+      take_off(c, b.two[c]);
     }
   }
 };

@@ -10,7 +10,7 @@
 #define JUMP_CORE_THREAD_PART_H
 
 #include "contact/law.h"
-#include "step/native.h"
+#include "step/integrate.h"
 
 #include <vector>
 
@@ -37,7 +37,8 @@ struct alignas(128) ThreadPart {
   int64_t end_neighbour = 0;     // behind the last disc that these reach
   std::vector<int64_t> blocks;   // ends of blocks of those that reach out of it nowhere
   const int32_t *first = nullptr;       // first disc of each pair of the list
-  const double (*at)[4] = nullptr;      // place and velocity of each disc, as contacts see them
+  double (*at)[4] = nullptr;            // place and velocity of each disc, as contacts see them
+  double (*forces)[4] = nullptr;        // force on each disc, and its part that dashpots lose
   std::vector<Stretch<double>> remote_history;    // of contacts that discs of other parts remember, as they begin the step
   std::vector<Sum> on_walls;            // forces of contacts with walls on its discs, wall by wall
   std::vector<Lost> lost_at_walls;      // of those with walls that move
@@ -46,6 +47,7 @@ struct alignas(128) ThreadPart {
   double weight = 0.0, spent = 0.0;     // of its discs and their pairs; time that it took since it was cut, s
   double fastest = 0.0;                 // square of the largest velocity, (m/s)^2
 
+  StepRows rows() const { return {at, forces}; }
   bool owns(int64_t disc) const { return disc >= begin && disc < end; }
 };
 

@@ -49,7 +49,7 @@ class ThreadPartition {
     divided_as = listed_as;
     n = s.n;
     taken.resize((size_t) blocks);
-    for (auto &rows : at) rows.resize((size_t) n);
+    for (auto *rows : {&at[0], &at[1], &forces}) rows->resize((size_t) n);
     pool.resize((int) count);
     if ((int64_t) parts.size() == count) learn();
     else past.assign((size_t) count, {n, 1.0});
@@ -64,6 +64,7 @@ class ThreadPartition {
       part.sorted = sorted;
       part.first = first.data();
       part.at = rows();
+      part.forces = rows_of(forces);
       part.end_row = std::min(part.end, sorted);
       part.weight = weight(s, part.end) - weight(s, part.begin);
       part.spent = 0.0;
@@ -107,8 +108,8 @@ class ThreadPartition {
   }
 
   /** Place and velocity of each disc, as contacts see them; and the rows of the next step. */
-  double (*rows())[4] { return rows_of(now); }
-  double (*other_rows())[4] { return rows_of(1 - now); }
+  double (*rows())[4] { return rows_of(at[now]); }
+  double (*other_rows())[4] { return rows_of(at[1 - now]); }
 
   /** From here on contacts see the other rows. */
   void turn_rows()
@@ -133,10 +134,11 @@ class ThreadPartition {
     double rate;
   };
   std::vector<Past> past;
-  std::vector<DiscRow, LineAllocator<DiscRow>> at[2];
+  using DiscRows = std::vector<DiscRow, LineAllocator<DiscRow>>;
+  DiscRows at[2], forces;
   int now = 0;    // those that contacts see
 
-  double (*rows_of(int which))[4] { return reinterpret_cast<double (*)[4]>(at[which].data()); }
+  static double (*rows_of(DiscRows &rows))[4] { return reinterpret_cast<double (*)[4]>(rows.data()); }
 
   /** Look at a list that is new. */
   void know(const jump_state &s)

@@ -22,10 +22,10 @@ static std::pair<int64_t, int64_t> rows_of(const jump_state &s, int64_t wall, co
 template <bool SIZES, bool SPIN, class Law>
 static void forces_of(const jump_state &s, const Law &law, int64_t wall, ThreadPart &part)
 {
-  const ContactVelocities seen = seen_by(s);
+  const double *const spins = SPIN ? seen_by(s).spin : nullptr;
   const WallView view(s, wall);
   const Numbers<double> of = numbers_of(s.at_wall[wall], 0.0);
-  const bool moves = view.placed, ledger = s.dashpot_x, slides = Law::Friction::HAS_FRICTION && s.friction_x;
+  const bool moves = view.placed, slides = Law::Friction::HAS_FRICTION && s.friction_x;
   double x_ref = s.about[wall][0], y_ref = s.about[wall][1];
   if (moves) {
     x_ref += view.placed->now.x;
@@ -36,29 +36,30 @@ static void forces_of(const jump_state &s, const Law &law, int64_t wall, ThreadP
   for (int64_t row = from; row < to; row++) {
     const int64_t i = s.near_discs[row];
     if (view.passes(s, i)) continue;
-    const double own = radius_of(s, i), x = s.x[i], y = s.y[i];
+    const double own = radius_of(s, i), *const row_of = part.at[i], x = row_of[0], y = row_of[1];
+    const DiscAtWall disc{i, own, x, y, row_of[2], row_of[3], SPIN ? spins[i] : 0.0};
     double px = x, py = y;
     view.see(px, py);
     const int count = view.touching(s, row, px, py, own, found);
     for (int c = 0; c < count; c++) {
-      const AtWall<double> at = view.meet<SPIN>(s, seen, i, found[c], x, y);
+      const AtWall<double> at = view.meet(disc, found[c]);
       const WallForce<double> out =
-          wall_force<SIZES, SPIN>(s, law, of, view, i, at, WallHistory(s, i, found[c].face, px, py, own));
+          wall_force<SIZES, SPIN>(s, law, of, view, disc, at, WallHistory(s, i, found[c].face, px, py, own));
       const double to = view.arm(at.gap, own), to_x = x - to * at.nx, to_y = y - to * at.ny;
       const double rolls = view.body ? own * out.resist : 0.0;    // of a body, which feels it too
       const Sum push{out.fx, out.fy, (to_x - x_ref) * out.fy - (to_y - y_ref) * out.fx + rolls};
       part.on_walls.push_back(push);
       if constexpr (SPIN) s.torque[i] += out.torque;
-      s.fx[i] += out.fx;
-      s.fy[i] += out.fy;
-      if (!ledger) continue;
-      s.dashpot_x[i] += out.dashpot * at.nx;
-      s.dashpot_y[i] += out.dashpot * at.ny;
+      double *const force = part.forces[i];
+      force[0] += out.fx;
+      force[1] += out.fy;
+      force[2] += out.dashpot * at.nx;
+      force[3] += out.dashpot * at.ny;
       if (slides) {
         s.friction_x[i] -= out.tangential * at.ny;
         s.friction_y[i] += out.tangential * at.nx;
       }
-      if (!moves) continue;
+      if (!moves || !s.dashpot_x) continue;
       const double arm_x = to_x - view.cx - view.placed->now.x, arm_y = to_y - view.cy - view.placed->now.y;
       part.lost_at_walls.push_back({
           {out.dashpot * at.nx, out.dashpot * at.ny, out.dashpot * (arm_x * at.ny - arm_y * at.nx)},

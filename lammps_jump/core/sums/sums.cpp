@@ -135,8 +135,9 @@ static void list_contacts(const jump_state &s, const Law &law, const ContactVelo
   });
   each_wall_contact(s, [&](const WallView &view, int64_t wall, int64_t i, const FaceContact &found, double px, double py) {
     const double own = radius_of(s, i), x = s.x[i], y = s.y[i];
-    const AtWall<double> at = view.meet<SPIN>(s, seen, i, found, x, y);
-    const WallForce<double> out = wall_force<SIZES, SPIN>(s, law, numbers_of(s.at_wall[wall], 0.0), view, i, at,
+    const DiscAtWall disc{i, own, x, y, seen.vx[i], seen.vy[i], SPIN ? seen.spin[i] : 0.0};
+    const AtWall<double> at = view.meet(disc, found);
+    const WallForce<double> out = wall_force<SIZES, SPIN>(s, law, numbers_of(s.at_wall[wall], 0.0), view, disc, at,
                                                           WallHistory(s, i, found.face, px, py, own));
     const double at_x = x - at.gap * at.nx, at_y = y - at.gap * at.ny;
     const Pose wall_v = view.placed ? view.velocity(view.placed->centred, at_x, at_y) : Pose{0.0, 0.0, 0.0};
