@@ -4,7 +4,7 @@ VENV   ?= .venv
 BIN     = $(VENV)/bin
 CASE   ?= inputs/stable_jump.yaml
 
-.PHONY: run test suite check browser bench stress cross-validation validate sensitivity figures times bits docs docs-test reference gallery measured lint doctor wheel test-repeat faults sanitize slurm clean
+.PHONY: run test suite check browser bench stress cross-validation validate thesis sensitivity figures times bits docs docs-test reference gallery measured lint doctor wheel test-repeat faults sanitize slurm clean
 
 # byte code is kept: without it every start of the program compiles all that it imports
 unexport PYTHONDONTWRITEBYTECODE
@@ -96,6 +96,10 @@ cross-validation: $(VENV)/.ready
 # the laws of validation/; VALIDATE="columns silo" runs those
 validate: $(VENV)/.ready
 	$(BIN)/lammps-jump validate $(VALIDATE)
+
+# what the thesis says of its runs, held against ours; writes the table of docs/thesis.md
+thesis: $(VENV)/.ready
+	cd docs && $(abspath $(BIN))/python -m making.measured thesis
 
 sensitivity: $(VENV)/.ready
 	$(BIN)/lammps-jump sensitivity

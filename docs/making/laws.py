@@ -15,11 +15,18 @@ from lammps_jump.identity import short_hash
 from lammps_jump.studies.points.find import LAW_FILE, MEASURE_FILE, TREE
 from lammps_jump.studies.validation import Law, find_laws, summary_text
 
+OWN_PAGES = ("thesis",)
+"""Laws whose rows stand on a page of their own."""
 FIGURE = "\ndef figure("
 """What stands before it in a ``law.py`` decides the table: points, closed forms, limits."""
 
 
-def rows(folder: Path) -> Mapping[str, Any]:
+def names(page: str = "") -> list[str]:
+    """Laws of the common page, or that of a page of its own."""
+    return [page] if page else [name for name in find_laws(TREE) if name not in OWN_PAGES]
+
+
+def rows(folder: Path, page: str = "") -> Mapping[str, Any]:
     """What the table needs of a study; the rest of its file is curves and single runs.
 
     Raises
@@ -29,9 +36,10 @@ def rows(folder: Path) -> Mapping[str, Any]:
     """
     found = json.loads((folder / "validation.json").read_text(encoding="utf-8"))
     failed = [f"{name}: {text}" for name, law in found["laws"].items() for text in law["failures"]]
-    if found["quick"] or failed or found["laws"].keys() != find_laws(TREE).keys():
-        raise ValueError(f"{folder}: run `lammps-jump validate` for all laws, without --quick; failed: {failed}")
-    return {"laws": {name: {"rows": law["rows"], "failures": []} for name, law in found["laws"].items()}}
+    if found["quick"] or failed or not found["laws"].keys() >= set(names(page)):
+        command = f"lammps-jump validate {page}".rstrip()
+        raise ValueError(f"{folder}: run `{command}`, all its laws, without --quick; failed: {failed}")
+    return {"laws": {name: {"rows": found["laws"][name]["rows"], "failures": []} for name in names(page)}}
 
 
 def table(data: Mapping[str, Any]) -> str:
@@ -40,9 +48,9 @@ def table(data: Mapping[str, Any]) -> str:
 
 
 @cache
-def keys() -> dict[str, str]:
+def keys(page: str = "") -> dict[str, str]:
     """Hash of what decides the rows of each law, as it is today."""
-    return {name: key(TREE / name, law) for name, law in find_laws(TREE).items()}
+    return {name: key(TREE / name, law) for name, law in find_laws(TREE, names(page)).items()}
 
 
 def key(folder: Path, law: Law) -> str:
