@@ -4,15 +4,21 @@
 from __future__ import annotations
 
 import re
+import resource
+import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from .errors import JumpError
+from .errors import JumpError, SetupError
 from .quoting import shortened
 
 NUMBER = re.compile(r"\s*[-+]?(?:(?:\d+(?:\.\d*)?|\.\d+)(?:e[-+]?\d+)?|nan|inf(?:inity)?)\s*", re.ASCII | re.IGNORECASE)
 """A number as files have it."""
 WHOLE = re.compile(r"\s*[-+]?\d+\s*", re.ASCII)
+MOST_SECONDS = 120.0
+"""Processor time that a command may take for a file that was received, s."""
+MOST_MEMORY = 4_000_000_000
+"""Bytes that such work may take."""
 
 
 @contextmanager
@@ -38,6 +44,48 @@ def foreign(kind: Callable[[str], Exception], said: str = "", remedy: str = "") 
     except Exception as error:
         why = reason(error)
         raise kind((f"{said} ({why})" if said else why) + (f"; {remedy}" if remedy else "")) from error
+
+
+class _Late(BaseException):
+    """Work has taken too long; parsers that catch every Exception do not catch it."""
+
+
+@contextmanager
+def bounded(what: str, remedy: str) -> Iterator[None]:
+    """The block is left where it takes more than `MOST_SECONDS` of processor time or `MOST_MEMORY` bytes.
+
+    For the main thread of a command; a page has a process of its own for such work (`served/bounded.py`).
+
+    Parameters
+    ----------
+    what : str
+        The file.
+    remedy : str
+        What to do then.
+
+    Raises
+    ------
+    SetupError
+        It was left.
+    """
+
+    def late(*_: object) -> None:
+        raise _Late
+
+    before, memory = signal.signal(signal.SIGPROF, late), resource.getrlimit(resource.RLIMIT_DATA)
+    if memory[0] == resource.RLIM_INFINITY or memory[0] > MOST_MEMORY:
+        resource.setrlimit(resource.RLIMIT_DATA, (MOST_MEMORY, memory[1]))
+    signal.setitimer(signal.ITIMER_PROF, MOST_SECONDS, 1.0)  # again each second: a parser may clean up for long
+    try:
+        yield
+    except _Late:
+        raise SetupError(f"{what}: took more than {MOST_SECONDS:g} s and was left; {remedy}") from None
+    except MemoryError:
+        raise SetupError(f"{what}: takes more than {MOST_MEMORY / 1e9:g} GB of memory and was left; {remedy}") from None
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, before)
+        resource.setrlimit(resource.RLIMIT_DATA, memory)
 
 
 def reason(error: BaseException) -> str:

@@ -37,6 +37,7 @@ KINDS = {
     "values in JSON files": ("nothing", "file, field and what is wrong"),
     "wrong tables": ("nothing", "file, line and column, or that a table differs from its checksum"),
     "mutants of run folders": ("nothing", "file and what is wrong in it, or the status of the run"),
+    "mutants of tables of a run": ("nothing", "file, line or byte, and what is wrong there"),
     "mutants of cases": ("nothing: no file is written", "line, field and what is allowed"),
     "mutants of dumps": ("nothing", "the frame or value that is wrong"),
     "values and mutants of states": ("nothing: no run begins", "file and what in it is of no run"),

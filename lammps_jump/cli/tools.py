@@ -18,6 +18,7 @@ import lammps_jump.case as cases
 from lammps_jump import cli, compiling, drawings, engines, files, runs, served, studies
 from lammps_jump.engines import interrupts
 from lammps_jump.errors import CaseError, SetupError
+from lammps_jump.foreign import bounded
 from lammps_jump.quoting import echoed, typed
 from lammps_jump.units import to_si, unit_in_words
 
@@ -162,18 +163,19 @@ def import_(
     ] = None,
 ) -> None:
     """Make walls of a drawing, one layer a wall: prints entries of a case with what each is, or adds them to a case."""
-    taken = drawings.read_drawing(drawing, scale=scale, shift=shift, along=along)
     names = dict(_layer_and_wall(text) for text in layer or [])
     choice = drawings.LayerChoice(names, tuple(reverse or ()), tuple(inside or ()), tuple(sheet or ()))
-    found = drawings.entries(taken, choice)
-    text = drawings.yaml_text(found)
+    with bounded(str(drawing), "draw what are walls alone, or export it anew"):
+        taken = drawings.read_drawing(drawing, scale=scale, shift=shift, along=along)
+        found = drawings.entries(taken, choice)
+        text, doubts = drawings.yaml_text(found), drawings.doubts(found, max(taken.extent()))
     if into is None:
         print(f"walls:\n{text}", end="")
     else:
         drawings.write_into(into, found)
         print(text, end="")
         print(f"added to {into}: `{typed('preview', into)}` draws it", file=sys.stderr)
-    for note in (*taken.notes, *drawings.doubts(found, max(taken.extent()))):
+    for note in (*taken.notes, *doubts):
         print(f"note: {note}", file=sys.stderr)
 
 

@@ -18,6 +18,8 @@ from .rows import NEED_MORE, NEW_ITEM, ROWS_DONE, parse_rows, skip_rows
 
 MOST_BLANK = 10_000
 MOST_EMPTY = 100_000
+FIRST_VALUES = 1 << 20
+"""Values of a frame for which there is room before they have arrived, where nobody knows whether they will."""
 LARGEST_INT = (1 << 63) - 1
 Walked = Iterator[tuple[FrameHeader, Frame | None]]
 
@@ -179,7 +181,7 @@ def _text_rows(
     first_line = buffer.line_number + 1 - buffer.comments
     if 2 * len(names) * header.n > dump.most_bytes:
         raise Truncated(f": the file is too short for {header.n} discs")
-    out = np.empty((len(names), header.n if wanted else 0))
+    out = _room(dump, len(names), header.n if wanted else 0)
     is_text = np.array([name in TEXT_COLUMNS for name in names])
     row = 0
     while True:
@@ -192,8 +194,10 @@ def _text_rows(
                 buffer.begin, status = item, NEW_ITEM
         buffer.line_number = first_line - 1 + row + buffer.comments
         if status == ROWS_DONE:
-            break
-        if status == NEED_MORE:
+            if row == header.n:
+                break
+            out = _larger(out, row + 1, header.n)
+        elif status == NEED_MORE:
             if not buffer.more():
                 raise Truncated(f"after {row} of {header.n} rows")
         elif status == NEW_ITEM:
@@ -207,9 +211,24 @@ def _text_rows(
                 buffer.line_number -= 1
                 raise _torn(dump, buffer, header, row)
             if wanted:
+                out = _larger(out, row + 1, header.n)
                 out[:, row] = _slow_row(dump, line, names, buffer.line_number)
             row += 1
     return _frame(dump, header, box, names, out) if wanted else None
+
+
+def _room(dump: DumpFile, columns: int, rows: int) -> np.ndarray:
+    """Room for the values of a frame, shape (columns, rows); for fewer rows where they may never arrive."""
+    return np.empty((columns, rows if dump.is_whole else min(rows, max(1, FIRST_VALUES // columns))))
+
+
+def _larger(values: np.ndarray, rows: int, most: int) -> np.ndarray:
+    """Values with room for so many rows, and for twice as many as before up to `most`."""
+    if rows <= values.shape[1]:
+        return values
+    grown = np.empty((len(values), min(most, max(rows, 2 * values.shape[1]))))
+    grown[:, : values.shape[1]] = values
+    return grown
 
 
 def _torn(dump: DumpFile, buffer: Lines, header: FrameHeader, row: int) -> Torn:
@@ -277,7 +296,7 @@ def _binary_rows(
     start: int,
 ) -> Frame | None:  # fmt: skip
     width, rows, done = len(names), header.n, 0
-    out = np.empty((width, rows if wanted else 0))
+    out = _room(dump, width, rows if wanted else 0)
     for _ in range(source.number("i")):
         values = source.number("i")
         count, odd = divmod(values, width)
@@ -287,6 +306,7 @@ def _binary_rows(
             )
         block = source.take(8 * values)
         if wanted:
+            out = _larger(out, done + count, rows)
             out[:, done : done + count] = np.frombuffer(block).reshape(count, width).T
         done += count
     if done != rows:

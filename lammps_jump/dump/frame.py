@@ -204,6 +204,11 @@ class DumpFile:
         size = self.path.stat().st_size
         return 50_000_000 + UNPACKED * size if self.compressed else size
 
+    @property
+    def is_whole(self) -> bool:
+        """Whether the bytes of `most_bytes` are there, so that a frame may ask for their room before it is read."""
+        return not self.compressed
+
     def warn(self, message: str) -> None:
         """Note something odd once per pass."""
         if message not in self.warnings:

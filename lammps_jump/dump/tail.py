@@ -60,6 +60,11 @@ class GrowingDump(Dump):
         self.columns = ("id", "x", "y", "vx", "vy")  # at least: known before the first frame is there
         self.ended, self.given_up, self.read = ended, False, hashlib.sha256()
 
+    @property
+    def is_whole(self) -> bool:
+        """Never: what has not arrived asks for no room."""
+        return False
+
     def _open(self) -> Any:
         while not self.path.exists() and not self.ended.wait(WAIT):
             pass
@@ -93,7 +98,7 @@ class _Growing(io.RawIOBase):
 class _Arrived(DumpFile):
     """What has arrived of a dump that grows, unpacked; its size on the disk bounds nothing."""
 
-    most_bytes = sys.maxsize
+    most_bytes = 0
 
 
 class DumpTail:
@@ -201,4 +206,5 @@ class DumpTail:
     def _frames(self, data: bytes) -> Iterator[Frame]:
         """Frames of whole data; DumpError where it is malformed."""
         of = _Arrived(self.path, "binary" if self.format == "binary" else "text", False)
+        of.most_bytes = len(data)
         return (frame for _, frame in walk(of, io.BytesIO(data), lambda index: True) if frame is not None)

@@ -17,10 +17,9 @@ from threading import Lock
 from typing import Any, NamedTuple
 
 from lammps_jump.errors import JumpError, SetupError
+from lammps_jump.foreign import MOST_MEMORY
 from lammps_jump.sweeps.pool import CallOutcome, Worker
 
-MOST_MEMORY = 4_000_000_000
-"""Bytes that the work may take."""
 LOADED = "lammps_jump.served.look"
 """What the process loads before there is work."""
 

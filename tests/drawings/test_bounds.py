@@ -2,6 +2,8 @@
 """What multiplies in a drawing is counted before it is worked on, and what is worked on is bounded: by counts."""
 
 import re
+import resource
+import signal
 from collections import Counter
 from math import hypot
 from pathlib import Path
@@ -10,8 +12,10 @@ import ezdxf
 import numpy as np
 import pytest
 from ezdxf.math import BSpline
+from made_up import call
 
 import lammps_jump
+from lammps_jump import foreign
 from lammps_jump.drawings import dxf, entries, read_drawing, styles, survey, svg
 from lammps_jump.errors import CaseError
 
@@ -333,3 +337,59 @@ def test_no_pattern_takes_a_row_of_digits_in_two_ways():
         for line in path.read_text().splitlines() if re.search(r"(\\d|\d|\[0-9\])[+*]\\\.\?(\\d|\d|\[0-9\])[+*]", line)
     ]  # fmt: skip
     assert wrong == []
+
+
+# --- time and memory --------------------------------------------------------------------------------------------------
+
+TABLE = "chainage (m),level (m)\n0,0\n1,1\n"
+
+
+def rises(_data, _file):
+    """A reader that is still at it when its time is over, and catches what it can."""
+    try:
+        signal.raise_signal(signal.SIGPROF)
+    except Exception:
+        pass
+    return "goes on"
+
+
+def asks(*_given):
+    raise MemoryError
+
+
+@pytest.mark.parametrize(
+    ("where", "stand_in", "said"),
+    [
+        (
+            "lammps_jump.drawings.read.read_survey",
+            rises,
+            "took more than 120 s and was left; draw what are walls alone",
+        ),
+        ("lammps_jump.drawings.read.read_survey", asks, "it asks for more memory than there is"),
+        ("lammps_jump.drawings.doubts", asks, "takes more than 4 GB of memory and was left; draw what"),
+    ],
+)
+def test_work_on_a_drawing_is_left_in_a_sentence(put, monkeypatch, capsys, where, stand_in, said):
+    """What the clock would do is done by the reader itself, so that no time passes."""
+    path = put(TABLE, "csv")
+    before = signal.getsignal(signal.SIGPROF), resource.getrlimit(resource.RLIMIT_DATA)
+    monkeypatch.setattr(where, stand_in)
+    status, printed, error = call(monkeypatch, capsys, "import", path)
+    assert status == 2 and f"{path}: " in error and said in error and not printed
+    assert len(error.splitlines()) == 1
+    assert (signal.getsignal(signal.SIGPROF), resource.getrlimit(resource.RLIMIT_DATA)) == before
+    assert signal.getitimer(signal.ITIMER_PROF) == (0, 0)
+
+
+def test_import_has_a_bound_of_processor_time_and_of_memory(put, monkeypatch, capsys):
+    assert (foreign.MOST_SECONDS, foreign.MOST_MEMORY) == (120, 4_000_000_000)
+    seen = []
+    monkeypatch.setattr(signal, "setitimer", lambda *given: seen.append(given))
+    monkeypatch.setattr(resource, "setrlimit", lambda *given: seen.append(given))
+    assert call(monkeypatch, capsys, "import", put(TABLE, "csv"))[0] == 0
+    whole = resource.getrlimit(resource.RLIMIT_DATA)
+    assert (signal.ITIMER_PROF, 120, 1) in seen and seen[-2:] == [
+        (signal.ITIMER_PROF, 0),
+        (resource.RLIMIT_DATA, whole),
+    ]
+    assert (resource.RLIMIT_DATA, (4_000_000_000, whole[1])) in seen or 0 <= whole[0] <= 4_000_000_000

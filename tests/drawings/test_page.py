@@ -19,6 +19,7 @@ from lammps_jump.drawings import LayerChoice, doubts, entries, read_drawing, yam
 from lammps_jump.drawings.entries import MOST_WALLS
 from lammps_jump.drawings.strokes import MOST_PARTS, MOST_POINTS
 from lammps_jump.errors import CaseError, SetupError
+from lammps_jump.foreign import MOST_MEMORY, MOST_SECONDS
 from lammps_jump.scene.tracks import MOST_ROWS
 
 PAGE = (Path(__file__).parents[2] / "docs" / "howto" / "drawings.md").read_text()
@@ -570,7 +571,7 @@ def test_points_have_a_bound(dxf, written, monkeypatch):
         read_drawing(dxf(lambda space, _: space.add_spline([(0, 0), (1e12, 0), (0, 1e12), (3e11, 2)])))
 
 
-@says("Copies are counted before one is drawn.", "A table has at most 2,000,000 lines.")  # more in test_bounds.py
+@says("Copies are counted before one is drawn.", "A table has at most 2,000,000 lines.", "The command takes at most")
 def test_copies_have_a_bound(dxf, written, monkeypatch):
     def nested(space, document):
         before = None
@@ -590,6 +591,7 @@ def test_copies_have_a_bound(dxf, written, monkeypatch):
         document.blocks.new("B").add_blockref("A", (0, 0))
         space.add_blockref("A", (0, 0))
 
+    assert (MOST_SECONDS, MOST_MEMORY) == (120, 4_000_000_000)  # what happens then: test_bounds.py
     for draw, said in (
         (nested, "more than 300,000 lines"),
         (array, "more than 300,000 lines"),

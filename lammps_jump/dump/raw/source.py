@@ -124,9 +124,12 @@ class Bytes(Source):
             raise DumpError(f"{self.dump.path}, {self.place()}: a length of {size} bytes: the file is damaged.")
         if size > self.dump.most_bytes:
             raise Truncated(f": the file is too short for {size} bytes at {self.place()}")
-        data, done = bytearray(size), 0
+        data, done = bytearray(), 0
         while done < size:
-            got = self.read(memoryview(data)[done:])
+            if done == len(data):  # a length is believed as far as bytes have arrived
+                data += bytes(min(size - done, max(CHUNK, done)))
+            with memoryview(data) as room:
+                got = self.read(room[done:])
             if not got:
                 raise Truncated(f"at {self.place()}")
             done += got
