@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Make the calibration of ``run.accuracy`` from benchmarks: ``python -m lammps_jump.studies.calibration_store FILE …``.
+"""Make the calibration of ``run.accuracy`` from benchmarks: ``python benchmarks/accuracy_store.py FILE …``.
 
 The files are finished ``bench.json``; see `lammps_jump.engines.accuracy` for what is made of the result.
 """
@@ -15,8 +15,7 @@ from typing import Any
 
 from lammps_jump.engines.accuracy import KINDS, STORE, CalibratedSetting
 from lammps_jump.files import read_json, write_json
-
-from .settings import StudySetting
+from lammps_jump.studies.settings import StudySetting
 
 KEPT = ("case", "restitution", "friction", "members", "reference", "versions", "machine")
 

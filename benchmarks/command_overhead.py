@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""``bench --overhead``: a whole command by phase, over its engine: what a user waits for beside the stepping."""
+"""A whole command by phase, over its engine: what a user waits for beside the stepping.
+
+Run as ``python benchmarks/command_overhead.py CASE [--quick] [--out DIR]``.
+"""
 
 from __future__ import annotations
 
@@ -13,14 +16,14 @@ from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 
+from taking_turns import main, timed_in_turn
+
 from lammps_jump import Case
 from lammps_jump.analysis.tables.markdown import Column, markdown
 from lammps_jump.errors import RunError
 from lammps_jump.files import SUMMARY_FILE, read_json, write_text
 from lammps_jump.studies.runs import middle
 from lammps_jump.sweeps import Results, Say, Store
-
-from .timing import timed_in_turn
 
 SHORT, SHORT_ROUNDS, LONG_ROUNDS = 10.0, 7, 3
 """Rounds of a whole command whose engine takes fewer seconds than the first, and of others."""
@@ -119,3 +122,7 @@ def overhead_page(data: Results, folder: Path) -> list[str]:
 
 def _shown(name: str, unit: float, row: Mapping[str, float]) -> str:
     return f"{row[name] / unit:z.2f}"
+
+
+if __name__ == "__main__":
+    raise SystemExit(main(__doc__, "overhead", time_commands, overhead_page))

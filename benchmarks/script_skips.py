@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Time that each thing left out of the stock LAMMPS script saves, measured by putting it back in.
 
+Run as ``python benchmarks/script_skips.py CASE [--set PATH=VALUE] [--quick] [--out DIR]``.
 Every row edits one thing into the script that the generator writes, and runs both in turn. Their last frames are
 compared: the trajectory must not change. Another skin or other list builds change the order of sums. The comparison is
 then made after few steps, before chaos has grown.
@@ -15,6 +16,7 @@ from math import inf
 from pathlib import Path
 
 import numpy as np
+from taking_turns import main
 
 from lammps_jump import Case
 from lammps_jump.analysis.tables.markdown import Column, markdown
@@ -177,3 +179,7 @@ def _change(row: Results) -> str:
     where = "" if row["exact"] else f", after {EARLY_STEPS} steps"
     same = f"{difference:z.1e}{where}" if difference else "none, bit by bit"
     return row["verdict"] if row["ratio"] is None else same
+
+
+if __name__ == "__main__":
+    raise SystemExit(main(__doc__, "skips", measure_skips, skip_page))

@@ -5,13 +5,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from math import nan
+from typing import Any
 
 import numpy as np
 
 from lammps_jump.analysis.draw.chart import TIME, Chart, Panel, Trace
+from lammps_jump.analysis.flow import Flow
+from lammps_jump.analysis.passes import Gathered
 from lammps_jump.analysis.quantity import Quantity, Wanted
 from lammps_jump.analysis.report.page import Section, Table, described
 from lammps_jump.analysis.statistics import Mean, as_fields, mean_of
+from lammps_jump.dump.frame import Frame
 from lammps_jump.units import Estimates, estimate
 
 
@@ -20,25 +24,25 @@ class Spread(Estimates):
     """Height from the lowest disc to the highest."""
 
     height: float = estimate("m", "height that the discs are spread over", label="spread")
-    tables: dict = field(default_factory=dict, metadata={"summary": False})
+    tables: dict[str, np.ndarray] = field(default_factory=dict, metadata={"summary": False})
 
 
 class SpreadWatch:
     """Collects the height, frame by frame."""
 
-    def __init__(self, flow, _):
-        self.flow, self.rows = flow, []
+    def __init__(self, flow: Flow, _: Any):
+        self.flow, self.rows = flow, list[tuple[float, float]]()
 
-    def add(self, frame, time):
+    def add(self, frame: Frame, time: float) -> None:
         """Take in a frame at a time, s."""
         self.rows.append((time, float(np.ptp(frame.y)) if frame.n else nan))
 
-    def result(self):
+    def result(self) -> np.ndarray:
         """Times and heights."""
         return np.array(self.rows).T
 
 
-def analyse(gathered):
+def analyse(gathered: Gathered) -> Spread:
     """Mean of the record."""
     time, height = gathered.histories["spread"]
     found = mean_of(height)

@@ -124,7 +124,6 @@ WRONG_COMMANDS = (
 )
 STUDIES = (
     "cross-validate inputs/energy_box_7.yaml --set run.duration=5",
-    "bench collision",
     "stress --random 2",
     "sensitivity",
 )

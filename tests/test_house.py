@@ -509,7 +509,7 @@ MENTIONED = re.compile(r"`([\w./-]+\.(?:py|pyi|h|cpp|js|css|j2|md))`|\]\(([\w./-
 """A source file or a page that a text names in backquotes, or links."""
 NOT_OURS = {"tools/binary2txt.cpp": "LAMMPS", "lammps.js": "of npm", "law.py": "of each folder of validation/"}
 """Files of others, or of a name that several have."""
-RESULTS = re.compile(r"^(?:bench|stress|compared|fluid|calibrate|sensitivity|cross_validation|validation)\.md$")
+RESULTS = re.compile(r"^(?:bench|stress|compared|fluid|calibrate|collision|sensitivity|cross_validation|validation)\.md$")
 """Pages that commands write."""
 MODULE = re.compile(r"`(lammps_jump(?:\.\w+)+)`|python -m (lammps_jump(?:\.\w+)+)")
 TELLING = (".py", ".pyi", ".h", ".cpp", ".js", ".md")

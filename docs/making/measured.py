@@ -20,16 +20,23 @@ import lammps_jump as lj
 from lammps_jump.analysis.tables.markdown import markdown, paragraphs
 from lammps_jump.identity import scene_key
 from lammps_jump.provenance import machine, versions
-from lammps_jump.studies.bench import collision, overhead, page, timing
+from lammps_jump.studies.bench import page
+from lammps_jump.studies.bench.collision import collision_scene
 from lammps_jump.studies.cross_validation.scenes import micro_scenes
 from lammps_jump.studies.points.find import TREE, load_module
 
 from . import calibrated, crossed, jumps, laws
 
+ROOT = Path(__file__).parents[2]
+sys.path.append(str(ROOT / "benchmarks"))
+
+import collisions  # noqa: E402
+from command_overhead import overhead_page  # noqa: E402
+from kernel_speed import speed_page  # noqa: E402
+
 sensitivity, stress = (load_module(TREE / name, "study") for name in ("sensitivity", "stress"))
 limits = load_module(TREE / "stress", "limits")
 
-ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "docs" / "measured"
 RUNS = ROOT / "runs" / "measured"
 Keys = dict[str, str]
@@ -173,20 +180,20 @@ def _cross(scene: str, members: int) -> Measure:
 
 def _speed(scene: str, more: str = "") -> Measure:
     return Measure(
-        f"bench inputs/{scene}.yaml --speed{more}",
+        f"benchmarks/kernel_speed.py inputs/{scene}.yaml{more}",
         lambda: case_keys({}, scene=scene),
         lambda folder: {name: json.loads((folder / "speed.json").read_text())[name] for name in ("rows", "agreement")},
-        lambda data: paragraphs(*timing.speed_page(dict(data), RUNS)),
+        lambda data: paragraphs(*speed_page(dict(data), RUNS)),
     )
 
 
 def _overhead(scene: str) -> Measure:
     names = ("case", "rows", "rounds", "ratios", "cpu_ratios")
     return Measure(
-        f"bench inputs/{scene}.yaml --overhead",
+        f"benchmarks/command_overhead.py inputs/{scene}.yaml",
         lambda: case_keys({}, scene=scene),
         lambda folder: {name: json.loads((folder / "overhead.json").read_text())[name] for name in names},
-        lambda data: paragraphs(*overhead.overhead_page(dict(data), RUNS)),
+        lambda data: paragraphs(*overhead_page(dict(data), RUNS)),
     )
 
 
@@ -241,16 +248,16 @@ def _collision_table(data: Data) -> str:
         return f"{100 * row[f'{name}_error']:+.2f} ± {100 * row[f'{name}_scatter']:.2f} %"
 
     columns = {"way": "", "f:": "{fraction:g}"}
-    return markdown(columns | {f"{name}:": partial(error, name=name) for name in collision.QUANTITIES}, shown)
+    return markdown(columns | {f"{name}:": partial(error, name=name) for name in collisions.QUANTITIES}, shown)
 
 
 def _draw_collision(data: Data, place: Path) -> dict[str, Path]:
-    collision.draw_collisions(data["rows"], place / "bench_collision.png")
+    collisions.draw_collisions(data["rows"], place / "bench_collision.png")
     return {"errors of restitution": place / "bench_collision.png"}
 
 
 def _collision_keys() -> Keys:
-    return {f"e = 0.2, f = {f:g}": scene_key(collision.collision_scene(f, 0.2)) for f in FEW_STEPS}
+    return {f"e = 0.2, f = {f:g}": scene_key(collision_scene(f, 0.2)) for f in FEW_STEPS}
 
 
 PACKED = ("pair", "wall", "square")
@@ -314,7 +321,7 @@ def _calibration(name: str) -> Measure:
 MEASURES: dict[str, Measure] = {
     **{f"sensitivity_{name}": _sensitivity(name) for name in sensitivity.STUDIES},
     "collision": Measure(
-        "bench collision",
+        "benchmarks/collisions.py",
         _collision_keys,
         lambda folder: {"rows": json.loads((folder / "collision.json").read_text())["rows"]},
         _collision_table,

@@ -187,10 +187,7 @@ def validate(
 
 @app.command()
 def bench(
-    case: Annotated[
-        Path,
-        typer.Argument(help="Case file, or `collision` for two discs against their closed forms.", show_default=False),
-    ],
+    case: options.CaseFile,
     out: Annotated[Path | None, options.results_place("Folder (default: runs/bench/<name>).")] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Three steps, two starts.")] = False,
     axes: Annotated[
@@ -198,18 +195,6 @@ def bench(
         typer.Option(help="Some of f,n,touch,kernel,correction,skin,diameter,ranks; default: all but the last two."),
     ] = None,
     members: Annotated[int | None, typer.Option(min=1, help="Starts of each setting (default 5, quick 2).")] = None,
-    cells: Annotated[
-        bool, typer.Option("--cells", help="CPU time against the cell size of the thesis' search.")
-    ] = False,
-    skips: Annotated[
-        bool, typer.Option("--skips", help="Measure the time saved by each block left out of a script.")
-    ] = False,
-    speed: Annotated[
-        bool, typer.Option("--speed", help="Compare the speed of kernels and skins with stock, on the developed flow.")
-    ] = False,
-    overhead: Annotated[
-        bool, typer.Option("--overhead", help="Time the whole command around its engine, by phase.")
-    ] = False,
     table: Annotated[bool, typer.Option("--table", help="Print the table of what is stored; run nothing.")] = False,
     diameters: Annotated[str | None, typer.Option(help="For --axes diameter: values in m, comma-separated.")] = None,
     fractions: Annotated[str | None, typer.Option(help="Time-step fractions in place of 0.01 … 0.4.")] = None,
@@ -219,14 +204,12 @@ def bench(
     quiet: options.QuietStudy = False,
 ) -> None:
     """Measure run time against error for steps, kernels, contacts and stiffnesses. Continues where it stopped."""
-    parts = {"cells": cells, "skips": skips, "speed": speed, "overhead": overhead}
-    part = next((name for name, wanted in parts.items() if wanted), "bench")
     words = {"axes": axes, "fractions": fractions, "kernels": kernels, "diameters": diameters}
     varied = studies.bench.read_axes(quick, members, **words)
-    if table and part == "bench":
+    if table:
         return show_markdown(studies.bench.stored_table(case, out))
-    read, say = None if case == Path("collision") else lj.load_case(case, set_), options.sayer(quiet)
-    text = studies.bench.run_bench(read, out=out, part=part, axes=varied, quick=quick, fresh=fresh, say=say)
+    read, say = lj.load_case(case, set_), options.sayer(quiet)
+    text = studies.bench.run_bench(read, out=out, axes=varied, quick=quick, fresh=fresh, say=say)
     show_markdown(text)
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """``run.accuracy``: the cheapest setting that the stored calibration shows to meet an accuracy.
 
-``calibration.json`` is made from finished benchmarks by ``python -m lammps_jump.studies.calibration_store``. A setting
+``calibration.json`` is made from finished benchmarks by ``python benchmarks/accuracy_store.py``. A setting
 is *shown* to meet an accuracy where its error and the floor of that error (the scatter of the ensembles, see
 `lammps_jump.studies.bench.study`) are both within it. A small error under a high floor proves nothing.
 """

@@ -3,11 +3,14 @@
 
 import json
 
+import cell_search
+import collisions
 import pytest
+import script_skips
+import taking_turns
 from made_up import INPUTS
 
 from lammps_jump.case import load_case
-from lammps_jump.studies.bench import skips as bench_skips
 from lammps_jump.studies.bench.command import run_bench, stored_table
 from lammps_jump.studies.points import load_module, run_named
 
@@ -35,7 +38,7 @@ def test_bench_of_the_energy_box(tmp_path):
 
 @pytest.mark.long
 def test_bench_of_collisions(tmp_path):
-    run_bench(None, out=tmp_path / "new", quick=True)
+    collisions.run_collisions(tmp_path / "new", quick=True, say=silent)
     assert (tmp_path / "new" / "bench_collision.png").is_file()
     rows = json.loads((tmp_path / "new" / "collision.json").read_text())["rows"]
     found = {(row["way"], row["restitution"], row["fraction"]): row["restitution_error"] for row in rows}
@@ -46,7 +49,9 @@ def test_bench_of_collisions(tmp_path):
 
 def test_bench_of_cells(tmp_path):
     case = load_case(INPUTS / "dam_break.yaml", {"run.duration": 0.05, "probes.forces": []})
-    table = run_bench(case, out=tmp_path, quick=True, part="cells", say=silent)
+    part = ("cells", cell_search.time_cells, cell_search.cell_page)
+    table = taking_turns.run_part(case, *part, out=tmp_path, quick=True, say=silent)
+    assert (tmp_path / "cells.png").stat().st_size > 5000 and (tmp_path / "cells.md").read_text() == table
     assert "cells of 2 d" in table and "neighbour list" in table
 
 
@@ -61,10 +66,10 @@ def box():
     return load_case(INPUTS / "energy_box_16.yaml", ["run.duration=0.6", "engine.kernel=stock"]).scene()
 
 
-@pytest.mark.parametrize("skip", bench_skips.SKIPS, ids=lambda skip: skip.name)
+@pytest.mark.parametrize("skip", script_skips.SKIPS, ids=lambda skip: skip.name)
 def test_skips_change_no_trajectory(skip, column, box):
     scene = box if "gravity" in skip.name else column
-    difference = bench_skips.compare_skip(scene, skip)
+    difference = script_skips.compare_skip(scene, skip)
     assert difference is not None, "the edit found nothing to put back in"
     # lists built at other steps or with another skin change the order of sums: round-off, not yet grown
     assert difference <= (0.0 if skip.exact else 1e-12)

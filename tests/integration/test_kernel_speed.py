@@ -5,13 +5,13 @@ import json
 from pathlib import Path
 from types import SimpleNamespace
 
+import kernel_speed
 import pytest
+from kernel_speed import make_row, make_variants, speed_page, started_from, time_kernels
 from made_up import INPUTS
+from taking_turns import run_part
 
 from lammps_jump.case import load_case
-from lammps_jump.studies.bench import timing
-from lammps_jump.studies.bench.command import run_bench
-from lammps_jump.studies.bench.timing import make_row, make_variants, speed_page, started_from
 from lammps_jump.studies.cross_validation.trajectories import developed_scene
 
 
@@ -37,8 +37,8 @@ def test_ratios_are_those_within_a_round():
 @pytest.mark.parametrize(("status", "rate"), [("complete", 4.0), ("failed", None)])
 def test_a_run_that_fails_has_no_speed(monkeypatch, status, rate):
     ended = SimpleNamespace(status=status, disc_steps=12.0, cpu_seconds=3.0)
-    monkeypatch.setattr(timing, "run_frames", lambda *_, check: (ended, []))
-    assert timing.run_rate(None, "stock") == (rate, 3.0)
+    monkeypatch.setattr(kernel_speed, "run_frames", lambda *_, check: (ended, []))
+    assert kernel_speed.run_rate(None, "stock") == (rate, 3.0)
 
 
 def test_every_variant_starts_from_the_developed_discs():
@@ -54,7 +54,7 @@ def test_every_variant_starts_from_the_developed_discs():
 @pytest.mark.lammps
 def test_bench_speed_of_a_jet(tmp_path):
     case = load_case(INPUTS / "quick_jump.yaml", {"contact.friction": 0.1, "run.duration": 1})
-    table = run_bench(case, out=tmp_path, part="speed", quick=True, say=lambda text: None)
+    table = run_part(case, "speed", time_kernels, speed_page, out=tmp_path, quick=True, say=lambda text: None)
     stored = json.loads((tmp_path / "speed.json").read_text())
     names = [row["name"] for row in stored["rows"]]
     assert names[0] == "stock" and "native" in names and "| stock |" in table

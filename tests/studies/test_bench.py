@@ -4,6 +4,7 @@
 from dataclasses import replace
 from functools import partial
 
+import cell_search
 import numpy as np
 import pytest
 from made_up import INPUTS
@@ -13,7 +14,6 @@ from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.errors import CaseError, RunInterrupted
 from lammps_jump.studies.bench import page as bench_page
 from lammps_jump.studies.bench import study as bench_errors
-from lammps_jump.studies.bench import timing
 from lammps_jump.studies.bench.collision import SPEED, collision_scene
 from lammps_jump.studies.bench.study import QuantityError, read_axes
 from lammps_jump.studies.cross_validation.trajectories import with_discs_of
@@ -195,7 +195,7 @@ def test_a_developed_flow_keeps_the_sizes_of_its_discs():
 def test_a_search_that_the_user_ended_is_no_time(monkeypatch):
     # its time was kept as that of a whole run, and the next search began
     scene = load_case(INPUTS / "energy_box_16.yaml", ["run.duration=0.5"]).scene()
-    ended = partial(timing.run_native, should_stop=lambda: True)
-    monkeypatch.setattr(timing, "run_native", ended)
+    ended = partial(cell_search.run_native, should_stop=lambda: True)
+    monkeypatch.setattr(cell_search, "run_native", ended)
     with pytest.raises(RunInterrupted, match="the study was ended"):
-        timing.cell_time(scene, None)
+        cell_search.cell_time(scene, None)

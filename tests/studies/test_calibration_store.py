@@ -5,12 +5,12 @@ import json
 from dataclasses import replace
 
 import pytest
+from accuracy_store import make_store
 
 from lammps_jump.case import parse_case
 from lammps_jump.engines import accuracy
 from lammps_jump.engines.accuracy import CalibratedSetting
 from lammps_jump.errors import CaseError
-from lammps_jump.studies.calibration_store import make_store
 from lammps_jump.units import parse_accuracy
 
 BOX = """

@@ -3,13 +3,13 @@
 
 from pathlib import Path
 
+import command_overhead as overhead
 import pytest
 from made_up import INPUTS
+from taking_turns import run_part
 
 from lammps_jump import load_case
 from lammps_jump.errors import RunError
-from lammps_jump.studies.bench import overhead
-from lammps_jump.studies.bench.command import run_bench
 
 SHORT = {"run.duration": 0.3, "run.output_interval": 0.02, "engine.name": "native"}
 
@@ -33,7 +33,8 @@ def test_the_table_holds_medians_and_shares_of_the_engine(tmp_path, monkeypatch)
 
     monkeypatch.setattr(overhead, "command_time", timed)
     case = load_case(INPUTS / "quick_jump.yaml")
-    text = run_bench(case, out=tmp_path, part="overhead", say=lambda line: None)
+    part = ("overhead", overhead.time_commands, overhead.overhead_page)
+    text = run_part(case, *part, out=tmp_path, say=lambda line: None)
     assert "| report | 2.00 | 1.00 | 3.00 | 1.50 |" in text
     assert "| **whole command** | 7.00 | 3.50 | 8.00 | 4.00 |" in text
     assert (
@@ -41,7 +42,7 @@ def test_the_table_holds_medians_and_shares_of_the_engine(tmp_path, monkeypatch)
         and "all cores 3.50 (processor time 4.00)" in text
         and (Path(tmp_path) / "overhead.json").exists()
     )
-    assert run_bench(case, out=tmp_path, part="overhead", say=lambda line: None) == text  # stored
+    assert run_part(case, *part, out=tmp_path, say=lambda line: None) == text  # stored
 
 
 def test_a_command_that_fails_is_told(monkeypatch):
