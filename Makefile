@@ -4,7 +4,7 @@ VENV   ?= .venv
 BIN     = $(VENV)/bin
 CASE   ?= inputs/stable_jump.yaml
 
-.PHONY: run test suite check browser bench stress cross-validation validate thesis sensitivity figures times bits docs docs-test reference gallery measured lint doctor wheel test-repeat faults sanitize slurm clean
+.PHONY: run test suite check browser bench stress cross-validation validate thesis sensitivity figures times bits docs docs-test prose reference gallery measured lint doctor wheel test-repeat faults sanitize slurm clean
 
 # byte code is kept: without it every start of the program compiles all that it imports
 unexport PYTHONDONTWRITEBYTECODE
@@ -124,9 +124,13 @@ docs: $(VENV)/.docs
 	$(BIN)/python -m sphinx -W --keep-going -b html docs docs/_build/html
 	$(BIN)/python docs/making/check.py docs/_build/html
 
-# commands and numbers of tutorials and how-to pages, some minutes
+# words and stored tables of the site, seconds; .ci/run has it beside the tests
+prose: $(VENV)/.test
+	$(BIN)/python -m pytest -m prose tests/docs
+
+# the same, and commands and numbers of tutorials and how-to pages, some minutes
 docs-test: $(VENV)/.test
-	$(BIN)/python -m pytest -m docs
+	$(BIN)/python -m pytest -m "docs or prose"
 
 # the pages of docs/reference that are made from the program; a test fails where they are not those of today
 reference: $(VENV)/.ready

@@ -16,6 +16,7 @@ from making import gallery  # noqa: E402
 
 import lammps_jump as lj  # noqa: E402
 
+pytestmark = pytest.mark.prose
 LARGEST = 10_000_000
 """Bytes of all stored results: git keeps each form of them."""
 

@@ -13,6 +13,7 @@ sys.path.insert(0, str(DOCS))
 
 from making import laws, measured  # noqa: E402
 
+pytestmark = pytest.mark.prose
 LAW = laws.find_laws(laws.TREE, ["starting_angle"])["starting_angle"]
 FILES = sorted(path.stem for path in measured.FOLDER.glob("*.json"))
 

@@ -20,6 +20,7 @@ from lammps_jump.case.fields import CaseFields  # noqa: E402
 from lammps_jump.files import RESULT_FILES, RUN_FILES  # noqa: E402
 from lammps_jump.units import numbers_of  # noqa: E402
 
+pytestmark = pytest.mark.prose
 PAGES = sorted([*DOCS.glob("*.md"), *DOCS.glob("howto/*.md"), ROOT / "README.md"])
 NAMES = fields.names()
 LISTS = {"walls", "initial", "outflow"}

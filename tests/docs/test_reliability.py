@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The table of runs that went on is of today's features and engines; ``make faults`` writes it."""
 
+import pytest
 from fault_table import NONE, cells_of_page
 from features import ENGINES, FEATURES
 from made_up import scene_of_feature
+
+pytestmark = pytest.mark.prose
 
 
 def test_the_table_has_a_cell_for_each_feature_and_engine():

@@ -11,7 +11,7 @@ from kernel_speed import make_row, make_variants, speed_page, started_from, time
 from made_up import INPUTS
 from taking_turns import run_part
 
-from lammps_jump.case import load_case
+from lammps_jump import load_case
 from lammps_jump.studies.cross_validation.trajectories import developed_scene
 
 
