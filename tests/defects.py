@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Seeded defects, and whether the tests catch them: ``python tests/defects.py``, about a quarter of an hour.
 
-Each defect is one line of the program that is changed in a copy of the tree. The tests named beside it run first, and
+Each defect is a piece of a function that is changed in a copy of the tree. The tests named beside it run first, and
 all other tests of the default run where none of those fails. ``--long`` then runs the tests marked ``long`` too, for
 what the default run did not catch. Numbers after the options choose defects.
 """
@@ -9,12 +9,17 @@ what the default run did not catch. Numbers after the options choose defects.
 from __future__ import annotations
 
 import argparse
+import ast
 import os
+import re
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
+
+from function_sizes import spans
 
 ROOT = Path(__file__).parents[1]
 COPIED = ("lammps_jump", "analysis", "inputs", "tests", "docs", "benchmarks")
@@ -26,10 +31,21 @@ LIMIT = 1200
 
 
 class Defect(NamedTuple):
-    """A text that stands once in a file, what takes its place, and the tests (below ``tests/``) that run first."""
+    """A piece of a function, what takes its place, and the tests (below ``tests/``) that run first.
+
+    Attributes
+    ----------
+    kind, file : str
+    where : str
+        The function, of Python with its classes, ``Motion.pose``; or the name that is given a value.
+    old, new : str
+        The least piece that occurs once there, whatever its spaces and ends of lines, and what takes its place.
+    tests : str
+    """
 
     kind: str
     file: str
+    where: str
     old: str
     new: str
     tests: str
@@ -78,160 +94,129 @@ RULE_TESTS = f"scene/test_faces.py {TWIN_TESTS}"
 MOVING_PLUGIN_TESTS = "contacts/test_moving_forms.py integration/test_compiled_moving_walls.py integration/test_lids.py"
 
 DEFECTS = [
-    Defect("factor", CONTACT, "return density * (diameter * diameter)", "return density * (diameter * diameter) * 0.78",
-           "physics"),
-    Defect("factor", CONTACT, "return 2.0 * damping_ratio(restitution) *", "return damping_ratio(restitution) *",
-           "physics"),
-    Defect("sign", CONTACT, "2.0 * (sqrt(1.0 + xi * xi) - xi)\n", "2.0 * (sqrt(1.0 + xi * xi) + xi)\n", "physics"),
-    Defect("power", JUMP, "1.0 + 8.0 * froude_1**2) - 1.0", "1.0 + 8.0 * froude_1) - 1.0", "physics"),
-    Defect("sign", LAW, "return -bound * min(max(slip", "return bound * min(max(slip", "physics/test_law.py"),
-    Defect("factor", LAW, "+ touch * touch / 3.0)", "+ touch * touch / 2.0)", "physics/test_law.py"),
-    Defect("time level", CORE_DRIFT, "seen_y = 1.5 * new_y - 0.5 * old_y", "seen_y = 1.5 * new_y - 0.5 * new_y",
-           TWIN_TESTS),
-    Defect("sign", CORE_CONTACT, "-out.lever_b * out.tangential - rolls", "-out.lever_b * out.tangential + rolls",
-           TWIN_TESTS),
-    Defect("sign", CORE_PAIRS, "force(j) -= *rein", "force(j) += *rein", TWIN_TESTS),
-    Defect("off by one", CORE_PARTITION, "part.first_row = reaching(s, own);", "part.first_row = own;", THREAD_TESTS),
-    Defect("left out", CORE_PARTITION, "? reaching(s, part.end_row) : part.end_row;", "? part.end_row : part.end_row;",
-           THREAD_TESTS),
-    Defect("written twice", CORE_PAIRS, "b.slot[c] = FULL;", "b.slot[c] = memory.look(s).place();", THREAD_TESTS),
-    Defect("factor", CORE_LAW, "plain * root(0.75 * overlap / width)", "plain * root(overlap / width)", TWIN_TESTS),
-    Defect("factor", CORE_LAW, "0.5 * k * overlap * overlap / width", "k * overlap * overlap / width", TWIN_TESTS),
-    Defect("bound", CORE_LAW, "stretch = over ? left : stretch;", "", TWIN_TESTS),
-    Defect("lever", CORE_CONTACT, "way_to_middle(pair.a, out.overlap)", "pair.a", TWIN_TESTS),
-    Defect("corner", CORE_FACES, "(joint == CORNER && front && !shared)", "false", TWIN_TESTS),
-    Defect("joint", CORE_FACES, "if (joint == FREE || (shared && behind)", "if (joint == FREE || shared", TWIN_TESTS),
-    Defect("tie", CORE_FACES, "if (c.gap < 0.0) off += TIE * radius;", "if (c.gap < 0.0) off += radius;", TWIN_TESTS),
-    Defect("reach", CORE_NEAR, "return away < reach &&", "return away < 0.1 * reach &&", TWIN_TESTS),
-    Defect("ends", CORE_NEAR, "- f.y1) < -margin);", "- f.y1) < margin);", TWIN_TESTS),
-    Defect("partner", CORE_SLOTS, "row.partner(s) != partner ||", "row.partner(s) == 0 ||", TWIN_TESTS),
-    Defect("foot", CORE_SLOTS, "return least(rest, around - rest);", "return rest;", TWIN_TESTS),
-    Defect("candidates", CORE_RELIST, "add(s.x[i], s.y[i], far, low, high,", "add(s.x[i], s.y[i], far, low + 1, high,",
-           TWIN_TESTS),
-    Defect("pose", CORE_MOTION, "x = cx + wall.c * dx + wall.s * dy;", "x = cx + wall.c * dx - wall.s * dy;",
-           TWIN_TESTS),
-    Defect("kick", CORE_MOTION, "(first ? 0.5 * clock.dt : clock.dt)", "clock.dt", TWIN_TESTS),
-    Defect("power", CORE_SUMS, "power -= out.torque * at_step.spin[i];", "", TWIN_TESTS),
-    Defect("factor", LEDGER, "return -0.5 * scene.time_step * np", "return -1.0 * scene.time_step * np",
-           "engines/test_native_ledger.py"),
-    Defect("factor", LEDGER, "kinetic += 0.5 * inertia(scene)", "kinetic += 0.25 * inertia(scene)",
-           "engines/test_native_ledger.py engines"),
-    Defect("off by one", CORE_EVENTS, "((step - first) / every + 1) * every", "((step - first) / every + 2) * every",
-           ALONE_TESTS),
-    Defect("left out", CORE_EVENTS, "  s.wall_sum[wall] = {};\n", "", ALONE_TESTS),
-    Defect("number", CORE_PARTITION, "  return --last;", "  return last;", ALONE_TESTS),
-    Defect("off by one", EVENTS, "// self.every + 1) * self.every", "// self.every + 2) * self.every",
-           "engines/test_native_inlets.py"),
-    Defect("factor", EVENTS, "speed_down**2 + 2 * self.gravity", "speed_down**2 + self.gravity",
-           "engines/test_native_inlets.py"),
-    Defect("state lost", STATE, 'boundaries.rng.bit_generator.state = plain.random', "pass",
+    Defect("factor", CONTACT, "disc_mass", "diameter * diameter)", "diameter * diameter) * 0.78", "physics"),
+    Defect("factor", CONTACT, "damping", "2.0 *", "", "physics"),
+    Defect("sign", CONTACT, "lagged_stable_h", "* xi) -", "* xi) +", "physics"),
+    Defect("power", JUMP, "belanger", "**2", "", "physics"),
+    Defect("sign", LAW, "friction_force", "return -", "return", "physics/test_law.py"),
+    Defect("factor", LAW, "stored_energy", "/ 3.0", "/ 2.0", "physics/test_law.py"),
+    Defect("time level", CORE_DRIFT, "each_four", "* old_y", "* new_y", TWIN_TESTS),
+    Defect("sign", CORE_CONTACT, "pair_contact", "out.tangential -", "out.tangential +", TWIN_TESTS),
+    Defect("sign", CORE_PAIRS, "take_off", "-= *", "+= *", TWIN_TESTS),
+    Defect("off by one", CORE_PARTITION, "divide", "reaching(s, own)", "own", THREAD_TESTS),
+    Defect("left out", CORE_PARTITION, "divide", "reaching(s, part.end_row)", "part.end_row", THREAD_TESTS),
+    Defect("written twice", CORE_PAIRS, "recall", "= FULL", "= memory.look(s).place()", THREAD_TESTS),
+    Defect("factor", CORE_LAW, "force", "0.75 *", "", TWIN_TESTS),
+    Defect("factor", CORE_LAW, "force", "0.5 * k", "k", TWIN_TESTS),
+    Defect("bound", CORE_LAW, "slide", "stretch = over ? left : stretch;", "", TWIN_TESTS),
+    Defect("lever", CORE_CONTACT, "pair_contact", "way_to_middle(pair.a, out.overlap)", "pair.a", TWIN_TESTS),
+    Defect("corner", CORE_FACES, "at_end", "(joint == CORNER && front && !shared)", "false", TWIN_TESTS),
+    Defect("joint", CORE_FACES, "at_end", "(shared && behind)", "shared", TWIN_TESTS),
+    Defect("tie", CORE_FACES, "touching", "TIE *", "", TWIN_TESTS),
+    Defect("reach", CORE_NEAR, "is_near", "away <", "away < 0.1 *", TWIN_TESTS),
+    Defect("ends", CORE_NEAR, "is_plain", "< -", "<", TWIN_TESTS),
+    Defect("partner", CORE_SLOTS, "held", "!= partner", "== 0", TWIN_TESTS),
+    Defect("foot", CORE_SLOTS, "way_of", "least(rest, around - rest)", "rest", TWIN_TESTS),
+    Defect("candidates", CORE_RELIST, "list", "far, low", "far, low + 1", TWIN_TESTS),
+    Defect("pose", CORE_MOTION, "inward", "+ wall.s * dy", "- wall.s * dy", TWIN_TESTS),
+    Defect("kick", CORE_MOTION, "drift", "(first ? 0.5 * clock.dt : clock.dt)", "clock.dt", TWIN_TESTS),
+    Defect("power", CORE_SUMS, "each_wall_contact", "power -= out.torque * at_step.spin[i];", "", TWIN_TESTS),
+    Defect("factor", LEDGER, "half_work", "return -0.5", "return -1.0", "engines/test_native_ledger.py"),
+    Defect("factor", LEDGER, "energy_of", "+= 0.5", "+= 0.25", "engines/test_native_ledger.py engines"),
+    Defect("off by one", CORE_EVENTS, "next_of", "+ 1", "+ 2", ALONE_TESTS),
+    Defect("left out", CORE_EVENTS, "take_sums", "s.wall_sum[wall] = {};", "", ALONE_TESTS),
+    Defect("number", CORE_PARTITION, "next_list", "--", "", ALONE_TESTS),
+    Defect("off by one", EVENTS, "Turns.next_after", "+ 1", "+ 2", "engines/test_native_inlets.py"),
+    Defect("factor", EVENTS, "PourState.places", "2 *", "", "engines/test_native_inlets.py"),
+    Defect("state lost", STATE, "_loaded", "boundaries.rng.bit_generator.state = plain.random", "pass",
            "engines/test_native_resume.py"),
-    Defect("state lost", STATE, 'windows.begin = plain.window_begin', "pass",
+    Defect("state lost", STATE, "_loaded", "windows.begin = plain.window_begin", "pass",
            "engines/test_native_resume.py"),
-    Defect("not cut", FILES_PY, "        file.truncate(size)", "        pass", "engines/test_native_resume.py"),
-    Defect("kept too little", CHECKPOINT, "kept = {*states, *(before.state if before else ())}", "kept = {*states}",
+    Defect("not cut", FILES_PY, "cut_to", "file.truncate(size)", "pass", "engines/test_native_resume.py"),
+    Defect("kept too little", CHECKPOINT, "CheckpointWriter._write.kept", ", *(before.state if before else ())", "",
            "faults/test_power.py engines/test_checkpoint.py"),
-    Defect("missing flush", FILES_PY, "        if not staged:\n            flush(new)\n", "",
+    Defect("missing flush", FILES_PY, "whole", "if not staged:\n            flush(new)", "",
            "faults/test_power.py faults/test_files.py"),
-    Defect("lock", FOLDERS, "fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)\n            taken",
-           "fcntl.flock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB)\n            taken", "runs/test_lock.py"),
-    Defect("another's file", FOLDERS, "set(patterns) & set(marker.files if marker else ())", "set(patterns)",
-           "runs/test_ours.py runs"),
-    Defect("off by one", "lammps_jump/dump/check.py", "steps // self.scene.output_steps + 1",
-           "steps // self.scene.output_steps", "runs/test_complete.py"),
-    Defect("tolerance", "lammps_jump/dump/check.py", "NEAR = 0.01", "NEAR = 1e12", "runs/test_complete.py"),
-    Defect("digits", WRITE, "{low:.16e} {high:.16e}", "{low:.2e} {high:.2e}", "dump engines/test_native_output.py"),
-    Defect("status", "lammps_jump/runs/conclude.py", 'if stored.get("status") == "complete" and (changed',
-           'if stored.get("status") == "failed" and (changed', "runs/test_complete.py"),
-    Defect("exit status", "lammps_jump/errors.py", "exit_status = 75", "exit_status = 1", "engines runs"),
-    Defect("signal", "lammps_jump/engines/interrupts.py", "signal.SIGUSR2, signal.SIGXCPU)", "signal.SIGUSR2)",
+    Defect("lock", FOLDERS, "_take", ", fcntl.LOCK_EX", ", fcntl.LOCK_SH", "runs/test_lock.py"),
+    Defect("another's file", FOLDERS, "clear", "& set(marker.files if marker else ())", "", "runs/test_ours.py runs"),
+    Defect("off by one", "lammps_jump/dump/check.py", "FrameCheck.result.expected", "+ 1", "",
+           "runs/test_complete.py"),
+    Defect("tolerance", "lammps_jump/dump/check.py", "NEAR", "= 0.01", "= 1e12", "runs/test_complete.py"),
+    Defect("digits", WRITE, "DumpWriter._text", "16e} {high:.16e", "2e} {high:.2e",
+           "dump engines/test_native_output.py"),
+    Defect("status", "lammps_jump/runs/conclude.py", "Conclusion.check", '"complete', '"failed',
+           "runs/test_complete.py"),
+    Defect("exit status", "lammps_jump/errors.py", "RunInterrupted.exit_status", "= 75", "= 1", "engines runs"),
+    Defect("signal", "lammps_jump/engines/interrupts.py", "SIGNALS", ", signal.SIGXCPU", "",
            "engines/test_native_resume.py engines/test_interrupts.py"),
-    Defect("sign", STOCK, "vector {numbers(*scene.gravity)} 0", "vector {numbers(*(-g for g in scene.gravity))} 0",
-           "golden"),
-    Defect("axis", STOCK, 'if outlet.axis == "x" else', 'if outlet.axis == "y" else', "golden"),
-    Defect("off by one", "lammps_jump/engines/lammps/log.py", "0.5 * (previous[1] + summary.discs)",
-           "0.5 * (summary.discs + summary.discs)", "runs/test_while_running.py"),
-    Defect("factor", CORE_LAW, "root(0.75 * overlap", "root(0.5 * overlap", PLUGIN_TESTS),
-    Defect("sign", CORE_CONTACT, "- vx * ny - at.rim;", "- vx * ny + at.rim;", PLUGIN_TESTS),
-    Defect("sign", CORE_CONTACT, "at.radius - at.gap, at.nx", "at.radius - magnitude(at.gap), at.nx", PLUGIN_TESTS),
-    Defect("off by one", WALLS_CPP, "update->ntimestep < wall.until;", "update->ntimestep <= wall.until;",
-           PLUGIN_TESTS),
-    Defect("sign", WALLS_CPP, "* out.fy - (a.y", "* out.fy + (a.y", PLUGIN_TESTS),
-    Defect("sign", PAIR_CPP, "batch.spin[1][c] = omega[j];", "batch.spin[1][c] = -omega[j];", PLUGIN_TESTS),
-    Defect("left out", FIX_CPP, "  if (lammps_is_stale) end_steps();\n  lammps_is_stale = false;",
-           "  lammps_is_stale = false;", ARRAY_TESTS),
-    Defect("left out", FIX_CPP, "others_look || step == output->next || step", "others_look || step", ARRAY_TESTS),
-    Defect("left out", PAIR_CPP, "if (sizes) radii[to] = radii[from];", "", "integration/test_threads.py"),
-    Defect("formula", "lammps_jump/core/analysis/circular_segment.h", "(a * std::sqrt(1.0 - a * a)",
-           "(a * std::sqrt(1.0 - a)", "analysis/test_profiles.py"),
-    Defect("left out", "analysis/profiles.py", "np.where(some, height / safe, np.nan) - bed",
-           "np.where(some, height / safe, np.nan)", "analysis/test_profiles.py"),
-    Defect("off by one", "analysis/profiles.py", "(time >= window[0] - slack)", "(time >= window[0] + slack)",
-           "analysis/test_profiles.py analysis"),
-    Defect("sign", "analysis/budgets/energy.py", "potential = 0.0 - mass", "potential = 0.0 + mass",
-           "analysis/test_energy.py"),
-    Defect("sign", "analysis/forces/impulse.py", "float(ends[a] - ends[b])", "float(ends[b] - ends[a])",
-           "analysis/test_forces.py"),
-    Defect("inverted", "analysis/devices/front.py", '"T": sqrt(height / base) * tau', '"T": sqrt(base / height) * tau',
-           "analysis/test_front.py"),
-    Defect("off by one", "analysis/statistics.py", "np.var(block, axis=0) / (n - 1)", "np.var(block, axis=0) / n",
-           "analysis/test_profiles.py analysis"),
-    Defect("left out", "lammps_jump/core/analysis/pairs.cpp", "UP[] = {0, 1, -1, 0, 1}", "UP[] = {0, 1, 0, 0, 1}",
-           "analysis/test_contacts.py"),
-    Defect("factor", "analysis/budgets/head.py", "energy = 0.5 * (u * u", "energy = 1.0 * (u * u",
-           "analysis/test_budget.py"),
-    Defect("rate", "analysis/report/coder.py", "ahead > 1 else -(ones >> 5)", "ahead > 1 else -(ones >> 4)",
-           "analysis/test_player.py analysis"),
-    Defect("off by one", "lammps_jump/sweeps/table.py", "sd = x.std(ddof=1)", "sd = x.std(ddof=0)",
-           "sweeps/test_table.py"),
-    Defect("quoting", QUOTING, '("=", "+", "-", "@")', '("=", "+", "-")',
-           "sweeps/test_table.py faults/test_text.py"),
-    Defect("quoting", QUOTING, 'return visible(text).replace("$", r"\\$")', "return visible(text)",
-           "faults/test_text.py"),
-    Defect("factor", PROGRESS, "* (report.steps - report.step) / here", "* report.steps / here",
+    Defect("sign", STOCK, "gravity", "*scene.gravity", "*(-g for g in scene.gravity)", "golden"),
+    Defect("axis", STOCK, "outlets.extent", '"x', '"y', "golden"),
+    Defect("off by one", "lammps_jump/engines/lammps/log.py", "read_log", "previous[1]", "summary.discs",
            "runs/test_while_running.py"),
-    Defect("sign", CORE_WALL, "{rate.x - rate.angle * (y", "{rate.x + rate.angle * (y", TWIN_TESTS),
-    Defect("sign", CORE_MOTION, "y * rate.y + moment * rate.angle", "y * rate.y - moment * rate.angle", TWIN_TESTS),
-    Defect("derivative", TRACKS, "3 * a * s + 6 * b * s**2, a +", "3 * a * s + 4 * b * s**2, a +",
-           f"scene {MOVING_TESTS}"),
-    Defect("off by one", MOTION, "if step >= self.gone:", "if step > self.gone:", f"scene {MOVING_TESTS} golden"),
-    Defect("derivative", CORE_MOTION, "rate = {(wall.now.x - before.x) / dt,", "rate = {(behind.x - before.x) / dt,",
-           MOVING_PLUGIN_TESTS),
-    Defect("factor", CORE_MOTION, ": clock.dt) * force / load.res", ": clock.dt) * 0.5 * force / load.res",
-           MOVING_PLUGIN_TESTS),
-    Defect("factor", HYDROGRAPH, "+ h0 * u1 + h1 * u0 +", "+ 2 * h0 * u1 + h1 * u0 +",
-           "physics/test_inlet.py case/test_inflow_table.py"),
-    Defect("interpolation", "lammps_jump/case/parts/rows.py", "graph.speed((steps - settle) * dt)",
-           "graph.speed(steps * dt)", "case/test_inflow_table.py"),
-    Defect("interpolation", "analysis/devices/waves.py", "np.interp(place, x, row)", "row[np.searchsorted(x, place)]",
-           "analysis/test_devices.py"),
-    Defect("sign", "analysis/devices/drum.py", "(1.0 if rate > 0 else -1.0)", "(1.0 if rate < 0 else -1.0)",
-           "analysis/test_devices.py"),
-    Defect("sign", DEVICES, "/ (sinh(twice) + twice)", "/ (sinh(twice) - twice)", "analysis/test_devices.py"),
-    Defect("factor", DEVICES, "(slot - BEVERLOO_K * diameter) ** 1.5", "(slot - BEVERLOO_K * diameter) ** 0.5",
-           "analysis/test_devices.py"),
-    Defect("pieces", CHAINS, "ceil(abs(sweep) / (0.5 * pi) - 1e-9)", "ceil(abs(sweep) / pi - 1e-9)",
-           "scene/test_chains.py"),
-    Defect("pose", CHAINS, "oy + py + s * dx + c * dy", "oy + py - s * dx + c * dy", "scene/test_chains.py"),
-    Defect("unwrapped", CHAINS, "            phi += turns[i]\n", "", "scene/test_chains.py"),
-    Defect("sign", FACES, "return INSIDE, rho - r, -dx", "return INSIDE, r - rho, -dx", RULE_TESTS),
-    Defect("corner", FACES, "(joint == CORNER and front and not shared)", "False", RULE_TESTS),
-    Defect("depth", FACES, "if gap >= 0.0 and gap < radius:", "if gap > 0.0 and gap < 0.5 * radius:", RULE_TESTS),
-    Defect("ends", NEAR, "(py - shape[f, Y1]) < -margin", "(py - shape[f, Y1]) < margin", RULE_TESTS),
-    Defect("reach", NEAR, "far = reach + sqrt(0.5) / inverse", "far = 0.5 * reach", RULE_TESTS),
-    Defect("behind", NEAR, "faces.deep[wall] == 1 or gap > -reach", "gap > -reach", RULE_TESTS),
-    Defect("factor", SHAPES, "0.5 * bend * bend * (sweep", "bend * bend * (sweep", "scene/test_chains.py"),
-    Defect("sign", SHAPES, "(apart * apart + p * p - q * q)", "(apart * apart - p * p + q * q)",
-           "scene/test_chains.py"),
-    Defect("foot", SLOTS, "    slots.sigma[i, best] = foot\n", "", "physics/test_slots.py"),
-    Defect("taken twice", SLOTS, "if held != partner or slots.used[i, s] == 1:", "if held != partner:",
-           "physics/test_slots.py"),
-    Defect("sizes", CORE_LISTS, "apart = radius ? far + radius[j] : far;", "apart = far;", LIST_TESTS),
-    Defect("cells", CORE_LISTS, "last(least((int64_t) (place + reach), end))", "last(least((int64_t) place, end))",
-           LIST_TESTS),
-    Defect("sign", SHEAR, "-float(means[loops.SXY]) / pressure", "float(means[loops.SXY]) / pressure",
-           "studies/test_fluid.py"),
-    Defect("factor", SLOSH, "* pi / (8.0 * depth)", "* pi / (4.0 * depth)", "studies/test_fluid.py"),
+    Defect("factor", CORE_LAW, "force", "0.75 *", "0.5 *", PLUGIN_TESTS),
+    Defect("sign", CORE_CONTACT, "contact_force", "ny -", "ny +", PLUGIN_TESTS),
+    Defect("sign", CORE_CONTACT, "wall_contact", "- at.gap", "- magnitude(at.gap)", PLUGIN_TESTS),
+    Defect("off by one", WALLS_CPP, "FixJumpStep::is_there", "ntimestep <", "ntimestep <=", PLUGIN_TESTS),
+    Defect("sign", WALLS_CPP, "FixJumpStep::touch", "out.fy -", "out.fy +", PLUGIN_TESTS),
+    Defect("sign", PAIR_CPP, "PairJumpDisc::gather", "omega[j", "-omega[j", PLUGIN_TESTS),
+    Defect("left out", FIX_CPP, "FixJumpStep::post_run", "if (lammps_is_stale) end_steps();", "", ARRAY_TESTS),
+    Defect("left out", FIX_CPP, "FixJumpStep::is_seen_at_end", "== output->next || step", "", ARRAY_TESTS),
+    Defect("left out", PAIR_CPP, "PairJumpDisc::take_copies", "if (sizes) radii[to] = radii[from];", "",
+           "integration/test_threads.py"),
+    Defect("formula", "lammps_jump/core/analysis/circular_segment.h", "circular_segment_area", "* a", "",
+           "analysis/test_profiles.py"),
+    Defect("left out", "analysis/profiles.py", "_values.values", "- bed", "", "analysis/test_profiles.py"),
+    Defect("off by one", "analysis/profiles.py", "within", "] -", "] +", "analysis/test_profiles.py analysis"),
+    Defect("sign", "analysis/budgets/energy.py", "EnergyLedger.add.potential", "0.0 -", "0.0 +",
+           "analysis/test_energy.py"),
+    Defect("sign", "analysis/forces/impulse.py", "impulse_identity", "a] - ends[b", "b] - ends[a",
+           "analysis/test_forces.py"),
+    Defect("inverted", "analysis/devices/front.py", "dimensionless", "height / base", "base / height",
+           "analysis/test_front.py"),
+    Defect("off by one", "analysis/statistics.py", "block_average", "/ (n - 1)", "/ n",
+           "analysis/test_profiles.py analysis"),
+    Defect("left out", "lammps_jump/core/analysis/pairs.cpp", "jump_close_pairs", "-1", "0",
+           "analysis/test_contacts.py"),
+    Defect("factor", "analysis/budgets/head.py", "EnergyFluxes.add.energy", "= 0.5", "= 1.0",
+           "analysis/test_budget.py"),
+    Defect("rate", "analysis/report/coder.py", "_digits_of_each", "ones >> 5", "ones >> 4",
+           "analysis/test_player.py analysis"),
+    Defect("off by one", "lammps_jump/sweeps/table.py", "statistics.sd", "=1", "=0", "sweeps/test_table.py"),
+    Defect("quoting", QUOTING, "csv_cell", ', "@"', "", "sweeps/test_table.py faults/test_text.py"),
+    Defect("quoting", QUOTING, "figure_text", '.replace("$", r"\\$")', "", "faults/test_text.py"),
+    Defect("factor", PROGRESS, "ProgressLine.__call__.left", "(report.steps - report.step)", "report.steps",
+           "runs/test_while_running.py"),
+    Defect("sign", CORE_WALL, "velocity", "rate.x -", "rate.x +", TWIN_TESTS),
+    Defect("sign", CORE_MOTION, "power", "rate.y +", "rate.y -", TWIN_TESTS),
+    Defect("derivative", TRACKS, "_way", "+ 6", "+ 4", f"scene {MOVING_TESTS}"),
+    Defect("off by one", MOTION, "Motion.pose", ">=", ">", f"scene {MOVING_TESTS} golden"),
+    Defect("derivative", CORE_MOTION, "follow", "wall.now.x -", "behind.x -", MOVING_PLUGIN_TESTS),
+    Defect("factor", CORE_MOTION, "drift", "* force", "* 0.5 * force", MOVING_PLUGIN_TESTS),
+    Defect("factor", HYDROGRAPH, "_parabola", "+ h0", "+ 2 * h0", "physics/test_inlet.py case/test_inflow_table.py"),
+    Defect("interpolation", "lammps_jump/case/parts/rows.py", "_rows_against_time.speeds", "(steps - settle)",
+           "steps", "case/test_inflow_table.py"),
+    Defect("interpolation", "analysis/devices/waves.py", "analyse.records", "np.interp(place, x, row)",
+           "row[np.searchsorted(x, place)]", "analysis/test_devices.py"),
+    Defect("sign", "analysis/devices/drum.py", "SurfaceAngles.add", "rate >", "rate <", "analysis/test_devices.py"),
+    Defect("sign", DEVICES, "piston_wave_height", "+ twice", "- twice", "analysis/test_devices.py"),
+    Defect("factor", DEVICES, "beverloo_number", "* 1.5", "* 0.5", "analysis/test_devices.py"),
+    Defect("pieces", CHAINS, "_arc.pieces", "(0.5 * pi)", "pi", "scene/test_chains.py"),
+    Defect("pose", CHAINS, "moved", "py +", "py -", "scene/test_chains.py"),
+    Defect("unwrapped", CHAINS, "_chain_rows", "phi += turns[i]", "", "scene/test_chains.py"),
+    Defect("sign", FACES, "_candidate", "rho - r", "r - rho", RULE_TESTS),
+    Defect("corner", FACES, "_candidate", "(joint == CORNER and front and not shared)", "False", RULE_TESTS),
+    Defect("depth", FACES, "touching", "= 0.0 and gap <", "0.0 and gap < 0.5 *", RULE_TESTS),
+    Defect("ends", NEAR, "_plain.end", "< -", "<", RULE_TESTS),
+    Defect("reach", NEAR, "mark_cells.far", "reach + sqrt(0.5) / inverse", "0.5 * reach", RULE_TESTS),
+    Defect("behind", NEAR, "list_near", "faces.deep[wall] == 1 or", "", RULE_TESTS),
+    Defect("factor", SHAPES, "Path.area", "0.5 * bend", "bend", "scene/test_chains.py"),
+    Defect("sign", SHAPES, "_of_circles.along", "+ p * p -", "- p * p +", "scene/test_chains.py"),
+    Defect("foot", SLOTS, "slot_of", "slots.sigma[i, best] = foot", "", "physics/test_slots.py"),
+    Defect("taken twice", SLOTS, "slot_of", "or slots.used[i, s] == 1", "", "physics/test_slots.py"),
+    Defect("sizes", CORE_LISTS, "add", "radius ? far + radius[j] :", "", LIST_TESTS),
+    Defect("cells", CORE_LISTS, "Span", "(place + reach)", "place", LIST_TESTS),
+    Defect("sign", SHEAR, "of_record", "-float", "float", "studies/test_fluid.py"),
+    Defect("factor", SLOSH, "coulomb_friction", "8.0 *", "4.0 *", "studies/test_fluid.py"),
 ]  # fmt: skip
 
 
@@ -264,14 +249,55 @@ def fails(tree: Path, tests: list[str], *options: str) -> str:
     return lines[0].split(" - ")[0].partition(" tests/")[2]
 
 
+WORDS = re.compile(r"\w+(?:\.\w+)*|[^\w\s]")
+
+
+def piece(text: str) -> re.Pattern[str]:
+    """The words and signs of a text, with any space between them."""
+    words = WORDS.findall(text)
+    begin = r"(?<!\w)" if re.match(r"\w", words[0]) else ""
+    end = r"(?!\w)" if re.match(r"\w", words[-1]) else ""
+    return re.compile(begin + r"\s*".join(map(re.escape, words)) + end)
+
+
+def named_lines(file: str, text: str) -> Iterator[tuple[str, int, int]]:
+    """Functions of a file, and of Python names that are given a value, with first and last line."""
+    if not file.endswith(".py"):
+        yield from ((one.shape.name, one.first, one.last) for one in spans(text))
+        return
+    nodes: list[tuple[str, ast.AST]] = [("", ast.parse(text))]
+    while nodes:
+        above, node = nodes.pop()
+        for inner in ast.iter_child_nodes(node):
+            target = inner.targets[0] if isinstance(inner, ast.Assign) else getattr(inner, "target", None)
+            name = getattr(inner, "name", "") or (target.id if isinstance(target, ast.Name) else "")
+            if name and isinstance(inner, ast.stmt):
+                yield f"{above}{name}", inner.lineno, inner.end_lineno or inner.lineno
+            nodes.append((f"{above}{name}." if name else above, inner))
+
+
+def places(defect: Defect, text: str) -> list[tuple[int, int]]:
+    """Where in the text of its file the piece of a defect occurs; once, in a defect of today."""
+    begins = [0, *(found.end() for found in re.finditer("\n", text))]
+    ends = [*begins[1:], len(text)]
+    return [
+        found.span()
+        for name, first, last in named_lines(defect.file, text)
+        if name == defect.where
+        for found in piece(defect.old).finditer(text, begins[first - 1], ends[last - 1])
+    ]
+
+
 class Changed:
     """A defect in the copy while the block runs; dates of files come back, so that caches stay good."""
 
     def __init__(self, tree: Path, defect: Defect):
         self.path, self.before = tree / defect.file, ROOT / defect.file
         text = self.path.read_text(encoding="utf-8")
-        assert text.count(defect.old) == 1, (defect.file, defect.old, text.count(defect.old))
-        self.text = text.replace(defect.old, defect.new)
+        found = places(defect, text)
+        assert len(found) == 1, (defect.file, defect.where, defect.old, len(found))
+        ((begin, end),) = found
+        self.text = text[:begin] + defect.new + text[end:]
 
     def __enter__(self) -> None:
         self.path.write_text(self.text, encoding="utf-8")

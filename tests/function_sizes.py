@@ -12,7 +12,7 @@ NOISE = re.compile(
     r'|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'|`(?:\\.|[^`\\])*`'
 )
 PREPROCESSOR = re.compile(r"^[ \t]*#(?:[^\n]*\\\n)*[^\n]*", re.MULTILINE)
-NO_FUNCTION = {"if", "for", "while", "switch", "catch", "return", "else", "do", "try"}
+NO_FUNCTION = {"if", "for", "while", "switch", "catch", "return", "else", "do", "try", "constexpr"}
 QUALIFIERS = re.compile(r"const|noexcept|override|final|->|:|mutable|\[\[|=>")
 """What may stand between the parameters of a function and its body."""
 
@@ -31,8 +31,21 @@ def bare(text: str) -> str:
     return PREPROCESSOR.sub(lambda m: "\n" * m[0].count("\n"), kept)
 
 
+class Span(NamedTuple):
+    """Where a function stands: its first and last line, from 1, and its shape."""
+
+    first: int
+    last: int
+    shape: Shape
+
+
 def functions(text: str) -> Iterator[Shape]:
     """Functions of a file, in the order of their ends; those inside others count for both."""
+    return (span.shape for span in spans(text))
+
+
+def spans(text: str) -> Iterator[Span]:
+    """Functions of a file, and where each stands, in the order of their ends."""
     text = bare(text)
     begun: list[tuple[int, str]] = []
     last = 0
@@ -48,7 +61,8 @@ def functions(text: str) -> Iterator[Shape]:
             start, head = begun.pop()
             if (signature := _signature(head)) is not None:
                 lines = sum(bool(line.strip()) for line in text[start : at + 1].split("\n"))
-                yield Shape(signature[0], lines, signature[1])
+                first, end = text.count("\n", 0, start) + 1, text.count("\n", 0, at) + 1
+                yield Span(first, end, Shape(signature[0], lines, signature[1]))
 
 
 def _signature(head: str) -> tuple[str, int] | None:

@@ -21,7 +21,7 @@ from pathlib import Path
 import budget
 import pytest
 import times
-from defects import DEFECTS
+from defects import DEFECTS, Defect, places
 from edges import Program, base_of, module_of
 from function_sizes import Shape, functions
 
@@ -596,8 +596,21 @@ def test_contributing_counts_the_seeded_defects():
     assert sum(told.values()) == len(DEFECTS)
 
 
-def test_seeded_defects_are_of_todays_text():
-    """A defect whose text has changed would be left out of `tests/defects.py` unseen."""
-    missing = [(d.file, d.old) for d in DEFECTS if (ROOT / d.file).read_text().count(d.old) != 1]
+def test_seeded_defects_are_of_todays_program():
+    """A defect whose function or piece is gone would be left out of `tests/defects.py` unseen."""
+    texts = {d.file: (ROOT / d.file).read_text() for d in DEFECTS}
+    missing = [(d.file, d.where, d.old) for d in DEFECTS if len(places(d, texts[d.file])) != 1]
     nowhere = {name for d in DEFECTS for name in d.tests.split() if not (ROOT / "tests" / name).exists()}
     assert missing == [] and nowhere == set()
+
+
+def test_a_defect_is_found_by_its_function_whatever_stands_around_it():
+    text = (
+        "K = 2 * a\n\n\nclass A:\n    def f(a):\n        # 2 * a\n        return (2\n                * a + 12 * ab)\n"
+    )
+    (place,) = places(Defect("", "a.py", "A.f", "(2 * a", "", ""), text)
+    assert text[slice(*place)] == "(2\n                * a"
+    assert places(Defect("", "a.py", "K", "2 * a", "", ""), text) == [(4, 9)]
+    assert not places(Defect("", "a.py", "f", "2 * a", "", ""), text)
+    text = "inline double g(double a) { return 2 * a; }\nint h() { if constexpr (b) { return 2 * a; } }\n"
+    assert [len(places(Defect("", "a.h", name, "2 * a", "", ""), text)) for name in ("g", "h", "k")] == [1, 1, 0]
