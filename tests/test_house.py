@@ -501,7 +501,12 @@ def test_how_classes_are_found():
 
 MENTIONED = re.compile(r"`([\w./-]+\.(?:py|pyi|h|cpp|js|css|j2|md))`|\]\(([\w./-]+\.md)(?:#[\w-]*)?\)")
 """A source file or a page that a text names in backquotes, or links."""
-NOT_OURS = {"tools/binary2txt.cpp": "LAMMPS", "lammps.js": "of npm", "law.py": "of each folder of validation/"}
+NOT_OURS = {
+    "tools/binary2txt.cpp": "LAMMPS",
+    "lammps.js": "of npm",
+    "law.py": "of each folder of validation/",
+    "analysis/spread.py": "a recipe",
+}
 """Files of others, or of a name that several have."""
 RESULTS = re.compile(
     r"^(?:bench|stress|compared|fluid|calibrate|collision|sensitivity|cross_validation|validation)\.md$"

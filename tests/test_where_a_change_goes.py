@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The table "Where a change goes" of CONTRIBUTING.md: no file beside it knows a wall or a law by its name.
 
-A wall of a new shape and a new motion are made here, outside the program, and run through it. A new number of the
-contact law is put into a copy of the program.
+A wall of a new shape and a new motion are made here, outside the program, and run through it. The additions of
+docs/extending.md are pasted into a copy of the program.
 """
 
 import ast
@@ -106,7 +106,7 @@ def nodes(words: set[str]):
 
 
 def test_the_files_of_the_table_are_there():
-    assert len(table()) == 9 and len(table()["an analysis"]) == len(table()["a study"]) == 2
+    assert len(table()) == 11 and len(table()["an analysis"]) == len(table()["a study"]) == 2
     for files in table().values():
         assert files and all((ROOT / file).exists() for file in files), files
 
@@ -152,39 +152,91 @@ def test_only_one_header_puts_the_slots_of_a_law_together():
     assert {file for file, text in texts().items() if asks.search(text)} == {"lammps_jump/core/contact/contact.h"}
 
 
-MADE_UP = {
-    "core/contact/law.h": (
-        ("NUMBER(rolling_friction)", "NUMBER(rolling_friction) NUMBER(made_up)"),
-        ("return of.stiffness * overlap - of.cohesion;", "return (of.stiffness + of.made_up) * overlap - of.cohesion;"),
-        ("return of.stiffness * (0.5 * overlap", "return (of.stiffness + of.made_up) * (0.5 * overlap"),
-    ),
-    "core/law.py": (
-        ("    rolling_friction: float = 0.0", "    rolling_friction: float = 0.0\n    made_up: float = 0.0"),
-    ),
-    "physics/law.py": (
-        ("opening, of.stiffness, of.damping", "opening, of.stiffness + of.made_up, of.damping"),
-        ("return of.stiffness * stored_energy", "return (of.stiffness + of.made_up) * stored_energy"),
-    ),
-    "scene/scene.py": (
-        ("    cohesion: float = 0.0\n", "    cohesion: float = 0.0\n    made_up: float = 0.0\n"),
-        (
-            "            cohesion=self.cohesion,\n",
-            "            cohesion=self.cohesion,\n            made_up=self.made_up,\n",
-        ),
-    ),
-    "identity.py": (('"cohesion": 0.0}', '"cohesion": 0.0, "made_up": 0.0}'),),
-    "case/parts/contact.py": (
-        (
-            "    rotation: bool = Field(",
-            '    made_up: Plain = Field(default=0.0, ge=0, description="more")\n    rotation: bool = Field(',
-        ),
-        (
-            '            "touch": self.touch,\n',
-            '            "touch": self.touch,\n            "made_up": self.made_up,\n',
-        ),
-    ),
-}
-"""What puts one more number into the law, a stiffness beside that of the contact: file and its replaced lines."""
+PAGE = (ROOT / "docs" / "extending.md").read_text()
+PASTED = re.compile(r"^`([\w/.]+)`, (above|in place of) `([^\n]+)`:\n\n```[\w+]+\n(.*?)^```", re.MULTILINE | re.DOTALL)
+"""A block of docs/extending.md: file, what is done, and the text of the file that it is done to."""
+COPIED = re.compile(r"^`([\w/.]+)`, a copy of `([\w/.]+)`$", re.MULTILINE)
+NUMBER = "A new number of the contact law"
+
+
+def recipes() -> dict[str, str]:
+    """Sections of docs/extending.md with something to paste, by their heading."""
+    _, *parts = re.split(r"^## ", PAGE, flags=re.MULTILINE)
+    return {head: text for head, _, text in (part.partition("\n") for part in parts) if PASTED.search(text)}
+
+
+def paste(recipe: str, tree: Path) -> set[str]:
+    """Do in a copy of the tree what a person does with a recipe; returns the files."""
+    files = set()
+    for file, how, there, block in PASTED.findall(recipe):
+        path, there = tree / file, there.replace("\\n", "\n")
+        text = path.read_text()
+        assert text.count(there) == 1, (file, there)
+        if how == "above":
+            apart = "\n\n" if block.startswith(("@", "def ", "class ")) else ""
+            text = text.replace(there, f"{block}{apart}{there}")
+        else:
+            text = text.replace(there, block.rstrip("\n"))
+        path.write_text(text)
+        files.add(file)
+    for file, source in COPIED.findall(recipe):
+        shutil.copy(tree / source, tree / file)
+        files.add(file)
+    return files
+
+
+def copy_of_tree(tree: Path) -> None:
+    """What a person edits, without what is made of it."""
+    left = shutil.ignore_patterns(
+        "__pycache__", "carried", "build", "*.egg-info", ".venv", ".git", ".pytest_cache", "runs"
+    )
+    shutil.copytree(ROOT, tree, symlinks=True, ignore=left)
+
+
+def tried(tree: Path, *command: str) -> subprocess.CompletedProcess[str]:
+    """A Python program on a copy of the tree."""
+    here = {"PYTHONPATH": str(tree), "LAMMPS_JUMP_CACHE": str(tree.parent / "cache")}
+    return subprocess.run([sys.executable, *command], cwd=tree, env=os.environ | here, capture_output=True, text=True)
+
+
+@pytest.mark.parametrize("head", recipes())
+def test_a_recipe_can_be_pasted_and_is_clean(head, tmp_path):
+    """What each block is put beside is there once, and ruff finds nothing in what comes of it."""
+    recipe = recipes()[head]
+    for file in {file for file, *_ in PASTED.findall(recipe)} | {source for _, source in COPIED.findall(recipe)}:
+        (tmp_path / file).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(ROOT / file, tmp_path / file)
+    shutil.copy(ROOT / "pyproject.toml", tmp_path)
+    files = [file for file in sorted(paste(recipe, tmp_path)) if file.endswith(".py")]
+    for command in (("check",), ("format", "--check")):
+        done = tried(tmp_path, "-m", "ruff", *command, "--no-cache", *files)
+        assert done.returncode == 0, done.stdout
+
+
+MET = "tests/test_house.py tests/docs tests/scene/test_new_wall.py tests/script tests/cli/test_app.py tests/case"
+"""Tests that a change of this kind meets, besides those of its own."""
+
+
+@pytest.mark.long
+def test_recipes_meet_no_failure_that_they_do_not_name(tmp_path):
+    """All of them in one copy: lint and types, then the tests; `make reference` mends what fails."""
+    tree = tmp_path / "copy"
+    copy_of_tree(tree)
+    for recipe in recipes().values():
+        paste(recipe, tree)
+    for command in (["-m", "ruff", "check", "."], ["-m", "ruff", "format", "--check", "."], ["-m", "mypy"]):
+        done = tried(tree, *command)
+        assert done.returncode == 0, done.stdout
+    tests = ["-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", "-m", "not long and not docs", *MET.split()]
+    places = "tests/faults/test_places.py::test_every_place_that_a_command_takes_has_its_row"
+    failed = re.findall(r"^(?:FAILED|ERROR) (\S+)", tried(tree, *tests, places).stdout, re.MULTILINE)
+    stale = "tests/docs/test_pages.py::test_the_reference_in_the_source_tree_is_that_of_the_program["
+    assert failed and all(test.startswith(stale) for test in failed), failed
+    assert tried(tree / "docs", "-m", "making.pages").returncode == 0  # make reference
+    done = tried(tree, *tests, places)
+    assert done.returncode == 0, done.stdout[-3000:]
+
+
 RUN_OF_IT = """
 import importlib.util, sys, tempfile
 from dataclasses import replace
@@ -241,26 +293,19 @@ assert np.abs(ends[0] - places).max() > 1e-3 and lacking(one) == "'contact.made_
 @pytest.mark.lammps
 def test_a_new_number_of_the_law_acts_on_all_engines(tmp_path):
     """Put into a copy of the program, in as many files as the table says, it keeps types and rules, and runs."""
-    left = shutil.ignore_patterns("__pycache__", "carried", "build", "*.egg-info", ".*")
-    shutil.copytree(ROOT, tmp_path / "copy", symlinks=True, ignore=left)
-    for name, lines in MADE_UP.items():
-        path = tmp_path / "copy" / "lammps_jump" / name
-        text = path.read_text()
-        for before, after in lines:
-            assert text.count(before) == 1, (name, before)
-            text = text.replace(before, after)
-        path.write_text(text)
-    of_table = {f"lammps_jump/{name}" for name in MADE_UP} - {"lammps_jump/case/parts/contact.py"}
-    assert of_table == table()["a number of the contact law"]
+    tree = tmp_path / "copy"
+    copy_of_tree(tree)
+    files = paste(recipes()[NUMBER], tree)
+    assert files - {"lammps_jump/case/parts/contact.py"} == table()["a number of the contact law"]
     (tmp_path / "run.py").write_text(RUN_OF_IT)
-    here = {"PYTHONPATH": str(tmp_path / "copy"), "LAMMPS_JUMP_CACHE": str(tmp_path / "cache")}
     plain = "\n".join(line for line in CASE.splitlines() if "arch" not in line)
     for command in (
         ["-P", str(tmp_path / "run.py"), str(ROOT / "tests"), plain],
         ["-m", "mypy"],
         ["-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", "tests/test_house.py"],
     ):
-        subprocess.run([sys.executable, *command], check=True, cwd=tmp_path / "copy", env=os.environ | here)
+        done = tried(tree, *command)
+        assert done.returncode == 0, done.stdout + done.stderr
 
 
 @dataclass(frozen=True)

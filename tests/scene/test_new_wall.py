@@ -16,6 +16,7 @@ from lammps_jump.analysis.draw.painter import PAPER, SOLID, View, blank, paint_w
 from lammps_jump.analysis.flow import from_scene
 from lammps_jump.case.fields import WallField
 from lammps_jump.engines.native import NativeSimulation
+from lammps_jump.scene import walls
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.motion import Motion, MovingWall
 from lammps_jump.scene.tracks import Rotate
@@ -23,8 +24,9 @@ from lammps_jump.scene.walls import Block, Line, Plane
 from lammps_jump.script import write_script
 
 PAGE = (Path(__file__).parents[2] / "docs" / "extending.md").read_text()
-NAMES = {"__name__": "a_page"}
-exec(re.search(r"```python\n(.*?class Mound.*?)```", PAGE, re.DOTALL).group(1), NAMES)
+BLOCK = re.search(r"```python\n(@dataclass\(frozen=True\)\nclass Mound.*?)```", PAGE, re.DOTALL).group(1)
+NAMES = {name: getattr(walls, name) for name in dir(walls)}
+exec(BLOCK.replace('"mound"', '"tried_mound"'), NAMES)  # a person may have put it into the program
 Mound = NAMES["Mound"]
 MOUND = Mound("mound", 0.0, 0.0, 1.0)
 FLOOR = Plane("floor", "y", 0.0, "above")
@@ -48,7 +50,7 @@ OWN = ["kind", "name", "friction", "restitution", "stiffness", "rolling", "motio
 
 def test_a_case_file_may_name_it():
     kinds = TypeAdapter(Annotated[WallField | Mound, Field(discriminator="kind")])
-    data = yaml.safe_load("{kind: mound, name: mound, x: 0, y: 0, radius: 100 cm}")
+    data = yaml.safe_load("{kind: tried_mound, name: mound, x: 0, y: 0, radius: 100 cm}")
     assert kinds.validate_python(data) == MOUND
     assert kinds.dump_python(MOUND, exclude_none=True) == data | {"radius": 1.0}
     schema = kinds.json_schema()["$defs"]["Mound"]
