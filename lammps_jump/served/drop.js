@@ -1,7 +1,7 @@
 "use strict";
 // A drawing that is dropped on the page of a case, or chosen by its button: its walls come into the text, as one change.
 
-let dropped = null;
+let dropped = null, taken = null;
 
 function base64(blob) {
   return new Promise((done, fail) => {
@@ -48,8 +48,23 @@ async function importDrawing(scale) {
   editor.replace(data.text);
   editor.release();
   const list = made("ul", {}, ...[...data.added, ...data.notes.map((one) => `Note: ${one}`)].map((one) => made("li", {}, one)));
-  tellImport(false, `Walls of ${dropped.name}; Undo takes them away. The same: `, made("code", {}, data.command), list);
+  taken = { name: dropped.name, text: editor.text, note: made("span"), there: true };
+  tellImport(false, taken.note, "The same: ", made("code", {}, data.command), list);
+  followUndo();
 }
+
+// What Undo and Redo do to the walls that came last; they may stand in the text, or be taken away again.
+function followUndo() {
+  if (!taken) return;
+  const redo = editor.future.includes(taken.text);
+  if (editor.text === taken.text || editor.past.includes(taken.text)) taken.there = true;
+  else if (redo || !editor.past.length) taken.there = false;
+  const away = `The walls of ${taken.name} are taken away again${redo ? "; Redo brings them back" : ""}. `;
+  const words = taken.there ? `Walls of ${taken.name}; Undo takes them away. ` : away;
+  if (taken.note.textContent !== words) taken.note.textContent = words;
+}
+
+document.addEventListener("text", followUndo);
 
 function take(files) {
   if (files.length > 1) {

@@ -23,10 +23,9 @@ function showState(data) {
   byId("error").textContent = ["failed", "refused"].includes(data.status) ? data.message : data.trouble || "";
   byId("name").textContent = data.name ? [data.name, data.description].filter(Boolean).join(": ") : data.folder;
   document.title = `${data.name || data.folder}: lammps-jump`;
-  const at = data.time === null || data.time === undefined ? "" : `, ${data.time.toFixed(2)} of ${data.duration} s`;
+  const at = data.reached ? `, ${data.reached}` : "";
   const writer = data.status === "running" && !data.own ? `; ${data.message} writes it` : "";
-  const other = data.cut_off && data.status === "interrupted" ? `; ${data.message}` : writer;
-  const said = `${WORDS_OF[data.status] || data.status}${at}${other}. ${data.folder}`;
+  const said = `${WORDS_OF[data.status] || data.status}${at}${writer}. ${data.folder}`;
   if (byId("state").textContent !== said) byId("state").textContent = said;
   byId("progress").hidden = ["complete", "damaged", "failed", "refused"].includes(data.status);
   byId("progress").value = data.time && data.duration ? data.time / data.duration : 0;

@@ -87,7 +87,8 @@ class RunPages:
         own = child is not None and child.status is None
         found |= {"folder": str(run.folder), "own": own, "log": child.lines if child else []}
         if own and found["status"] != "running":
-            found["status"] = "starting" if found["status"] in ("none", "interrupted") else found["status"]
+            if found["status"] in ("none", "interrupted"):
+                found |= {"status": "starting", "reached": ""}
         if child is not None and child.status and found["status"] == "none":
             found |= {"status": "refused", "message": "\n".join(child.lines)}
         found["command"] = child.command if child else typed("run", run.folder)

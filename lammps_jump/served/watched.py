@@ -27,6 +27,7 @@ from lammps_jump.errors import DumpError, JumpError
 from lammps_jump.files import DUMP_NAMES
 from lammps_jump.folders import holder
 from lammps_jump.foreign import reason
+from lammps_jump.quoting import shortened
 from lammps_jump.runs.folder import require_case
 from lammps_jump.runs.state import has_output
 from lammps_jump.runs.summary import read_summary
@@ -55,16 +56,58 @@ class WatchedState(NamedTuple):
         Of the summary; of a running one, which process writes.
     cut_off : bool
         It was ended by force: its last frame may be a part of one.
+    steps : int, optional
+        At which it ended, of its summary.
+    steady : str
+        Why it was stopped before its end, as steady, drowned or at rest.
     """
 
     status: str
     message: str = ""
     cut_off: bool = False
+    steps: int | None = None
+    steady: str = ""
 
     @property
     def goes_on(self) -> bool:
         """Whether the last frame may not be whole yet."""
         return self.cut_off or self.status in ("none", "running")
+
+
+class Times(NamedTuple):
+    """Time of the last frame that was read, time at which the run ended, and that which the case asks for, s.
+
+    The first two are None where they are not known.
+    """
+
+    read: float | None
+    ended: float | None
+    asked: float
+
+
+def reached(state: WatchedState, times: Times, *, whole: bool) -> str:
+    """How far a run has come, behind the words of its status; empty where nothing is known.
+
+    Parameters
+    ----------
+    state : WatchedState
+    times : Times
+    whole : bool
+        All frames that are there have been read.
+    """
+    read, ended, asked = times
+    of = f"of {asked:zg} s"
+    if state.status not in ("complete", "unchecked", "interrupted", "failed"):
+        return "" if read is None else f"{read:z.2f} {of}"
+    last = read if ended is None else ended
+    behind = ""
+    if not whole and read is not None and last is not None and read < last:
+        behind = f"; frames read up to {read:z.2f} of {last:z.2f} s"
+    if state.steady or state.status in ("interrupted", "failed"):
+        at = "" if last is None else f" at {last:z.2f} s"
+        why = " ".join(shortened(state.steady or state.message).split()).rstrip(".")
+        return f"ended{at}, before its {asked:zg} s{f': {why}' if why else ''}{behind}"
+    return "" if last is None else f"{last:z.2f} s{behind}"
 
 
 class _Schedule(FrameCheck):
@@ -110,7 +153,13 @@ class Watched:
         with suppress(JumpError):
             stored = read_summary(self.folder)
         if status := stored.get("status"):
-            return WatchedState(str(status), str(stored.get("message") or ""))
+            steps = stored.get("steps")
+            return WatchedState(
+                str(status),
+                str(stored.get("message") or ""),
+                steps=steps if isinstance(steps, int) else None,
+                steady=str(stored.get("stopped_when_steady") or ""),
+            )
         if has_checkpoint(self.folder):
             return WatchedState("interrupted", "it was cut off and can go on from its checkpoint", cut_off=True)
         if has_output(self.folder):
@@ -157,6 +206,8 @@ class Watched:
             found |= {"seen": self._frames, "time": times[-1] if times else None, "trouble": self._trouble}
             if self._trouble and state.status in ("complete", "unchecked"):
                 found |= {"status": "damaged", "message": self._trouble}
+            ended = None if state.steps is None else self._flow.scene.time(state.steps)
+            found["reached"] = reached(state, Times(found["time"], ended, asked.run.duration), whole=self._is_read)
             if any(len(rows) for _, rows in self._packer.kept):
                 found["about"] = {**about_run(self._packer, self.folder), **self._scale}
             found["curves"] = self._so_far.curves(live=state.goes_on)
@@ -187,6 +238,11 @@ class Watched:
             told = self._check.result(stored["steps"], stored["discs"]["present"] + stored["discs"].get("fixed", 0))
             return f"{self._tail.path}: {'; '.join(told)}" if told else ""
         return ""
+
+    @property
+    def _is_read(self) -> bool:
+        """Whether all frames that are there have been looked at."""
+        return self._tail.at_end and not self._trouble
 
     @property
     def _key(self) -> str:

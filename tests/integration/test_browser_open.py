@@ -456,7 +456,18 @@ def test_a_drawing_that_is_dropped_is_one_change(browser, case):
         page.run("byId('scale').value = 'cm', byId('scale-go').click()")
         told = until(page, "editor.text.includes('name: roof') && byId('imported').innerText")
         assert f"lammps-jump import roof.svg --scale cm --into {case}" in told
+        assert told.startswith("Walls of roof.svg; Undo takes them away. ")
         saved(page, case, "name: roof")
         page.run("byId('undo').click()")  # one step
+        until(page, f"editor.text === {CASE!r} && file.saved === editor.text")
+        note = "byId('imported').innerText"
+        assert page.run(note).startswith("The walls of roof.svg are taken away again; Redo brings them back. The same:")
+        page.run("byId('redo').click()")
+        assert page.run(note).startswith("Walls of roof.svg; Undo takes them away. ")
+        page.run("byId('undo').click()")
+        page.run("editor.replace(editor.text + '# typed')")  # nothing is left to redo
+        assert page.run(note).startswith("The walls of roof.svg are taken away again. The same:")
+        page.run("byId('undo').click()")
+        assert page.run(note).startswith("The walls of roof.svg are taken away again. The same:")
         until(page, f"editor.text === {CASE!r} && file.saved === editor.text")
         assert [one for one in troubles(page, server) if "422" not in one] == []

@@ -16,7 +16,7 @@ from serving import asked, send, serving
 import lammps_jump as lj
 from lammps_jump import folders
 from lammps_jump.served.children import ServedChild
-from lammps_jump.served.watched import Watched
+from lammps_jump.served.watched import Times, Watched, WatchedState, reached
 
 CASE = """\
 name: falls
@@ -112,6 +112,57 @@ def test_frames_come_as_they_are_written(finished, tmp_path):
     assert sorted(one.name for one in (tmp_path / "run").iterdir()) == [
         folders.MARKER_FILE, "case.yaml", "dump.lammpstrj", "summary.json",
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("state", "times", "whole", "said"),
+    [
+        (WatchedState("none"), (None, None, 12.0), True, ""),
+        (WatchedState("running", "process 7"), (6.0, None, 12.0), True, "6.00 of 12 s"),
+        (WatchedState("complete", steps=100), (12.0, 12.0, 12.0), True, "12.00 s"),
+        (WatchedState("complete", steps=100), (11.9, 12.0, 12.0), True, "12.00 s"),
+        (
+            WatchedState("complete", steps=100), (6.0, 12.0, 12.0), False,
+            "12.00 s; frames read up to 6.00 of 12.00 s",
+        ),
+        (
+            WatchedState("complete", steps=50, steady="the discs rest."), (6.0, 6.0, 12.0), True,
+            "ended at 6.00 s, before its 12 s: the discs rest",
+        ),
+        (
+            WatchedState("complete", steps=50, steady="steady"), (2.0, 6.0, 12.0), False,
+            "ended at 6.00 s, before its 12 s: steady; frames read up to 2.00 of 6.00 s",
+        ),
+        (
+            WatchedState("interrupted", "stopped by signal INT", steps=50), (5.9, 6.0, 12.5), True,
+            "ended at 6.00 s, before its 12.5 s: stopped by signal INT",
+        ),
+        (
+            WatchedState("interrupted", "it was cut off", cut_off=True), (6.0, None, 12.0), True,
+            "ended at 6.00 s, before its 12 s: it was cut off",
+        ),
+        (
+            WatchedState("failed", "3 discs\nare lost", steps=50), (6.0, 6.0, 12.0), True,
+            "ended at 6.00 s, before its 12 s: 3 discs are lost",
+        ),
+        (WatchedState("failed", "no engine"), (None, None, 12.0), True, "ended, before its 12 s: no engine"),
+        (WatchedState("unchecked", steps=100), (12.0, 12.0, 12.0), True, "12.00 s"),
+    ],
+)  # fmt: skip
+def test_how_far_a_run_came(state, times, whole, said):
+    """ "The run is complete, 6.00 of 12 s" stood over a run that had ended early, and over one still being read."""
+    assert reached(state, Times(*times), whole=whole) == said
+
+
+def test_a_page_is_told_how_far_its_run_came(finished, tmp_path):
+    assert all_of(Watched(finished))[0]["reached"] == "0.50 s"
+    shutil.copytree(finished, tmp_path / "run")
+    path = tmp_path / "run" / "summary.json"
+    stored = json.loads(path.read_text())
+    path.write_text(json.dumps(stored | {"stopped_when_steady": "steady", "steps": stored["steps"] // 2}))
+    assert Watched(tmp_path / "run").update()["reached"].startswith("ended at 0.25 s, before its 0.5 s: steady")
+    path.write_text(json.dumps(stored | {"status": "failed", "message": "a disc is lost"}))
+    assert "before its 0.5 s: a disc is lost" in Watched(tmp_path / "run").update()["reached"]
 
 
 def test_a_dump_that_was_cut_is_read_anew(finished, tmp_path):
