@@ -3,6 +3,7 @@
 
 import json
 import re
+from dataclasses import replace
 from math import pi, radians, sqrt
 
 import numpy as np
@@ -10,13 +11,14 @@ import pytest
 import yaml
 
 from lammps_jump.case import load_case
-from lammps_jump.case.bodies.checks import tips_at
+from lammps_jump.case.bodies.checks import foreseen_blow, tips_at
 from lammps_jump.dump.side_files.bodies import read_bodies
 from lammps_jump.engines.checkpoint import read_checkpoint
 from lammps_jump.engines.choice import choose
 from lammps_jump.engines.native import NativeSimulation, run_native
 from lammps_jump.errors import CaseError, DumpError, RunError, SetupError
 from lammps_jump.scene.bodies.meeting import corners, stiffness_between
+from lammps_jump.scene.motion import STILL, Pose, Went
 from lammps_jump.script.stock import lacking
 
 CASE = """
@@ -166,6 +168,23 @@ def test_what_is_doubtful_is_told(case):
 def test_the_speed_of_tipping_is_foreseen_where_a_body_is_taller_than_wide(case, change, speed):
     caisson = case.replace([change]).scene().bodies[0]
     assert tips_at(caisson.wall, caisson.motion.free) == pytest.approx(speed, abs=1e-9)
+
+
+@pytest.mark.parametrize(("x", "turn", "speed"), [([20, 21], 0.5, 0.0), ([20, 25], -0.5, 12.13), ([20, 21], 1, 12.13)])
+def test_a_body_of_an_earlier_run_tips_from_the_pose_it_begins_in(case, x, turn, speed):
+    """A post of 1 m by 5 m that lies is not foreseen to tip; a slab that was raised is, though the case has it flat."""
+    y = [0, 1] if x[1] == 25 else [0, 5]
+    block = {"name": "post", "kind": "block", "x": x, "y": y, "density": 2400}
+    (post,) = case.replace({"contact.impact_speed": 2, "bodies": [block], "probes": {}}).scene().bodies
+    begun = replace(post, motion=replace(post.motion, went=Went(Pose(0, 0, turn * pi), STILL)))
+    energy, blow = foreseen_blow(begun, 0.0)
+    free = post.motion.free
+    assert tips_at(begun.first, free) == pytest.approx(speed, abs=0.01)
+    if speed:
+        assert blow == "tip over and meet the ground at 12.1 m/s"
+        assert energy == pytest.approx(free.mass * speed**2 / 3, rel=1e-3)
+    else:
+        assert "meet a wall" in blow
 
 
 def test_a_body_that_may_tip_onto_soft_contacts_is_told(case):

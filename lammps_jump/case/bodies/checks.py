@@ -233,7 +233,7 @@ def tips_at(wall: Wall, free: Free) -> float:
     return tipping_speed(height, hypot(*free.weight) / free.mass) if height > width else 0.0
 
 
-def _blow(one: MovingWall, ground: float) -> tuple[float, str]:
+def foreseen_blow(one: MovingWall, ground: float) -> tuple[float, str]:
     """Twice the energy of the hardest blow that is foreseen, J per m of width, and how it comes, in words."""
     wall, free, went = one.first, one.motion.free, one.motion.went
     assert free is not None
@@ -256,7 +256,7 @@ def _soft(begun: Beginning, one: MovingWall, walls: Sequence[MovingWall], ground
         there = corners_of(one.wall.faces, 0, free.corner_radius)
         limit = min(limit, LARGEST_OVERLAP * min(corner.radius for corner in there))
     k = min((stiffness_between(c, one, other) for other in walls if not other.motion.free), default=inf)
-    weight, (energy, blow) = hypot(*free.weight), _blow(one, ground)
+    weight, (energy, blow) = hypot(*free.weight), foreseen_blow(one, ground)
     energy *= largest_overlap(1.0, c.restitution if wall.restitution is None else wall.restitution, 1.0) ** 2
     rests = 0.5 * weight / k  # on two corners
     overlap = 0.5 * rests + sqrt((0.5 * rests) ** 2 + energy / k)
