@@ -159,7 +159,8 @@ class Quantity:
         How sure these numbers are, as paragraphs below the table of errors.
     named : Named or None
     kind : str
-        Field of a result of a wall that tells of which kind it is; means over starts are of the commonest.
+        Field of a result of a wall that tells of which kind it is, or a number that some have; means over starts are of
+        the commonest.
     parts : mapping of str to type
         What stands in ``summary.json`` beside the results of the walls, by its key.
     """

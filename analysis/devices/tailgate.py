@@ -296,6 +296,7 @@ KEYS = ("height", "height_interval", "water", "settled_at", "target", "held", "h
 
 QUANTITY = Quantity(
     name="tailgate",
+    kind="settled_at",
     title="Tailgates",
     result=Tailgate,
     definitions="""\

@@ -218,24 +218,46 @@ def together(summaries: Sequence[Mapping[str, Any]], mean: Callable[[Sequence[fl
 
 
 def _alike(found: Sequence[Mapping[str, Any]], kind: str, mean: Callable[[Sequence[float]], Mean]) -> dict[str, Any]:
-    """Means of the results of one wall that are of the commonest kind; ``alike`` tells how many, of how many."""
-    commonest = Counter(one.get(kind) for one in found).most_common(1)[0][0]
-    same = [one for one in found if one.get(kind) == commonest]
+    """Means of the results of one wall that are of the commonest kind; ``alike`` tells how many, of how many.
+
+    A kind is what a field says, or of a number whether it is known.
+    """
+    kinds = [one.get(kind) if not isinstance(one.get(kind), float) else True for one in found]
+    commonest = Counter(kinds).most_common(1)[0][0]
+    same = [one for one, its in zip(found, kinds, strict=True) if its == commonest]
     return {**_means(same, mean), "alike": (len(same), len(found))}
 
 
 def _means(found: Sequence[Mapping[str, Any]], mean: Callable[[Sequence[float]], Mean]) -> dict[str, Any]:
+    """What some results say together: means of the numbers that half of them know, of other values the commonest.
+
+    What holds (a field that is true or false) holds where it does in all of them.
+    """
     made: dict[str, Any] = {}
-    for key, value in found[0].items():
-        values = [one.get(key) for one in found]
-        if isinstance(value, Mapping):
+    for key in dict.fromkeys(key for one in found for key in one):
+        if key.endswith("_error"):
+            continue
+        values = [value for one in found if (value := one.get(key)) is not None]
+        if any(isinstance(value, Mapping) for value in values):
             made[key] = _means([one for one in values if isinstance(one, Mapping)], mean)
-        elif isinstance(value, float) and not key.endswith("_error"):
-            middle = mean([one for one in values if isinstance(one, float)])
+        elif any(isinstance(value, float) for value in values):
+            numbers = [float(one) for one in values if isinstance(one, int | float)]
+            if 2 * len(numbers) < len(found):
+                made[key] = None
+                continue
+            middle = mean(numbers)
             made |= {key: middle.value, f"{key}_error": middle.error if isfinite(middle.error) else None}
-        elif not key.endswith("_error"):
-            made[key] = value
+        else:
+            made[key] = _commonest(values)
     return made
+
+
+def _commonest(values: Sequence[Any]) -> Any:
+    """What most of some values are, the first of them where several are as common; None of none."""
+    if values and all(isinstance(value, bool) for value in values):
+        return all(values)
+    same = [sum(one == value for one in values) for value in values]
+    return values[same.index(max(same))] if values else None
 
 
 def main_numbers(summary: Mapping[str, Any]) -> list[str]:

@@ -35,14 +35,20 @@ def _held(gate: Mapping[str, Any]) -> str:
     return what.format(_number(gate, "held"))
 
 
+def _often(gate: Mapping[str, Any]) -> str:
+    """In how many starts it is as said, of a gate of several."""
+    many = gate.get("alike")
+    return f" in {many[0]} of {many[1]} starts" if many else ""
+
+
 def _answer(name: str, gate: Mapping[str, Any]) -> str:
     if gate.get("height") is None:
-        return f"The gate {name} has found no height"
+        return f"The gate {name} has found no height{_often(gate)}"
     crest = f"y = {_number(gate, 'height')}"
     if gate.get("settled_at") is None:
         asked = f"{gate['target']:zg} m is asked for"
-        return f"The gate {name} stands with its crest at {crest} and {_held(gate)}, where {asked}"
-    return f"The gate {name} holds {_held(gate)} with its crest at {crest}"
+        return f"The gate {name} stands with its crest at {crest} and {_held(gate)}{_often(gate)}, where {asked}"
+    return f"The gate {name} holds {_held(gate)} with its crest at {crest}{_often(gate)}"
 
 
 def _height(summary: Mapping[str, Any]) -> str:
@@ -55,7 +61,8 @@ def _at_length(summary: Mapping[str, Any]) -> str:
     for name, gate in _gates(summary):
         said.append(_answer(name, gate))
         if gate.get("settled_at") is not None:
-            said[-1] += f"; it has settled at {place(gate['settled_at'])} s"
+            mean = " in the mean" if _often(gate) else ""
+            said[-1] += f"; it has settled at {place(gate['settled_at'])} s{mean}"
         if gate.get("water") is not None:
             said.append(f"Water would need a crest at y = {place(gate['water'])} m, by energy without loss")
     return ". ".join(said) + "." if said else ""
@@ -70,11 +77,15 @@ def _rough(summary: Mapping[str, Any]) -> str:
 
 
 def _unsettled(summary: Mapping[str, Any]) -> str:
-    return "; ".join(
-        f"the gate {name} has not settled: {gate['reason']}"
-        for name, gate in _gates(summary)
-        if gate.get("settled_at") is None and gate.get("reason")
-    )
+    found = []
+    for name, gate in _gates(summary):
+        same, starts = gate.get("alike") or (1, 1)
+        if gate.get("settled_at") is None and gate.get("reason"):
+            found.append(f"the gate {name} has not settled{_often(gate)}: {gate['reason']}")
+        elif same < starts:
+            other = "not settled" if gate.get("settled_at") is not None else "settled"
+            found.append(f"the gate {name} has {other} in {starts - same} of {starts} starts")
+    return "; ".join(found)
 
 
 TAILGATE = Verdict(

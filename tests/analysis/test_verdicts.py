@@ -145,10 +145,48 @@ def test_what_a_body_did(changed, said):
 
 def test_starts_whose_bodies_end_in_another_way_are_counted_and_left_out():
     ends = [{**BODY, **changed} for changed in ({}, TOPPLED, TOPPLED | {"base_way": 1.6})]
-    whole = together([{"bodies": {"box": one}} for one in ends], lambda values: Mean(sum(values) / len(values), 0.1))
+    whole = together([{"bodies": {"box": one}} for one in ends], _mean)
     box = whole["bodies"]["box"]
     assert box["alike"] == (2, 3) and box["base_way"] == pytest.approx(1.4)
     assert "lies on its right side in 2 of 3 starts" in verdict(whole)
+
+
+GATE = {
+    "height": 0.4, "height_interval": 0.03, "held": 10.0, "held_interval": 0.1, "target": 10.0, "holds": "front",
+    "water": 0.85, "settled_at": 16.0, "reason": None,
+}  # fmt: skip
+LOOSE = GATE | {"settled_at": None, "reason": "its front wanders by 1 m", "held": 9.0}
+
+
+@pytest.mark.parametrize("turn", range(4))
+def test_the_title_over_starts_of_a_gate_is_of_all_and_not_of_the_first(turn):
+    """Whichever start comes first: means of those that settled, as most did, and a doubt with the number of others."""
+    ends = [GATE, GATE | {"settled_at": 20.0}, GATE | {"settled_at": 21.0}, LOOSE]
+    whole = together([{"tailgate": {"sill": one}} for one in ends[turn:] + ends[:turn]], _mean)
+    assert whole["tailgate"]["sill"]["alike"] == (3, 4)
+    assert verdict(whole).startswith("The gate sill holds the front at x = 10.000 ± 0.030 m with its crest at y = 0.40")
+    assert "in 3 of 4 starts" in verdict(whole) and "it has settled at 19 s in the mean" in headline(whole)
+    assert doubts(whole) == ["The gate sill has not settled in 1 of 4 starts."]
+
+
+@pytest.mark.parametrize("turn", range(3))
+def test_a_gate_that_settles_in_few_starts_has_not_settled(turn):
+    ends = [GATE, LOOSE, LOOSE]
+    whole = together([{"tailgate": {"sill": one}} for one in ends[turn:] + ends[:turn]], _mean)
+    assert "stands with its crest at y = 0.40" in verdict(whole) and "in 2 of 3 starts, where 10 m is" in verdict(whole)
+    assert "settled at" not in headline(whole)
+    assert doubts(whole) == ["The gate sill has not settled in 2 of 3 starts: its front wanders by 1 m."]
+
+
+@pytest.mark.parametrize("turn", range(3))
+def test_what_happened_to_a_body_is_what_half_of_the_starts_had(turn):
+    ends = [BODY | {"tips_at": 3.0}, BODY | {"rest": False, "rest_since": None}, BODY]
+    whole = together([{"bodies": {"box": one}} for one in ends[turn:] + ends[:turn]], _mean)
+    assert verdict(whole).startswith("The body box has slid by 1.40 m in 3 of 3 starts: it slides from 1.8 s on.")
+
+
+def _mean(values):
+    return Mean(sum(values) / len(values), 0.03)
 
 
 def test_where_a_body_stands_does_not_decide_whether_it_moved():
