@@ -36,6 +36,8 @@ class Wanted(NamedTuple):
         Of the number, a path within the quantity; ``*`` stands for the names of structures.
     words, other : str
         What theory is, and the path of its number within the quantity. Without a path the words stand alone.
+    source : str
+        Equation of theory, shown where a page is pointed at.
     label : str
         In place of the meaning of the number.
     scale, unit : float, str or None
@@ -61,6 +63,7 @@ class Wanted(NamedTuple):
     holds: str = ""
     rank: int | None = None
     result: type | None = None
+    source: str = ""
 
 
 class Marks(NamedTuple):

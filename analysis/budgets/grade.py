@@ -94,7 +94,7 @@ class Grade(Estimates):
     downstream: float = number("m", "last station", default=nan)
     head_upstream: float = number("m", "head at the first station", default=nan)
     head_downstream: float = number("m", "head at the last station", default=nan)
-    lost: float = estimate("m", "head lost between the stations", label="head lost")
+    lost: float = estimate("m", "head lost between the stations", label="head lost between stations")
     stations: tuple[Station, ...] = ()
     reason: str | None = None
     line: GradeLine | None = field(default=None, metadata={"summary": False})

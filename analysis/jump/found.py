@@ -167,7 +167,7 @@ class Jump(Estimates):
     length_over_y2: float = estimate("", "length over y2")
     length_theory: float = estimate("m", "length by thesis (4.27)")
     length_usbr: float = estimate("m", "length by the USBR curve")
-    head_lost: float = estimate("m", "head lost, energy budget", label="head lost")
+    head_lost: float = estimate("m", "head lost, energy budget", label="head lost in the jump")
     head_lost_theory: float = estimate("m", "head lost by Bélanger")
     budget: Budget | None = None
     local: Local | None = None

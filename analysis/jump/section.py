@@ -296,6 +296,7 @@ def _with_errors(jump: Jump) -> list[tuple[str, object]]:
     return [("", one) for one in (jump, jump.local, jump.budget, jump.tail)] if shown else []
 
 
+BELANGER = "y₂ = y₁ (√(1 + 8 Fr₁²) − 1)/2, Bélanger 1828"
 LEVEL_BED = "of one jump on a level bed, with hydrostatic pressure on both sides"
 QUANTITY = Quantity(
     name="jump",
@@ -344,11 +345,18 @@ tail water  from 1.2 y₂ behind the front to 0.5 y₂ before the sill
     marks=marks,
     notes=lambda jump: jump.notes,
     headline=(
-        Wanted("y2", "Bélanger", "belanger_y2", "sequent depth", holds=LEVEL_BED),
-        Wanted("speed", "from mass", "mass.speed_from_mass", "front velocity", plain=True),
-        Wanted("length", "thesis (4.27)", "length_theory", "jump length"),
-        Wanted("length", "USBR", "length_usbr", "jump length"),
-        Wanted("head_lost", "Bélanger", "head_lost_theory", "head lost", holds=LEVEL_BED),
+        Wanted("y2", "Bélanger", "belanger_y2", "sequent depth", holds=LEVEL_BED, source=BELANGER),
+        Wanted(
+            "speed",
+            "by continuity",
+            "mass.speed_from_mass",
+            "front velocity",
+            plain=True,
+            source="(s₂u₂ − s₁u₁)/(s₂ − s₁), s the mass depth, u the mean velocity",
+        ),
+        Wanted("length", "water", "length_theory", "jump length", source="9.75 (Fr₁ − 1)^1.01 y₁, thesis (4.27)"),
+        Wanted("length", "USBR", "length_usbr", "jump length", source="USBR, Engineering Monograph 25"),
+        Wanted("head_lost", "Bélanger", "head_lost_theory", "head lost in the jump", holds=LEVEL_BED, source=BELANGER),
         Wanted("froude"),
     ),
     rank=10,

@@ -72,13 +72,17 @@ class Table(NamedTuple):
 
 
 class NumberBox(NamedTuple):
-    """One of the few numbers at the top, half its interval as text, and what it is compared with."""
+    """One of the few numbers at the top, half its interval as text, and what it is compared with.
+
+    `source` has the equations of the comparison, shown where it is pointed at.
+    """
 
     label: str
     value: Value
     unit: str = ""
     error: str = ""
     against: str = ""
+    source: str = ""
 
 
 class Boxes(NamedTuple):

@@ -135,7 +135,7 @@ def _lead(summary: Mapping[str, Any]) -> list[Text | Boxes]:
     rows = rows_of([summary], most=MOST + 1)
     return [
         Text(summary.get("message") or "", "bad"),
-        Boxes(tiles(rows)[:MOST]),
+        Boxes(tiles(rows, summary)[:MOST]),
         *(Text(f"{line[:1].upper()}{line[1:]}", "small") for line in lines(summary)),
         Text(sure(summary) if rows else "", "sure"),
     ]
@@ -235,14 +235,14 @@ def _how(summary: Mapping[str, Any]) -> Section:
         ("Disc-steps per second", f"{speed / 1e6:z.1f} million" if speed else None),
         ("Discs", ", ".join(f"{value} {name}" for name, value in discs.items()) or None),
         *((f"Version of {name}", value) for name, value in versions.items()),
-        ("Hash of the case", summary.get("case_hash")),
-        *((f"SHA-256 of {name}", value) for name, value in sums.items()),
     ]
+    hashes = [("Hash of the case", summary.get("case_hash")), *((f"SHA-256 of {name}", sums[name]) for name in sums)]
     return Section(
         "How to repeat it",
         [
             Table([row for row in rows if row[1] is not None]),
             *_command(summary),
+            Table([row for row in hashes if row[1] is not None], ("Hashes", "value"), "Hashes of case and files"),
             Code(json.dumps(summary, indent=1), "summary.json"),
         ],
     )

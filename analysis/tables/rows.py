@@ -18,12 +18,12 @@ from lammps_jump.analysis.quantity import Quantity, Wanted
 from lammps_jump.analysis.report.page import NumberBox, heading
 from lammps_jump.analysis.statistics import Mean
 from lammps_jump.analysis.verdicts import doubts, headline
-from lammps_jump.units import ABSENT, POWERS, ROUND_OFF, known, numbers_of, shown, sure_of
+from lammps_jump.units import ABSENT, AT_LEAST, POWERS, ROUND_OFF, known, numbers_of, shown, sure_of
 
 MOST = 5
 FAR = 3.0
 """Factor between a measured number and theory from which on that does not apply."""
-ONE_RUN = "one run; for error bars: the same command with --members 8"
+ONE_RUN = "one run, ± within it; for error bars: the same command with --members 8"
 ONE_DUMP = "one dump; error bars need runs from other starts"
 """In place of error bars."""
 
@@ -44,6 +44,7 @@ class MeasuredRow(NamedTuple):
     difference: Mean
     plain: bool
     holds: str
+    source: str = ""
 
     def numbers(self) -> tuple[str, str, str]:
         """Measured number, theory and difference as text."""
@@ -140,6 +141,7 @@ def _rows(
             mean(off) if off else absent,
             wanted.plain,
             wanted.holds,
+            wanted.source,
         )
 
 
@@ -161,18 +163,40 @@ def _text(found: Mean, *, alone: bool = False) -> str:
     return (f"{found.value:z.0f}" if whole else f"{found.value:z#.3g}".rstrip(".")).replace("-", "−")
 
 
-def tiles(rows: Sequence[MeasuredRow]) -> list[NumberBox]:
-    """The numbers at the top of a page; a number that is held against two theories stands once."""
+def tiles(rows: Sequence[MeasuredRow], summary: Mapping[str, Any] | None = None) -> list[NumberBox]:
+    """The numbers at the top of a page; a number that is held against two theories stands once.
+
+    One run has no interval: its numbers get the standard errors that its `summary` holds. Theory that does not apply is
+    left out.
+    """
     boxes: dict[str, NumberBox] = {}
     for row in rows:
-        against = ", ".join(filter(None, row.numbers()[1:]))
-        against += f", because it is {row.holds}" if row.far else ""
+        against = "" if row.far else ", ".join(filter(None, row.numbers()[1:]))
+        source = f"{row.words}: {row.source}" if against and row.source else ""
         if before := boxes.get(row.label):
-            boxes[row.label] = before._replace(against="; ".join(filter(None, (before.against, against))))
+            boxes[row.label] = before._replace(
+                against="; ".join(filter(None, (before.against, against))),
+                source="; ".join(filter(None, (before.source, source))),
+            )
             continue
-        value, _, error = _text(row.measured).partition(" ± ")
-        boxes[row.label] = NumberBox(heading(row.label, ""), value, row.unit.translate(POWERS), error, against)
+        value, _, error = _measured(row, summary).partition(" ± ")
+        boxes[row.label] = NumberBox(heading(row.label, ""), value, row.unit.translate(POWERS), error, against, source)
     return list(boxes.values())
+
+
+def _measured(row: MeasuredRow, summary: Mapping[str, Any] | None) -> str:
+    """The number of a row with its error; that within the run where there is no other."""
+    if summary is None or isfinite(row.measured.error):
+        return _text(row.measured)
+    group, _, key = row.path.rpartition(".")
+    error, bounds = _at(summary, f"{row.path}_error"), _at(summary, f"{group}.lower_bounds")
+    stored = _at(summary, row.path)
+    if not isinstance(error, int | float) or not isinstance(stored, int | float) or not stored:
+        return _text(row.measured)
+    scale = row.measured.value / stored
+    bound = isinstance(bounds, Sequence) and key in bounds
+    text = shown(row.measured.value, error=abs(scale) * error, bound=bound)
+    return text.replace("-", "−").replace(AT_LEAST, "≥ ")
 
 
 def table(rows: Sequence[MeasuredRow], width: int) -> list[str]:

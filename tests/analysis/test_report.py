@@ -272,8 +272,8 @@ def test_one_run_has_no_error_bars_and_starts_have_one_interval():
     one = rows_of([{"jump": JUMP}])
     assert [row.numbers() for row in one] == [
         ("3.50 m", "Bélanger 3.60 m", "−2.8 %"),
-        ("−0.634 m/s", "from mass −0.630 m/s", "−0.004 m/s"),
-        ("4.00 m", "thesis (4.27) 20.0 m", "−80 %"),
+        ("−0.634 m/s", "by continuity −0.630 m/s", "−0.004 m/s"),
+        ("4.00 m", "water 20.0 m", "−80 %"),
         ("4.00 m", "USBR 19.0 m", "−79 %"),
         ("2.80 m", "Bélanger 2.60 m", "+7.7 %"),
     ]
