@@ -38,7 +38,7 @@ MOST_PICTURE = 1_000_000_000
 LONG = 20
 """Numbers of a list that are packed; fewer stand in the data."""
 UNKNOWN = -(1 << 30)
-SCRIPTS = ("frames.js", "discs.js", "view.js", "player.js", "sliders.js", "curves.js")
+SCRIPTS = ("frames.js", "discs.js", "view.js", "pointer.js", "player.js", "sliders.js", "curves.js")
 Value = float | int | str | None
 
 

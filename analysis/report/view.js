@@ -13,6 +13,7 @@ const NARROWEST = 420;
 const CLOSEST = 90;
 // Pixels of the band behind an open line.
 const BAND = 7;
+const darkness = matchMedia("(prefers-color-scheme: dark)");
 const COLOURS = {
   speed: { label: "speed", unit: "m/s", of: (p, k) => Math.hypot(p.found.u[k], p.found.v[k]) },
   size: { label: "diameter", unit: "m", of: (p, k) => 2 * radiusOf(p, k) / p.grown },
@@ -20,6 +21,10 @@ const COLOURS = {
   packing: { label: "packing", unit: "" },
   age: { label: "time since it came in", of: (p, k) => p.time - p.run.times[p.run.first[p.found.disc[k]]] },
 };
+
+function part(p, name) {
+  return p.element.querySelector("." + name);
+}
 
 // ---- what is shown: p.view has the centre (m), the scale (pixels a metre), and what sets both again for another size ----
 
