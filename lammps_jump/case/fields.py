@@ -23,6 +23,7 @@ from .parts.base import LEAST_GRAVITY, MOST_GRAVITY, Name, Strict
 from .parts.beds import RoughBed
 from .parts.contact import Contact
 from .parts.inflow import InflowField
+from .parts.live import LiveSlider
 
 
 def _folded(value: Any) -> Any:
@@ -116,6 +117,12 @@ class CaseFields(Strict):
     probes: Probes = Field(default=Probes(), description="what is recorded beside the frames")
     analysis: Analysis = Field(default=Analysis(), description="what is looked for")
     engine: Engine = Field(default=Engine(), description="what computes")
+    live: dict[Name, LiveSlider] | None = Field(
+        default=None,
+        max_length=20,
+        description="sliders of the page of `lammps-jump live`, by their names; `{}` for none. Without it, a sensible "
+        "set. Domain and outlets allow for all that they may do",
+    )
 
     @property
     def acceleration(self) -> tuple[float, float]:

@@ -39,6 +39,7 @@ from .foresight.grading import curve_doubts
 from .foresight.grains import heap_doubts
 from .foresight.names import written_walls
 from .foresight.times import behind_the_end
+from .live import check_live, is_live
 from .packing import TooSoft, arrange, disc_sizes
 from .parts import channel, places
 from .parts.beds import beds_of
@@ -264,7 +265,9 @@ def _seen(case: CaseFields, begun: Beginning, around: _Around) -> _Seen:
     groups = walls.groups(case, around.walls, around.names)
     weighed = walls.weighed(case, around.walls)
     asked = {*probes, *(name for _, members in groups for name in members), *(name for name, _ in weighed)}
-    reached = [one for one in around.walls if walls.reachable(one, begun, around.domain)]
+    reached = [
+        one for one in around.walls if walls.reachable(one, begun, around.domain) or is_live(case, one.wall.name)
+    ]
     kept = [one for one in around.walls if one in reached or one.wall.name in asked]
     return _Seen(reached, kept, probes, groups, weighed)
 
@@ -298,6 +301,7 @@ def _beginning(case: CaseFields, runs: Runs) -> tuple[Beginning, list[str]]:
     """The discs at the start, their contact and the steps of the run; and what to beware of."""
     checks.check_engine(case)
     channel.check_fields(case)
+    check_live(case)
     random, softness = np.random.default_rng(case.run.seed), _stiffness(case)[0]
     pushed = walls.pushed(case)
     going, about = going_on(case, runs, pushed), {one.wall.name: one.about for one in pushed}

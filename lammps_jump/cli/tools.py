@@ -15,7 +15,7 @@ from typing import Annotated, Any
 import typer
 
 import lammps_jump.case as cases
-from lammps_jump import cli, compiling, drawings, engines, files, runs, served, studies
+from lammps_jump import cli, compiling, core, drawings, engines, files, live, runs, served, studies
 from lammps_jump.engines import interrupts
 from lammps_jump.errors import CaseError, SetupError
 from lammps_jump.foreign import bounded
@@ -176,6 +176,25 @@ def import_(
         print(text, end="")
         print(f"added to {into}: `{typed('preview', into)}` draws it", file=sys.stderr)
     for note in (*taken.notes, *doubts):
+        print(f"note: {note}", file=sys.stderr)
+
+
+@app.command("live")
+def live_(
+    target: Annotated[
+        Path, typer.Argument(help="Case file, or folder of a run.", metavar="CASE|RUN", show_default=False)
+    ],
+    out: Annotated[Path | None, place("File of the page (default: NAME_live.html in the current folder).")] = None,
+    set_: Sets = None,
+) -> None:
+    """Write a page in which the flow runs in the browser, with sliders for what `live` of the case names; no server."""
+    case = cases.load_case(target, assignments(set_))
+    core.browser_core()  # what is lacking is told before any work
+    path = out or Path(f"{case.name}_live.html")
+    live.require_place(path)
+    flow = live.prepare(case, partial(print, file=sys.stderr))
+    print(live.write_page(flow, path))
+    for note in flow.notes:
         print(f"note: {note}", file=sys.stderr)
 
 

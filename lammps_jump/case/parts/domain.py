@@ -7,7 +7,7 @@ from math import isfinite, sqrt
 
 import numpy as np
 
-from lammps_jump.case import checks, walls
+from lammps_jump.case import checks, live, walls
 from lammps_jump.case.fields import CaseFields
 from lammps_jump.case.groups.discs import Column
 from lammps_jump.errors import FieldError
@@ -33,6 +33,7 @@ def implied_speed(
     falls = [sqrt(2 * case.gravity * height) for height in columns]
     start = float(np.hypot(*begun.velocities.T).max(initial=0.0))
     driven = [largest_speed(one, *walls.span(begun)) for one in moving]
+    driven += live.speeds(case, moving)
     return max([*(row.vx for row in inlets), impact, start, *falls, *driven])
 
 
@@ -43,7 +44,7 @@ def domain_of(
     if case.domain is not None:
         domain = case.domain.x, case.domain.y
     else:
-        ways = [way(one, *walls.span(begun)) for one in moving]
+        ways = [*(way(one, *walls.span(begun)) for one in moving), *live.ways(case, moving)]
         closed = any(wall.hollow for wall in case.walls)
         margin = 2 * begun.largest if closed else 10 * begun.largest + speed * min(case.run.duration, 3.0)
         x, y = ((min(e) - margin, max(e) + margin) for e in (_ends(case, axis, begun, inlets, ways) for axis in "xy"))

@@ -100,20 +100,21 @@ class SceneEvents:
         bound.weight_x, bound.weight_y = simulation.weight
         bound.overlap_limit = scene.overlap_limit
 
-    def _put_radii(self, target: int) -> None:
-        """Radii of all discs that can be there at step `target`, by id, m."""
+    def _put_radii(self, target: int, discs: int) -> None:
+        """Radii of all discs that can be there at step `target`, `discs` at least, by id, m."""
         scene, boundaries = self.simulation.scene, self.simulation.boundaries
         if scene.sizes is None:
             return
         steps = target - self.simulation.step
         most = boundaries.inserted + sum(len(row.turns) or steps // row.every_steps + 1 for row in scene.inlets)
+        most = max(most, discs)
         if most > self._radii.size:
             self._radii = 0.5 * scene.diameters(np.arange(1, max(most, scene.expected_discs) + 1))
             self.bound.own_radius = address(self._radii)
 
-    def put(self, target: int) -> jump_events:
-        """Put what has changed, for the core to go on from up to step `target`."""
-        self._put_radii(target)
+    def put(self, target: int, discs: int = 0) -> jump_events:
+        """Put what has changed, for the core to go on from up to step `target`, with radii of `discs` at least."""
+        self._put_radii(target, discs)
         simulation, bound = self.simulation, self.bound
         boundaries, windows = simulation.boundaries, simulation.windows
         bound.step, bound.disc_steps, bound.window_begin = simulation.step, 0, windows.begin

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
+    from .bound import jump_events, jump_state
     from .simulation import NativeSimulation
 
 MAGIC = b"JLMIMG1\0"
@@ -149,7 +150,7 @@ class Image:
         return head + np.array(self.pointers, "<i8").tobytes() + bytes(whole)
 
 
-def image_of(simulation: NativeSimulation, target: int, word: int = 8) -> bytes:
+def image_of(simulation: NativeSimulation, target: int, word: int = 8, discs: int = 0) -> bytes:
     """The file of a scene from which a host goes on up to step `target`.
 
     Parameters
@@ -160,14 +161,28 @@ def image_of(simulation: NativeSimulation, target: int, word: int = 8) -> bytes:
         Last step that the host may go to: radii of the discs that enter until then come along.
     word : int
         Bytes of a pointer of the host: 4 or 8.
+    discs : int
+        Discs whose radii come along, at least: of a host that lets more in than the scene.
 
     Raises
     ------
     ValueError
         A pour, whose places are drawn by the host itself.
     """
+    image, state, events = placed_image(simulation, target, word, discs)
+    return image.file(image.places[addressof(state)], image.places[addressof(events)])
+
+
+def placed_image(
+    simulation: NativeSimulation, target: int, word: int, discs: int = 0
+) -> tuple[Image, jump_state, jump_events]:
+    """The image that `image_of` writes, and the state and the events that it holds; arguments as there."""
     if simulation.scene.pours:
         raise ValueError("a pour is drawn by the engine; a host without Python cannot go on with it")
-    state, events = simulation.for_host(target)
+    state, events = simulation.for_host(target, discs)
+    listed = simulation.discs
+    listed.neighbours[listed.start[state.rows] :] = 0  # room that nobody has written: memory of this process stays here
     image = Image(held_by(simulation) | {addressof(state): state, addressof(events): events}, word)
-    return image.file(image.put(addressof(state)), image.put(addressof(events)))
+    for struct_ in (state, events):
+        image.put(addressof(struct_))
+    return image, state, events

@@ -199,14 +199,16 @@ class NativeSimulation:
             self._forces()
             self._after.happen(stop)
 
-    def for_host(self, target: int) -> tuple[jump_state, jump_events]:
+    def for_host(self, target: int, discs: int = 0) -> tuple[jump_state, jump_events]:
         """State and events as structs of the core, for a host that goes on from here to step `target` by `jump_run`.
+
+        A host that lets more discs in than the scene gives the number of all discs whose radii it needs.
 
         Their arrays are those of this simulation, which must not step beside that host.
         """
         assert isinstance(self.loops, Core) and self._events is not None
         self.walls.place(self.step)
-        return self.loops.struct(self._state(self.scene.time_step)), self._events.put(target)
+        return self.loops.struct(self._state(self.scene.time_step)), self._events.put(target, discs)
 
     def _run_alone(self, target: int) -> None:
         """Let the core step up to `target`, with all that happens at its steps but pours."""

@@ -1,0 +1,6 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+from .page import live_page as live_page
+from .page import require_place as require_place
+from .page import write_page as write_page
+from .prepare import LiveFlow as LiveFlow
+from .prepare import prepare as prepare

@@ -1,0 +1,330 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A case as a live page begins it: what its sliders move has a table, and all else that follows stays the same.
+
+A run of the downloaded case must have the numbers of the page. So the case of the page has what would else follow from
+the moves or from the duration: the domain is written out, rows of the inlet are as far apart as its fastest speed asks
+for, and the frame interval is a binary fraction, so that the time step is the same for every number of frames.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from math import ceil, floor
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from lammps_jump.case import ReadCase
+from lammps_jump.case.groups.discs import Column
+from lammps_jump.case.live import NUMBERS
+from lammps_jump.case.parts.inflow import PourInflow, RowsInflow
+from lammps_jump.case.parts.live import LiveSlider
+from lammps_jump.engines.accuracy import with_accuracy
+from lammps_jump.engines.native import NativeSimulation
+from lammps_jump.errors import CaseError, JumpError
+from lammps_jump.physics.inlet import REFUSAL_GAP
+from lammps_jump.scene.tracks import Oscillate, TableMotion
+
+from .words import PlacedWords
+
+MOST_DISCS = 20_000
+"""At the start; more are slower than a tenth of real time in most browsers."""
+SHORTEST, LONGEST = 60.0, 600.0
+"""Flow that a page is to know, s: four times the duration of the case, between these."""
+MOST_SIZES = 40_000
+"""Diameters of discs that may enter; 0.3 MB of the page."""
+FINER = 1e-4
+"""Share of the frame interval by which it may be shorter, to be a binary fraction of a second."""
+STOPS = 11
+"""Values of a number of the case that its slider has."""
+NOT_HERE = (
+    "a live page computes by the native engine, on one thread: stock scripts, ranks, pours (whose places are random "
+    f"numbers of Python) and more than {MOST_DISCS:,} discs are not in it"
+)
+
+Told = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class NumberStop:
+    """A value of a number of the case, and what it is in the image of the scene.
+
+    Attributes
+    ----------
+    value : float
+    words : list of (int, float)
+        Places in the image and numbers there: of the law, of weights.
+    start : list of (int, float) or None
+        The same with all that the start has otherwise; None: a flow cannot begin with it here.
+    """
+
+    value: float
+    words: list[tuple[int, float]]
+    start: list[tuple[int, float]] | None
+
+
+@dataclass(frozen=True)
+class LiveFlow:
+    """What a live page is made of.
+
+    Attributes
+    ----------
+    case : ReadCase
+        As the page begins it.
+    sliders : mapping of str to LiveSlider
+    simulation : NativeSimulation
+        At t = 0.
+    stops : mapping of str to tuple of NumberStop
+        Of the sliders that change a number of the case.
+    target : int
+        Last step that the page knows.
+    discs : int
+        Discs that there may be until then, those that leave counted.
+    notes : tuple of str
+        What the page does otherwise than the case.
+    """
+
+    case: ReadCase
+    sliders: Mapping[str, LiveSlider]
+    simulation: NativeSimulation
+    stops: Mapping[str, tuple[NumberStop, ...]]
+    target: int
+    discs: int
+    notes: tuple[str, ...]
+
+
+def refuse(case: ReadCase) -> None:
+    """CaseError where a page cannot have a case."""
+    engine, wrong = case.fields.engine, ""
+    if isinstance(case.fields.inflow, PourInflow):
+        wrong = "inflow: a pour"
+    elif engine.name == "lammps" and engine.kernel == "stock":
+        wrong = "engine.kernel: stock"
+    elif engine.ranks not in (1, "auto"):
+        wrong = f"engine.ranks: {engine.ranks}"
+    elif (count := len(case.scene().positions)) > MOST_DISCS:
+        wrong = f"{count:,} discs"
+    if wrong:
+        raise CaseError(f"{case.source.file}: {wrong}: {NOT_HERE}")
+
+
+def sensible(case: ReadCase) -> dict[str, LiveSlider]:
+    """Sliders of a case that names none."""
+    fields, found = case.fields, {}
+    high = _height(case)
+    for wall in fields.walls:
+        motion = getattr(wall, "motion", None)
+        if isinstance(motion, Oscillate | TableMotion) and getattr(wall, "join", None) is None:
+            if one := _along(wall.name, motion):
+                found[wall.name] = one
+        elif motion is None and wall.name in fields.probes.forces and getattr(wall, "finite", False):
+            found[wall.name] = LiveSlider(path=f"walls.{wall.name}", move="y", range=(-0.5 * high, 0.5 * high))
+    inflow = fields.inflow
+    if isinstance(inflow, RowsInflow) and inflow.table is None and inflow.schedule == "exact":
+        depth, speed = inflow.over(0.0, 0.0)
+        low, top = (float(f"{share * depth * speed:.3g}") for share in (0.75, 1.25))
+        found["discharge"] = LiveSlider(path="inflow", range=(low, top))
+    if fields.contact.friction > 0:
+        found["friction"] = LiveSlider(path="contact.friction", range=(0.05, max(1.0, fields.contact.friction)))
+    if 0.05 <= fields.contact.restitution <= 0.95:
+        found["restitution"] = LiveSlider(path="contact.restitution", range=(0.05, 0.95))
+    if fields.gravity > 0 and fields.seam is None and abs(fields.slope) < 10:
+        found["slope"] = LiveSlider(path="slope", range=(-10, 10))
+    return found
+
+
+def _height(case: ReadCase) -> float:
+    """A height of the flow, m, to two digits."""
+    columns = [item.y[1] - item.y[0] for item in case.fields.initial if isinstance(item, Column)]
+    inflow = case.fields.inflow
+    depths = [max(inflow.hydrograph.depths)] if isinstance(inflow, RowsInflow) else []
+    return float(f"{max([*columns, *depths, 10 * case.fields.discs.diameter]):.2g}")
+
+
+def _along(name: str, motion: Oscillate | TableMotion) -> LiveSlider | None:
+    """A slider over twice the way of a wall that moves along an axis."""
+    if motion.turns:
+        return None
+    if isinstance(motion, Oscillate):
+        far = [abs(part) for part in motion.amplitude]
+    else:
+        far = [max(abs(row[axis]) for row in motion.points) for axis in (1, 2)]
+    if not max(far):
+        return None
+    most = 2 * max(far)
+    return LiveSlider(path=f"walls.{name}", move="x" if far[0] >= far[1] else "y", range=(-most, most))
+
+
+def prepare(given: ReadCase, told: Told = lambda text: None) -> LiveFlow:
+    """A case made ready for a live page: set up, and run to t = 0 where discs settle first.
+
+    Parameters
+    ----------
+    given : ReadCase
+    told : callable
+        Hears what is being done.
+
+    Raises
+    ------
+    CaseError
+        What a page cannot have, or a slider that cannot be.
+    """
+    case, _ = with_accuracy(given)
+    refuse(case)
+    own = case.fields.live
+    sliders = dict(sensible(case) if own is None else own)
+    case = case.replace(_changes(case, sliders))
+    if case.fields.domain is None:
+        (x0, x1), (y0, y1) = case.scene().domain
+        case = case.replace({"domain": {"x": [x0, x1], "y": [y0, y1]}})
+    scene = case.scene()
+    target = _target(case)
+    discs = len(scene.positions) + _entering(case, target)
+    simulation = NativeSimulation(scene, ledger=False)
+    stops = {}
+    for name, one in sliders.items():
+        if one.path in NUMBERS:
+            told(f"{name}: setting the case up with {STOPS} values of {one.path}")
+            if found := _stops(case, one, simulation, asked=own is not None):
+                stops[name] = found
+    sliders = {name: one for name, one in sliders.items() if one.path not in NUMBERS or name in stops}
+    _require_apart(sliders, stops)
+    case = case.replace(
+        {
+            "live": {name: one.model_dump(exclude_none=True) for name, one in sliders.items()},
+            "description": given.fields.description,
+        }
+    )
+    if scene.settle_steps:
+        told("letting the discs settle")
+        simulation.run(scene.settle_steps)
+        stops = {name: tuple(replace(stop, start=None) for stop in found) for name, found in stops.items()}
+    return LiveFlow(case, sliders, simulation, stops, target, discs, tuple(_notes(given, case, sliders)))
+
+
+class FrameInterval(NamedTuple):
+    """Interval of the frames, s, and how many windows of the probes it has.
+
+    Whatever the number of frames, steps of one length divide windows, frames and duration: `scene.schedule.fitted_step`
+    and `plan_steps` then find the same step and the same number of steps from frame to frame.
+    """
+
+    interval: float
+    windows: int
+
+    @classmethod
+    def of(cls, case: ReadCase) -> FrameInterval:
+        """The interval nearest below that of a case which is a binary fraction of a second."""
+        scene = case.scene()
+        window = scene.probe_steps if scene.probes or scene.groups or scene.bodies else scene.output_steps
+        windows = max(1, round(scene.output_steps / window))
+        longest = windows * window * scene.time_step
+        fraction = 2.0 ** ceil(np.log2(1.0 / (FINER * longest)))
+        return cls(floor(longest * fraction) / fraction, windows)
+
+
+def _changes(case: ReadCase, sliders: Mapping[str, LiveSlider]) -> dict[str, Any]:
+    """Changes of a case that its page needs."""
+    fields, frame = case.fields, FrameInterval.of(case)
+    found: dict[str, Any] = {
+        "engine": {"name": "native", **({"skin": fields.engine.skin} if fields.engine.skin else {})},
+        "run.output_interval": frame.interval,
+        "run.duration": max(1, round(fields.run.duration / frame.interval)) * frame.interval,
+        "probes.interval": frame.interval / frame.windows,
+        "run.members": None,
+        "run.stop_when_steady": False,
+        "run.accuracy": None,
+        "live": {name: one.model_dump(exclude_none=True) for name, one in sliders.items()},
+    }
+    for wall in {one.wall for one in sliders.values() if one.wall}:
+        found[f"walls.{wall}.motion"] = {"kind": "table", "points": [[0, 0, 0, 0]]}
+    if any(one.path == "inflow" for one in sliders.values()) and isinstance(fields.inflow, RowsInflow):
+        found["inflow"] = _tabled(fields.inflow, next(one for one in sliders.values() if one.path == "inflow"))
+    return found
+
+
+def _tabled(inflow: RowsInflow, slider: LiveSlider) -> dict[str, Any]:
+    """An inflow as a table of one row, its rows as far apart as the largest rise of the speed asks for."""
+    graph = inflow.hydrograph
+    depth, speed = graph.depths[0], graph.speeds[0]
+    if not depth:
+        raise CaseError("live: the inflow begins with depth 0, so that its discharge cannot change; drop the slider")
+    rise = max(slider.range[1], depth * speed) / min(slider.range[0], depth * speed)
+    kept = inflow.model_dump(exclude_none=True, exclude={"depth", "mean_speed", "discharge", "table"})
+    gap = max(inflow.spacing, ceil(1e6 * REFUSAL_GAP * 2.0 * rise / (1.0 + rise)) / 1e6)
+    return {**kept, "spacing": gap, "table": [[0, depth, speed]]}
+
+
+def _target(case: ReadCase) -> int:
+    """Last step that the page knows."""
+    scene = case.scene()
+    seconds = min(max(4 * case.fields.run.duration, SHORTEST), LONGEST)
+    steps = int(seconds / scene.time_step)
+    if scene.sizes is not None and (rate := _rate(case)):
+        room = MOST_SIZES - len(scene.positions)
+        steps = min(steps, max(1, int(room / rate / scene.time_step)))
+    return scene.settle_steps + steps
+
+
+def _rate(case: ReadCase) -> float:
+    """Discs that may enter in a second, at most."""
+    scene, inflow = case.scene(), case.fields.inflow
+    if not isinstance(inflow, RowsInflow):
+        return 0.0
+    area = scene.sizes.mean_square if scene.sizes is not None else scene.diameter**2
+    graph = inflow.hydrograph
+    most = [depth * speed for depth, speed in zip(graph.depths, graph.speeds, strict=True)]
+    most += [one.range[1] for one in (case.fields.live or {}).values() if one.path == "inflow"]
+    return 1.05 * max(most) / area
+
+
+def _entering(case: ReadCase, target: int) -> int:
+    scene = case.scene()
+    return int(_rate(case) * (target - scene.settle_steps) * scene.time_step) + 100 * bool(scene.inlets)
+
+
+def _stops(case: ReadCase, slider: LiveSlider, base: NativeSimulation, *, asked: bool) -> tuple[NumberStop, ...]:
+    """The values of a slider that changes a number; none where a flow cannot take them and no slider was asked for."""
+    own = float(case[slider.path])
+    values = {float(f"{value:.6g}") for value in np.linspace(*slider.range, STOPS)} | {own}
+    found, core = [], PlacedWords(base)
+    for value in sorted(values):
+        try:
+            scene = case.replace({slider.path: value}).scene()
+            other = NativeSimulation(scene, ledger=False)
+            found.append(NumberStop(value, *core.against(other)))
+        except JumpError as error:
+            if asked:
+                raise CaseError(f"live: {slider.path} = {value:z.6g}: {error}") from None
+    return tuple(found) if len(found) > 1 and own in [stop.value for stop in found] else ()
+
+
+def _require_apart(sliders: Mapping[str, LiveSlider], stops: Mapping[str, Iterable[NumberStop]]) -> None:
+    """CaseError where two sliders change the same numbers of the core: one would undo the other."""
+    taken: dict[int, str] = {}
+    for name, found in stops.items():
+        own = {place for stop in found for place, _ in stop.words}
+        for place in own:
+            if place in taken:
+                raise CaseError(
+                    f"live: {sliders[taken[place]].path} and {sliders[name].path} change the same numbers of the "
+                    "contact; keep one of the two sliders"
+                )
+        taken |= dict.fromkeys(own, name)
+
+
+def _notes(given: ReadCase, case: ReadCase, sliders: Mapping[str, LiveSlider]) -> Iterable[str]:
+    for wall in given.fields.walls:
+        motion = getattr(wall, "motion", None)
+        if motion is not None and any(one.wall == wall.name for one in sliders.values()):
+            yield f"The slider takes the place of the motion of {wall.name} ({motion.kind})."
+    if any(one.path in NUMBERS for one in sliders.values()):
+        told = ", ".join(name for name, one in sliders.items() if one.path in NUMBERS)
+        yield (
+            f"Not in a downloaded case: changes of {told} while the flow runs, as a case has no table of them. Set "
+            "them and begin again from the start, and they are."
+        )
+    if isinstance(given.fields.inflow, RowsInflow) and case.fields.inflow != given.fields.inflow:
+        yield "Discs of the inflow enter farther apart than in the case, as its speed may grow."
+    yield NOT_HERE[0].upper() + NOT_HERE[1:] + "."

@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Live pages in Chromium: they run from a file, controls have names, what was seen is the native run."""
+
+from __future__ import annotations
+
+import base64
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from chromium import PROGRAM, Page, chromium
+from live_flows import lacking_core, native
+from made_up import INPUTS
+
+from lammps_jump.case import load_case
+from lammps_jump.live import live_page, prepare
+
+pytestmark = [
+    pytest.mark.browser,
+    pytest.mark.usefixtures("compiled_core"),
+    pytest.mark.skipif(not PROGRAM, reason="Chromium is not here"),
+    pytest.mark.skipif(bool(lacking_core()), reason=lacking_core() or "the core is here"),
+]
+SLIDERS = {
+    "sill": {"path": "walls.sill", "move": "y", "range": [-0.5, 2]},
+    "discharge": {"path": "inflow", "range": [4, 8]},
+}
+STATE = """(async () => {
+  play(false);
+  const tables = await asked("tables"), state = await asked("state");
+  let text = "";
+  for (const byte of state) text += String.fromCharCode(byte);
+  return [tables.step - live.head.start, btoa(text), caseText(live.head, tables)];
+})()"""
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory):
+    with chromium(tmp_path_factory.mktemp("profile")) as found:
+        yield found
+
+
+def written(name: str, folder: Path, **changes: object) -> Path:
+    path = folder / f"{name}.html"
+    path.write_text(live_page(prepare(load_case(INPUTS / f"{name}.yaml", changes))))
+    return path
+
+
+def until(page: Page, condition: str) -> None:
+    """Wait in the page for a condition, as its own clock goes; each picture looks again."""
+    page.run(
+        f"new Promise((go) => {{ const look = () => (({condition}) ? go() : requestAnimationFrame(look)); look(); }})"
+    )
+
+
+def slide(page: Page, name: str, value: float) -> None:
+    page.run(
+        f"""{{ const slider = document.querySelector("[data-name='{name}']"); slider.value = {value};
+        slider.dispatchEvent(new Event("input")); }}"""
+    )
+
+
+def differing(one: bytes, two: bytes) -> int:
+    if len(one) != len(two):
+        return max(len(one), len(two))
+    return int((np.frombuffer(one, "u1") != np.frombuffer(two, "u1")).sum())
+
+
+def test_what_was_seen_is_the_native_run_of_the_downloaded_case(browser, tmp_path):
+    """The sill goes up and the discharge down while the flow runs in real time."""
+    path = written("quick_jump", tmp_path, **{"discs.diameter": 0.3, "live": SLIDERS})
+    page = Page(browser, path, still=False)
+    until(page, "live.last && live.last.time > 0.1")
+    slide(page, "sill", 1.5)
+    until(page, "live.last.time > 0.5")
+    slide(page, "discharge", 4.5)
+    until(page, "live.last.time > 1.2")
+    steps, state, text = page.run(STATE)
+    assert page.troubles() == [] and steps > 1000
+    assert "raised by" in page.run("document.querySelector('.axes').textContent")
+    assert differing(base64.b64decode(state), native(text, steps)) == 0
+    page.close()
+
+
+@pytest.mark.parametrize("name", ["stable_jump", "quick_jump", "dam_break", "heap", "caisson", "drum", "tailgate"])
+def test_2000_steps_have_the_bits_of_the_native_engine(browser, tmp_path, name):
+    page = Page(browser, written(name, tmp_path, live={}))
+    until(page, "live.last")
+    page.run("live.worker.postMessage({ act: 'step', steps: 2000 })")
+    until(page, "live.last.step - live.head.start === 2000")
+    steps, state, text = page.run(STATE)
+    assert steps == 2000 and page.troubles() == []
+    assert differing(base64.b64decode(state), native(text, 2000)) == 0
+    page.close()
+
+
+def test_step_start_and_sliders_by_the_keyboard(browser, tmp_path):
+    page = Page(browser, written("quick_jump", tmp_path, **{"discs.diameter": 0.5, "live": SLIDERS}))
+    until(page, "live.last")
+
+    def press(key: str, code: str, number: int) -> None:
+        for kind in ("keyDown", "keyUp"):
+            page.call("Input.dispatchKeyEvent", type=kind, key=key, code=code, windowsVirtualKeyCode=number, text=key)
+
+    press(".", "Period", 190)
+    until(page, "live.last.step === 1")
+    page.run("document.querySelector(\"[data-name='sill']\").focus()")
+    page.call("Input.dispatchKeyEvent", type="keyDown", key="ArrowRight", code="ArrowRight", windowsVirtualKeyCode=39)
+    assert page.run("document.activeElement.getAttribute('aria-valuetext')") == "0.01 m"
+    page.run("document.activeElement.blur(), oneStep()")
+    until(page, "live.last.step === 2")
+    page.run("byClass('again').click()")
+    until(page, "live.last.step === 0")
+    assert page.troubles() == []
+    page.close()
+
+
+@pytest.mark.parametrize("width", [390, 1440])
+def test_every_control_has_a_name_and_nothing_is_wider_than_the_screen(browser, tmp_path, width):
+    path = written("drum", tmp_path)
+    page = Page(browser, path, width=width, phone=width < 500)
+    until(page, "live.last")
+    nodes = page.call("Accessibility.getFullAXTree")["nodes"]
+    controls = [one for one in nodes if one["role"]["value"] in ("button", "slider", "combobox", "link")]
+    assert len(controls) >= 10 and all(one["name"]["value"] for one in controls)
+    sliders = [one for one in controls if one["role"]["value"] == "slider"]
+    assert [one["name"]["value"].split(" ")[0] for one in sliders] == ["friction", "restitution", "slope"]
+    assert page.run("document.documentElement.scrollWidth <= innerWidth")
+    assert page.troubles() == []
+    page.close()
+
+
+def test_a_page_without_webassembly_says_so(browser, tmp_path):
+    path = written("quick_jump", tmp_path, **{"discs.diameter": 0.5, "live": {}})
+    broken = tmp_path / "broken.html"
+    shutil.copy(path, broken)
+    broken.write_text(broken.read_text().replace("&#39;wasm-unsafe-eval&#39; ", ""))
+    page = Page(browser, broken)
+    until(page, "byClass('told').textContent")
+    assert page.run("byClass('told').textContent").startswith("The page cannot compute here: ")
+    page.close()
