@@ -48,6 +48,8 @@ POSES, POSES_HEADER = "walls.csv", "time,wall,x,y,angle"
 """Where walls are that the discs push, a row a wall and frame, and its first line."""
 BODIES, BODIES_HEADER = "bodies.csv", "time,body,x,y,angle,vx,vy,spin,fx,fy,moment"
 """Where bodies are, how fast, and the force of the discs on them, against time; and its first line."""
+PRESSURE_FILE = "pressure.npz"
+"""Forces on stretches of outlines against time, as the native engine sums them."""
 SUMMARY_FILE = "summary.json"
 END_FILE = "end.npz"
 """State of the discs at the end of a run, with all digits."""
@@ -73,6 +75,7 @@ RUN_FILES = (
     CONTACTS_FILE,
     POSES,
     BODIES,
+    PRESSURE_FILE,
     JOB_FILE,
     "forces_*.raw",
     "checkpoint.json",

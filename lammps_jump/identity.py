@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 
 NO_NUMBERS = ("name", "description", "skipped", "warnings", "adapted", "stiffer", "stability", "stability_mean")
 """Fields of a scene that change no trajectory."""
-LATER, LATER_TEXTS = {"earlier": None, "cohesion": 0.0}, (", holding=None", ", went=None", ", given=()")
+LATER, LATER_TEXTS = {"earlier": None, "cohesion": 0.0, "pressure": ()}, (", holding=None", ", went=None", ", given=()")
 """Fields that scenes, and what stands in them, have got since keys were stored, as they are in those of before."""
 Plain = Mapping[str, object]
 

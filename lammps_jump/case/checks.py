@@ -303,7 +303,7 @@ def adapted(case: CaseFields, scene: Beginning, inlets: tuple[InletRow, ...]) ->
     if case.run.output_interval is not None:
         asked["run.output_interval"] = min(case.output_interval, case.run.duration), scene.output_steps * dt
     notes = rounding_notes(asked)
-    if case.probes.walls and case.probes.interval <= case.run.duration:
+    if case.probes.recorded and case.probes.interval <= case.run.duration:
         notes += told_of_window(case.probes.interval, scene.probe_steps * dt, case.output_interval)
     if not isinstance(case.inflow, RowsInflow) or case.inflow.table:
         return notes

@@ -23,6 +23,7 @@ from lammps_jump.scene import (
     Sizes,
     Stations,
 )
+from lammps_jump.scene.pressed import FaceStretch
 from lammps_jump.scene.scene import STABILITY_MEAN, Weighed
 from lammps_jump.scene.schedule import Schedule, fitted_step, plan_stations, plan_steps
 
@@ -105,7 +106,7 @@ def _times(case: CaseFields) -> tuple[float, float, float | None]:
     return (
         case.run.duration,
         case.output_interval,
-        case.probes.interval if case.probes.walls else None,
+        case.probes.interval if case.probes.recorded else None,
     )
 
 
@@ -153,6 +154,7 @@ def _scene(case: CaseFields, runs: Runs) -> Scene:
         probes=seen.probes,
         groups=seen.groups,
         stability=seen.weighed,
+        pressure=seen.pressed,
         stability_mean=case.probes.stability_mean or STABILITY_MEAN,
         stations=_stations(case, begun, around.inlet.rows, around.outlets),
         gauges=places.gauges(case, around.domain[0]),
@@ -247,6 +249,7 @@ class _Seen(NamedTuple):
     probes: tuple[str, ...]
     groups: tuple[tuple[str, tuple[str, ...]], ...]
     weighed: tuple[tuple[str, Weighed], ...]
+    pressed: tuple[FaceStretch, ...]
 
 
 def _foreseen(case: CaseFields, begun: Beginning, around: _Around, reached: Sequence[MovingWall]) -> list[str]:
@@ -255,6 +258,8 @@ def _foreseen(case: CaseFields, begun: Beginning, around: _Around, reached: Sequ
     notes = ways_out.unguarded(case, begun, rows, around.walls, around.domain, around.outlets)
     notes += ways_out.unused(around.walls, reached, own) + written_walls(around.walls, own)
     notes += never_met(case, begun, rows, around.walls, around.outlets)
+    if case.probes.pressure and case.engine.name == "lammps":
+        notes.append("probes.pressure: the native engine alone records it; use engine.name: native")
     notes += in_vain(case, around.walls) + radians_given(case) + light(case)
     return notes + behind_the_end(case) + small_bins(case, begun.largest)
 
@@ -269,7 +274,8 @@ def _seen(case: CaseFields, begun: Beginning, around: _Around) -> _Seen:
         one for one in around.walls if walls.reachable(one, begun, around.domain) or is_live(case, one.wall.name)
     ]
     kept = [one for one in around.walls if one in reached or one.wall.name in asked]
-    return _Seen(reached, kept, probes, groups, weighed)
+    there = (*kept, *(one for one in around.walls if one not in kept and one.wall.name in (case.probes.pressure or {})))
+    return _Seen(reached, list(there), probes, groups, weighed, walls.pressed(case, there, around.domain))
 
 
 def _touch(case: CaseFields, begun: Beginning, laws: dict[str, contact.WallLaw]) -> dict[str, Any]:

@@ -16,8 +16,9 @@ from lammps_jump.physics import contact
 from lammps_jump.physics.bodies import section_of_polygon
 from lammps_jump.scene import Beginning, Block, InletRow, Interval, MovingWall, Plane, Scene, Wall, gate
 from lammps_jump.scene.bodies.meeting import stiffness_between
-from lammps_jump.scene.chains import Point, boxes
+from lammps_jump.scene.chains import TX0, TY0, Point, boxes
 from lammps_jump.scene.motion import Motion, arms, largest_speed, way
+from lammps_jump.scene.pressed import MOST_INTERVALS, FaceStretch, bins_of, gauge_of
 from lammps_jump.scene.scene import Weighed
 from lammps_jump.scene.shapes import ArcTo, PlaceError, flush, open_ends, over_each_other, tight_bend, vertices
 from lammps_jump.scene.tracks import Held, Loaded, Translate
@@ -303,6 +304,45 @@ def weighed(case: CaseFields, moving: Sequence[MovingWall]) -> tuple[tuple[str, 
             raise FieldError(place, f"wall '{name}' has no thickness, so that it weighs nothing; give it one")
     found = (case.probes.stability or {}).items()
     return tuple((name, Weighed(one.density, one.friction)) for name, one in found)
+
+
+def pressed(
+    case: CaseFields, moving: Sequence[MovingWall], domain: tuple[Interval, Interval]
+) -> tuple[FaceStretch, ...]:
+    """Stretches of outlines whose pressure is asked for, in the order of the walls."""
+    by_name, asked = {one.wall.name: one.wall for one in moving}, case.probes.pressure or {}
+    for name, one in asked.items():
+        place = f"probes.pressure.{name}"
+        require_wall(case, place, name, list(by_name))
+        if one.bins is None and not one.points:
+            raise FieldError(place, "asks for nothing; give it bins, or points")
+        if len(by_name[name].chains()) != 1:
+            raise FieldError(place, f"the outline of wall '{name}' has several parts; pressure is along one alone")
+    found = []
+    for name, wall in by_name.items():
+        if name in asked:
+            one, room = asked[name], _room_along(wall, list(by_name.values()), domain)
+            found += bins_of(wall, one.bins, room) if one.bins else []
+            found += [gauge_of(wall, point, one.over * case.discs.diameter, room) for point in one.points]
+    if len(found) > MOST_INTERVALS:
+        raise FieldError(
+            "probes.pressure", f"{len(found)} bins and gauges are asked for; allowed are {MOST_INTERVALS}: take fewer"
+        )
+    return tuple(found)
+
+
+def _room_along(wall: Wall, walls: Sequence[Wall], domain: tuple[Interval, Interval]) -> Interval | None:
+    """Where an endless wall is looked at along its outline, m: in the domain, between planes; None of others."""
+    if not isinstance(wall, Plane):
+        return None
+    other = "y" if wall.axis == "x" else "x"
+    low, high = domain["xy".index(other)]
+    for one in walls:
+        if isinstance(one, Plane) and one.axis == other:
+            low, high = max(low, one.room(other)[0]), min(high, one.room(other)[1])
+    way = wall.faces.shape[0, TX0 if other == "x" else TY0]
+    ends = sorted((float(low * way), float(high * way)))
+    return ends[0], ends[1]
 
 
 def require_wall(case: CaseFields, place: str, name: str, walls: Sequence[str]) -> None:

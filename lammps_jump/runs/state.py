@@ -12,7 +12,7 @@ from lammps_jump.case.case import ReadCase
 from lammps_jump.engines.checkpoint import ANEW, Checkpoint, has_checkpoint, read_checkpoint
 from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import DumpError, ResumeError, SetupError
-from lammps_jump.files import CONTACTS_FILE, DUMP_NAMES, END_FILE, RUN_FILES, checksum
+from lammps_jump.files import CONTACTS_FILE, DUMP_NAMES, END_FILE, PRESSURE_FILE, RUN_FILES, checksum
 from lammps_jump.folders import Marker, force_tables, read_marker, require_ours, standing
 from lammps_jump.identity import analysis_key, run_key, scene_key
 from lammps_jump.quoting import typed
@@ -22,7 +22,7 @@ from .folder import result_of_files
 from .summary import read_summary
 
 ToDo = Literal["run", "analyse", "nothing"]
-OUTPUTS = (*DUMP_NAMES.values(), "forces.csv", CONTACTS_FILE, "log.lammps", END_FILE)
+OUTPUTS = (*DUMP_NAMES.values(), "forces.csv", PRESSURE_FILE, CONTACTS_FILE, "log.lammps", END_FILE)
 """What an engine leaves of a run."""
 FEWEST = 3
 """Differences that a message names."""

@@ -18,6 +18,7 @@ from lammps_jump.physics.hydrograph import Hydrograph
 from lammps_jump.physics.slip import FRICTION_LAWS, Springs, slots_of
 
 from .motion import STILL, MovingWall, Pose, Went, arms
+from .pressed import FaceStretch
 from .sizes import Sizes
 from .walls import Interval, Wall
 
@@ -301,6 +302,8 @@ class Scene(Measures):
         Names of groups and of their walls, whose forces are summed.
     gauges : tuple of float
         Places along x where the analysis follows the depth, m.
+    pressure : tuple of FaceStretch
+        Stretches of outlines, in the order of the walls, over which the native engine sums forces at every step.
     stability : tuple of (str, Weighed)
         Walls that are looked at as if they had this weight, by name; their forces are recorded too.
     stability_mean : float
@@ -383,6 +386,7 @@ class Scene(Measures):
     stiffer: str = "make the contacts stiffer"
     groups: tuple[tuple[str, tuple[str, ...]], ...] = ()
     gauges: tuple[float, ...] = ()
+    pressure: tuple[FaceStretch, ...] = ()
     stability: tuple[tuple[str, Weighed], ...] = ()
     stability_mean: float = STABILITY_MEAN
     earlier: Earlier | None = None
@@ -402,6 +406,11 @@ class Scene(Measures):
             by_name = {one.wall.name: one for one in walls}
             for name, group in self.groups:
                 arms(name, [by_name[member] for member in group])
+
+    @property
+    def has_windows(self) -> bool:
+        """Whether forces are recorded over windows of steps: of walls, of bodies, or along outlines."""
+        return bool(self.probes or self.bodies or self.pressure)
 
     @property
     def period(self) -> float | None:

@@ -48,7 +48,7 @@ def _long_intervals(case: CaseFields) -> list[str]:
             "and one at its end; take a part of it"
         )
     interval, probes = case.probes.interval, case.probes
-    used = probes.walls or case.bodies or interval != Probes().interval
+    used = probes.recorded or case.bodies or interval != Probes().interval
     if used and interval > end * (1 + SAME):
         most = min(case.output_interval, end)
         found.append(

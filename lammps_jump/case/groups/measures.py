@@ -33,6 +33,22 @@ class WeightOfWall(Strict):
     friction: units.Friction = Field(description="coefficient of friction of its base")
 
 
+class FacePressure(Strict):
+    """Where the pressure of the discs on a wall or body is recorded."""
+
+    bins: Annotated[int, Field(ge=1, le=500)] | None = Field(
+        default=None,
+        description="bins of about one width along the whole outline; none goes over a corner, so that there may be "
+        "more of them",
+    )
+    points: tuple[units.Point, ...] = Field(
+        default=(), max_length=100, description="`[[x, y]]`: gauges, each at the nearest point of the outline"
+    )
+    over: Annotated[units.Plain, Field(gt=0, le=1000)] = Field(
+        default=3.0, description="width of a gauge, in diameters: the pressure is the mean over it. It ends at corners"
+    )
+
+
 class Probes(Strict):
     """What is recorded at every step: forces on walls, and the energy between two stations."""
 
@@ -63,11 +79,21 @@ class Probes(Strict):
         description="time of the moving mean of forces over which the least factors of safety are told beside those "
         "of single windows. Without it, 0.1 s",
     )
+    pressure: dict[Name, FacePressure] | None = Field(
+        default=None,
+        description="`{name: {bins: 20, points: [[x, y]], over: 3}}`: pressure along the outlines of walls and bodies, "
+        "every step counted (native engine)",
+    )
     gauges: tuple[units.Coordinate, ...] = Field(
         default=(),
         max_length=100,
         description="places along x: depth there against time, and the height of a paddle's waves",
     )
+
+    @property
+    def recorded(self) -> bool:
+        """Whether forces on walls or along them are recorded."""
+        return bool(self.walls or self.pressure)
 
     @property
     def walls(self) -> tuple[str, ...]:

@@ -235,6 +235,11 @@ void close_window(const jump_state &s, jump_events &e, std::vector<double> &wind
     windows.insert(windows.end(), placed, placed + sizeof(Placed) / sizeof(double));
     std::fill_n(e.window_sum[wall], 4, 0.0);
   }
+  if (s.pressed) {
+    double *const sums = reinterpret_cast<double *>(s.pressed->sums), *const end = sums + 3 * s.pressed->stretches;
+    windows.insert(windows.end(), sums, end);
+    std::fill(sums, end, 0.0);
+  }
   e.window_begin = e.step;
 }
 

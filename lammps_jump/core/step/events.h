@@ -94,7 +94,7 @@ void happen_after(jump_state &s, jump_events &e, ThreadPartition &partition);
 JUMP_API int64_t jump_run(jump_state *state, jump_events *events, jump::ThreadPartition *partition, int64_t target);
 
 /** Windows that have ended since they were forgotten: for each the step, its steps, then for each wall the sums of what it felt
-    (SumsOnWall) and where it is (Placed). */
+    (SumsOnWall) and where it is (Placed), then for each stretch of `jump_pressed` its sums. */
 JUMP_API const double *jump_windows(jump::ThreadPartition *partition, int64_t *numbers);
 JUMP_API void jump_forget_windows(jump::ThreadPartition *partition);
 

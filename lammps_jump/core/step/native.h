@@ -8,6 +8,7 @@
 #include "api.h"
 #include "walls/faces.h"
 #include "contact/law.h"
+#include "sums/pressed.h"
 #include "walls/motion.h"
 
 #include <cstdint>
@@ -149,6 +150,7 @@ struct jump_state {
   const jump::BodyLaw *between;   // by the walls of a corner and of a face
   double *deepest;                // largest overlap since it was looked at, m, the walls of its corner and of its face
   jump_lists *lists;              // NULL: lists are made anew by the caller alone
+  jump_pressed *pressed;          // NULL: no pressure is asked for
 };
 
 struct jump_stations {

@@ -43,6 +43,7 @@ struct alignas(128) ThreadPart {
   std::vector<Sum> on_walls;            // forces of contacts with walls on its discs, wall by wall
   std::vector<Lost> lost_at_walls;      // of those with walls that move
   std::vector<Ends> walls_end;
+  std::vector<Press> presses;           // of contacts with walls whose pressure is asked for
   int64_t moved = 0;                    // discs that have gone further than the list allows
   double weight = 0.0, spent = 0.0;     // of its discs and their pairs; time that it took since it was cut, s
   double fastest = 0.0;                 // square of the largest velocity, (m/s)^2

@@ -18,6 +18,13 @@ static std::pair<int64_t, int64_t> rows_of(const jump_state &s, int64_t wall, co
   return {std::lower_bound(first, last, part.begin) - s.near_discs, std::lower_bound(first, last, part.end) - s.near_discs};
 }
 
+/** The point about which the moment on a wall is taken, where it is, m. */
+static std::pair<double, double> reference_of(const jump_state &s, int64_t wall, const Placed *placed)
+{
+  const double x = s.about[wall][0], y = s.about[wall][1];
+  return placed ? std::pair{x + placed->now.x, y + placed->now.y} : std::pair{x, y};
+}
+
 /** Forces of one wall on the discs of a part, and of these on it. Fixed discs feel no wall but bodies. */
 template <bool SIZES, bool SPIN, class Law>
 static void forces_of(const jump_state &s, const Law &law, int64_t wall, ThreadPart &part)
@@ -26,11 +33,8 @@ static void forces_of(const jump_state &s, const Law &law, int64_t wall, ThreadP
   const WallView view(s, wall);
   const Numbers<double> of = numbers_of(s.at_wall[wall], 0.0);
   const bool moves = view.placed, slides = Law::Friction::HAS_FRICTION && s.friction_x;
-  double x_ref = s.about[wall][0], y_ref = s.about[wall][1];
-  if (moves) {
-    x_ref += view.placed->now.x;
-    y_ref += view.placed->now.y;
-  }
+  const auto [x_ref, y_ref] = reference_of(s, wall, view.placed);
+  const bool presses = s.pressed && s.pressed->first[wall] < s.pressed->first[wall + 1];
   FaceContact found[MOST];
   const auto [from, to] = rows_of(s, wall, part);
   for (int64_t row = from; row < to; row++) {
@@ -49,6 +53,7 @@ static void forces_of(const jump_state &s, const Law &law, int64_t wall, ThreadP
       const double rolls = view.body ? own * out.resist : 0.0;    // of a body, which feels it too
       const Sum push{out.fx, out.fy, (to_x - x_ref) * out.fy - (to_y - y_ref) * out.fx + rolls};
       part.on_walls.push_back(push);
+      if (presses) part.presses.push_back(press_of(wall, s.faces[found[c].face], px, py, at.nx, at.ny, out.fx, out.fy));
       if constexpr (SPIN) s.torque[i] += out.torque;
       double *const force = part.forces[i];
       force[0] += out.fx;
@@ -75,6 +80,7 @@ void wall_forces(const jump_state &s, double slope, ThreadPart &part)
   part.on_walls.clear();
   part.lost_at_walls.clear();
   part.walls_end.clear();
+  part.presses.clear();
   with_law(s, slope, [&](const auto &law, auto sizes, auto spin) {
     for (int64_t wall = 0; wall < s.walls; wall++) forces_of<sizes.value, spin.value>(s, law, wall, part);
   });
@@ -82,6 +88,9 @@ void wall_forces(const jump_state &s, double slope, ThreadPart &part)
 
 void sum_walls(const jump_state &s, const std::vector<ThreadPart> &parts)
 {
+  if (s.pressed)
+    for (const ThreadPart &part : parts)
+      for (const Press &press : part.presses) add_press(*s.pressed, press);
   for (int64_t wall = 0; wall < s.walls; wall++) {
     Sum on_wall, lost, slid;
     for (const ThreadPart &part : parts) {

@@ -274,6 +274,7 @@ JUMP_SIZE(jump_state)
 JUMP_SIZE(jump_grid)
 JUMP_SIZE(jump_lists)
 JUMP_SIZE(jump_stations)
+JUMP_SIZE(jump_pressed)
 using jump_velocities = ContactVelocities;
 JUMP_SIZE(jump_velocities)
 

@@ -89,7 +89,7 @@ class SceneEvents:
         self._tailgates = (jump_tailgate * len(gates))(*gates)
         bound.tailgates, bound.tailgate = len(gates), addressof(self._tailgates)
         bound.tailgate_wall = self._hold(walls)
-        bound.window_steps = scene.probe_steps if scene.probes or scene.bodies else 0
+        bound.window_steps = scene.probe_steps if scene.has_windows else 0
         if stations.stations is not None:
             at = stations.stations
             bound.station_left, bound.station_width, bound.station_speed = at.x[0], at.x[1] - at.x[0], at.speed
@@ -140,7 +140,8 @@ class SceneEvents:
         for name, place in EXCHANGED.items():
             simulation.books.exchanged[name] = float(self._exchanged[place])
         for window in ended:
-            walls = window[2:].reshape(-1, WINDOW_WIDTH)
+            walls = window[2 : 2 + len(names) * WINDOW_WIDTH].reshape(-1, WINDOW_WIDTH)
+            windows.press(int(window[0]), int(window[1]), window[2 + len(names) * WINDOW_WIDTH :])
             felt, placed = walls[:, : -PlacedColumns.width()], walls[:, -PlacedColumns.width() :]
             windows.end(int(window[0]), int(window[1]), dict(zip(names, felt, strict=True)), simulation.walls, placed)
         windows.begin = bound.window_begin

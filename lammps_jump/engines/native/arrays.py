@@ -236,6 +236,24 @@ class Lists(NamedTuple):
     ends: np.ndarray
 
 
+class PressedSums(NamedTuple):
+    """Forces of the discs on stretches of outlines, summed over the steps of a window.
+
+    Attributes
+    ----------
+    first : ndarray of int64, shape (walls + 1,)
+        First stretch of each wall.
+    ends : ndarray, shape (stretches, 2), m
+        Along the outline of its wall.
+    sums : ndarray, shape (stretches, 3)
+        Force across and along the outline, N/m, and the first times the place, N.
+    """
+
+    first: np.ndarray
+    ends: np.ndarray
+    sums: np.ndarray
+
+
 class State(NamedTuple):
     """All that the loops take.
 

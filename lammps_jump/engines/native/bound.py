@@ -15,7 +15,7 @@ from lammps_jump.core.library import INTEGER, INTEGERS, REAL, REALS, Struct, cop
 from lammps_jump.scene.chains import Faces, records_of
 from lammps_jump.scene.near import FaceGrid
 
-from .arrays import BodyState, Constants, ContactVelocities, Lists, Memory, Moves, Near, State, StationStep
+from .arrays import BodyState, Constants, ContactVelocities, Lists, Memory, Moves, Near, PressedSums, State, StationStep
 
 ARRAY = c_void_p
 DISCS = "ids x y vx vy fx fy x0 y0 ux uy omega torque uomega dashpot_x dashpot_y friction_x friction_y radius fixed"
@@ -53,7 +53,7 @@ class jump_state(Struct):
         *fields(c_int64, "slots"),
         *fields(c_void_p, "partner sigma spring roll used chain around full"),
         *fields(c_double, "memory_step"),
-        *fields(c_void_p, "work corners corner between deepest lists"),
+        *fields(c_void_p, "work corners corner between deepest lists pressed"),
     ]
 
 
@@ -81,6 +81,12 @@ class jump_lists(Struct):
         *fields(c_int64, "corner_rows_room corner_faces_room"),
         *fields(c_void_p, "meets"),
     ]
+
+
+class jump_pressed(Struct):
+    """As `PressedSums`."""
+
+    _fields_: ClassVar = [*fields(c_int64, "stretches"), *fields(c_void_p, "first ends sums")]
 
 
 class jump_stations(Struct):
@@ -238,12 +244,22 @@ class Core:
         if state.lists is not None:
             self._bind_lists(state.lists, d, walls)
         put("wall_sum", walls.sums)
+        self._bind_pressed(walls.pressed)
         put("work", state.work)
         if self._held.get("constants") is not state.constants:
             self._bind_constants(state.constants)
         if self._held.get("memory", False) is not state.memory:
             self._bind_memory(state.memory)
         return byref(bound)
+
+    def _bind_pressed(self, pressed: PressedSums | None) -> None:
+        if self._held.get("pressed") is pressed:
+            return
+        self._held["pressed"], self._state.pressed = pressed, None
+        if pressed is not None:
+            first, ends, sums = (address(array) for array in pressed)
+            self._held["pressed struct"] = bound = jump_pressed(len(pressed.ends), first, ends, sums)
+            self._state.pressed = addressof(bound)
 
     def _bind_bodies(self, bodies: BodyState) -> None:
         for name in ("corner", "between", "deepest"):
@@ -353,7 +369,8 @@ class Core:
     def run(self, state: State, events: jump_events, target: int) -> tuple[RunEnd, np.ndarray]:
         """Steps up to `target` with all that happens at them; why they end, and the windows of probes that have ended.
 
-        A window has its step, the steps in it, and of each wall the sums that it felt and where it is.
+        A window has its step, the steps in it, of each wall the sums that it felt and where it is, and those of the
+        stretches of outlines.
         """
         end = RunEnd(_run(byref(self.struct(state)), byref(events), self._partition, target))
         state.discs.n = self._state.n
@@ -361,7 +378,8 @@ class Core:
         count = c_int64()
         windows = copied(_windows(self._partition, byref(count)), np.float64, count.value)
         _forget_windows(self._partition)
-        return end, windows.reshape(-1, 2 + len(state.walls.sums) * WINDOW_WIDTH)
+        pressed = 0 if state.walls.pressed is None else state.walls.pressed.sums.size
+        return end, windows.reshape(-1, 2 + len(state.walls.sums) * WINDOW_WIDTH + pressed)
 
     def _take_rooms(self, state: State) -> None:
         """Take the list that the core has made, and arrays that have grown there into those of Python."""

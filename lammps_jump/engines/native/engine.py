@@ -16,6 +16,7 @@ from lammps_jump.dump.side_files.bodies import write_bodies
 from lammps_jump.dump.side_files.contacts import ContactWriter
 from lammps_jump.dump.side_files.ended import write_ended
 from lammps_jump.dump.side_files.poses import PoseWriter
+from lammps_jump.dump.side_files.pressure import write_pressure
 from lammps_jump.dump.write import DumpWriter, run_writer
 from lammps_jump.engines import step_hook
 from lammps_jump.engines.checkpoint import Checkpoint, CheckpointWriter, cut_back, remove_checkpoint
@@ -31,7 +32,7 @@ from lammps_jump.engines.result import (
 from lammps_jump.engines.setting import Setting
 from lammps_jump.engines.twin import Twin
 from lammps_jump.errors import ResumeError, RunError
-from lammps_jump.files import BODIES, CONTACTS_FILE, DUMP_NAMES, END_FILE, POSES, delete
+from lammps_jump.files import BODIES, CONTACTS_FILE, DUMP_NAMES, END_FILE, POSES, PRESSURE_FILE, delete
 from lammps_jump.provenance import versions
 from lammps_jump.scene.scene import Scene
 
@@ -175,6 +176,7 @@ class EnginePart:
                 CONTACTS_FILE: scene.contact_output,
                 POSES: scene.lids,
                 BODIES: scene.bodies,
+                PRESSURE_FILE: scene.pressure,
             }
             outputs = (DUMP_NAMES[setting.dump_format], *(name for name, wanted in asked.items() if wanted))
             self.checkpoints = CheckpointWriter(scene, self.folder, outputs, setting.checkpoint_interval)
@@ -225,6 +227,8 @@ class EnginePart:
             write_forces(folder / "forces.csv", self.scene, self.simulation.forces)
         if self.scene.bodies:
             write_bodies(folder / BODIES, self.scene, self.simulation.windows.bodies)
+        if self.scene.pressure:
+            write_pressure(folder / PRESSURE_FILE, self.scene, self.simulation.windows.pressed)
 
     def save(self) -> None:
         """Write a checkpoint where there can be one; `reason` says why there is none."""

@@ -242,19 +242,22 @@ class Windows:
         Of the windows that are over.
     bodies : list of (step, name, numbers)
         Rows of ``bodies.csv``.
+    pressed : list of (step, ndarray)
+        Mean of `PressedSums.sums` over each window, all stretches behind each other.
     """
 
     def __init__(self, scene: Scene):
         self._bodies = tuple(wall.name for wall, _ in scene.bodies)
         self.bodies: list[Row] = []
         self.probes, self.steps, self._columns = scene.probes, scene.probe_steps, 4 if scene.moves else 3
-        self.begin = 0
+        self.asked, self.begin = scene.has_windows, 0
         self.sums: dict[str, np.ndarray] = {}
         self.forces: list[WindowForce] = []
+        self.pressed: list[tuple[int, np.ndarray]] = []
 
     def next_after(self, step: int) -> float:
         """Step at which the open window ends; infinite without probes and bodies."""
-        return self.begin + self.steps if self.probes or self._bodies else inf
+        return self.begin + self.steps if self.asked else inf
 
     def take(self, walls: Walls) -> None:
         """Add the sums of walls, which begin anew."""
@@ -267,6 +270,9 @@ class Windows:
         self.take(walls)
         placed = np.empty(0) if walls.moves is None else walls.moves.now
         self.end(step, step - self.begin, self.sums, walls, placed)
+        if walls.pressed is not None:
+            self.press(step, step - self.begin, walls.pressed.sums.ravel().copy())
+            walls.pressed.sums[:] = 0.0
         self.sums, self.begin = {}, step
 
     def end(self, step: int, steps: int, sums: Mapping[str, np.ndarray], walls: Walls, placed: np.ndarray) -> None:
@@ -276,6 +282,11 @@ class Windows:
             self.forces.append((step, name, *(float(v) for v in mean[: self._columns])))
         forces = {name: sums[name][SumsOnWallColumns.FORCE] / steps for name in self._bodies}
         self.see_bodies(step, walls, forces, placed)
+
+    def press(self, step: int, steps: int, sums: np.ndarray) -> None:
+        """Add the means of a window of so many steps over stretches of outlines; none where no pressure is asked."""
+        if sums.size:
+            self.pressed.append((step, sums / steps))
 
     def see_bodies(self, step: int, walls: Walls, forces: Mapping[str, np.ndarray], placed: np.ndarray) -> None:
         """Add a row for each body where it is `placed`, with these forces of the discs."""

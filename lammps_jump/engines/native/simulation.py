@@ -165,6 +165,8 @@ class NativeSimulation:
             placed = self.walls.moves.now
             self.windows.see_bodies(self.step, self.walls, dict(zip(self.walls.names, forces, strict=True)), placed)
         self.walls.sums[:] = 0.0
+        if self.walls.pressed is not None:
+            self.walls.pressed.sums[:] = 0.0
         self.books.start, self.books.start_work = self.energy(), self.books.work[WorkColumns.WHOLE] + self._half_work()
         self.books.start_fallen = fallen(self.scene, self.discs)
         self._after.happen(self.step)

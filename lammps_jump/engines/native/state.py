@@ -98,8 +98,20 @@ def save_state(simulation: NativeSimulation, path: Path) -> None:
         work=books.work,
         start_work=books.start_work,
         stations=simulation.stations.sums,
+        **_pressed(simulation),
         **arrays,
     )
+
+
+def _pressed(simulation: NativeSimulation) -> dict[str, np.ndarray]:
+    """Forces on stretches of outlines: of the open window, and of those that have ended."""
+    pressed, rows = simulation.walls.pressed, simulation.windows.pressed
+    if pressed is None:
+        return {}
+    return {
+        "pressed_sums": pressed.sums, "pressed_steps": np.array([step for step, _ in rows], np.int64),
+        "pressed_rows": np.array([row for _, row in rows]).reshape(-1, pressed.sums.size),
+    }  # fmt: skip
 
 
 def _moves(simulation: NativeSimulation) -> dict[str, np.ndarray]:
@@ -155,6 +167,9 @@ def _loaded(scene: Scene, path: Path, ledger: bool, loops: Loops | None) -> Nati
     windows.sums = {name: np.array(row) for name, row in plain.window_sums.items()}
     windows.forces = [(step, name, *values) for step, name, *values in plain.forces]  # type: ignore[misc]
     windows.bodies = [(step, name, tuple(values)) for step, name, values in plain.bodies]
+    if simulation.walls.pressed is not None:
+        simulation.walls.pressed.sums[:] = stored["pressed_sums"]
+        windows.pressed = list(zip(stored["pressed_steps"].tolist(), stored["pressed_rows"], strict=True))
     simulation.gates.areas = plain.gates
     boundaries = simulation.boundaries
     for states, counts in ((boundaries.rows, plain.rows), (boundaries.pours, plain.pours)):

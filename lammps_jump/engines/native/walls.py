@@ -26,7 +26,7 @@ from lammps_jump.scene.motion import Motion, MovingWall, Pose, Went, at_seam
 from lammps_jump.scene.near import FaceGrid, grid_of
 from lammps_jump.scene.scene import Scene
 
-from .arrays import BodyState, Constants, Loops, Memory, Moves, Near
+from .arrays import BodyState, Constants, Loops, Memory, Moves, Near, PressedSums
 from .bodies.corners import Bodies
 
 FOR_EVER = np.iinfo(np.int64).max
@@ -52,6 +52,16 @@ def _load(
     row[LoadColumns.MASS], row[LoadColumns.INERTIA], row[LoadColumns.BEGIN] = mass, inertia, begin
     row[LoadColumns.FORCE], row[LoadColumns.ARM], row[LoadColumns.FREE] = force, arm, free
     return row
+
+
+def _pressed(scene: Scene, names: list[str]) -> PressedSums | None:
+    """Sums of the stretches whose pressure a scene asks for, wall by wall."""
+    if not scene.pressure:
+        return None
+    numbers = [names.index(one.wall) for one in scene.pressure]
+    first = np.searchsorted(numbers, np.arange(len(names) + 1)).astype(np.int64)
+    ends = np.array([(one.begin, one.end) for one in scene.pressure])
+    return PressedSums(first, ends, np.zeros((len(ends), 3)))
 
 
 def _moves(walls: Sequence[MovingWall], faces: Faces, scene: Scene, skin: float) -> Moves:
@@ -159,6 +169,8 @@ class Walls:
     grid : FaceGrid
     sums : ndarray, shape (walls, 4)
         `SumsOnWallColumns`, per m of width.
+    pressed : PressedSums or None
+        None where no pressure is asked for.
     """
 
     def __init__(self, scene: Scene, loops: Loops, step: int, skin: float):
@@ -174,6 +186,7 @@ class Walls:
         reach = 0.5 * scene.largest + (0.5 if self.moves is None else 1.0) * skin
         self.grid: FaceGrid = grid_of(self.faces, scene.largest, reach, loops.mark_cells)
         self.sums = np.zeros((len(walls), SumsOnWallColumns.width()))
+        self.pressed = _pressed(scene, self.names)
         about = [one.motion.about if one.motion.kind else one.wall.moment_point for one in there]
         rows, last = np.zeros(len(walls) + 1, np.int64), np.zeros(1, np.int64)
         self.near = Near(

@@ -14,9 +14,10 @@ from lammps_jump.core.columns import (
     WorkColumns,
     WorkPartsColumns,
 )
-from lammps_jump.engines.native.arrays import ContactVelocities, Moves, State, StepConstants
+from lammps_jump.engines.native.arrays import ContactVelocities, Moves, PressedSums, State, StepConstants
 from lammps_jump.engines.native.discs import DiscArrays
 from lammps_jump.physics.slots import end_step
+from lammps_jump.scene.faces import foot_at
 from lammps_jump.scene.near import mark_cells
 
 from . import bodies, contact, lists, pushed, sums
@@ -130,6 +131,12 @@ def _wall_forces(state: State, wall: int, seen: ContactVelocities, slope: float 
         _add(state.discs, touched[0], found, 1.0, found.torques[0])
         (nx, ny), rub, dashpot = found.normal, found.rub, found.dashpot
         push -= wrench(found.force, found.point, about)
+        if walls.pressed is not None:
+            inner = contact.inward(moves, wall, float(state.discs.x[touched[0]]), float(state.discs.y[touched[0]]))
+            fx, fy = found.force
+            _press(
+                walls.pressed, wall, foot_at(walls.faces, touched[1], *inner), (fx * nx + fy * ny, fy * nx - fx * ny)
+            )
         push[2] += found.torques[1]
         lost += wrench((dashpot * nx, dashpot * ny), found.point, centre)
         slid += wrench((-rub * ny, rub * nx), found.point, centre)
@@ -137,6 +144,14 @@ def _wall_forces(state: State, wall: int, seen: ContactVelocities, slope: float 
     walls.sums[wall, SumsOnWallColumns.FORCE] += push
     if moving:
         moves.taken[wall] = [*push, *push, *lost, *slid]
+
+
+def _press(pressed: PressedSums, wall: int, foot: float, force: tuple[float, float]) -> None:
+    """Add the force of a contact, across and along the outline (N/m), to the stretches that its foot (m) lies in."""
+    for k in range(pressed.first[wall], pressed.first[wall + 1]):
+        low, high = pressed.ends[k]
+        if low <= foot < high:
+            pressed.sums[k] += (*force, force[0] * foot)
 
 
 def _end_walls(state: State) -> None:

@@ -8,7 +8,17 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lammps_jump.core.law import LawNumbers
-from lammps_jump.engines.native.arrays import CORNER, BodyState, Constants, Loops, Memory, Near, Pairs, State
+from lammps_jump.engines.native.arrays import (
+    CORNER,
+    BodyState,
+    Constants,
+    Loops,
+    Memory,
+    Near,
+    Pairs,
+    PressedSums,
+    State,
+)
 from lammps_jump.physics.slots import Slots
 from lammps_jump.scene.bodies.meeting import LARGEST_OVERLAP, SLOTS, corners, laws_between, meets
 from lammps_jump.scene.chains import Faces
@@ -43,6 +53,7 @@ class CornersBeside(NamedTuple):
     chain: np.ndarray
     around: np.ndarray
     sums: np.ndarray
+    pressed: PressedSums | None = None
 
 
 class Bodies:
