@@ -16,7 +16,7 @@ from typing import Any
 
 from lammps_jump.quoting import echoed, is_hidden
 
-NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+NUMBER = r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 _WORD = r"[^\W\d_⁰¹²³⁴⁵⁶⁷⁸⁹]\w*|°|%|‰"
 _FACTOR = rf"(?:{_WORD})(?:(?:\^|\*\*)?[+-]?[0-9]+|⁻[¹²³⁴])?"
 _QUANTITY = re.compile(
