@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -58,6 +59,8 @@ class Gathered:
         Notes on the flow and of the pass.
     along : Gathered or None
         The same along a sloping stretch of bed (`lammps_jump.analysis.beds.slope`), where there is one.
+    pressure : Path or None
+        Forces along outlines, where the engine has summed them.
     """
 
     flow: Flow
@@ -67,6 +70,7 @@ class Gathered:
     forces: Mapping[str, ForceHistory]
     warnings: tuple[str, ...] = ()
     along: Gathered | None = None
+    pressure: Path | None = None
 
     @property
     def thinned(self) -> xr.Dataset:

@@ -16,7 +16,7 @@ from lammps_jump.dump.find import read_forces
 from lammps_jump.dump.read import Dump, open_dump
 from lammps_jump.dump.side_files.contacts import ContactFile
 from lammps_jump.errors import DumpError, SetupError
-from lammps_jump.files import CONTACTS_FILE, CURVES, plain, write_json
+from lammps_jump.files import CONTACTS_FILE, CURVES, PRESSURE_FILE, plain, write_json
 
 from . import draw
 from .beds.slope import AlongBed, sloping_stretch
@@ -166,6 +166,8 @@ def _write(
     for file, columns in tables.items():
         table: dict[str, Any] = {clock.get(name, name): column for name, column in columns.items()}
         files.append(write_table(table, out / file).name)
+    sets = {file: data for name in results for file, data in QUANTITIES[name].datasets(results[name]).items()}
+    files += [write_netcdf(data, out / file).name for file, data in sets.items()]
     if shown:
         charts = {name: what.plain for name, what in shown.items() if not isinstance(what, Map)}
         files.append(write_json(out / CURVES, charts, None).name)
@@ -228,7 +230,8 @@ def collect(
         except DumpError as error:
             warnings.append(str(error))
     sums, sloping = contacts.result() if contacts else None, along[0].result() if along else None
-    return Gathered(flow, profiles, sums, histories, forces, tuple(warnings), sloping)
+    pressed = next((place / PRESSURE_FILE for place in places if (place / PRESSURE_FILE).is_file()), None)
+    return Gathered(flow, profiles, sums, histories, forces, tuple(warnings), sloping, pressed)
 
 
 def _forces_file(places: Sequence[Path]) -> Path | None:

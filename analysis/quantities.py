@@ -68,6 +68,7 @@ LISTED = {
         needs={"gravity": "", "column": ", so that none collapses"},
     ),
     "force": ListedAnalysis("lammps_jump.analysis.forces.figures"),
+    "pressure": ListedAnalysis("lammps_jump.analysis.forces.pressure"),
     "energy": ListedAnalysis("lammps_jump.analysis.budgets.energy", "energy against time", contacts=True),
     "waves": ListedAnalysis("lammps_jump.analysis.devices.waves"),
     "runup": ListedAnalysis("lammps_jump.analysis.devices.runup"),

@@ -16,6 +16,7 @@ from lammps_jump.units import as_summary, from_summary, numbers_of
 
 if TYPE_CHECKING:
     import numpy as np
+    import xarray as xr
 
     from .contacts import ContactCollector
     from .draw.chart import Drawings
@@ -127,8 +128,9 @@ class Quantity:
         level, ``forces.csv``.
     files, captions : mapping of str to str
         What each CSV table holds, and the caption of each figure, by their names; in the order of the report.
-    tables, figures, section : callable
-        CSV tables of the result, what figures show of result and `Gathered`, section of the report.
+    tables, datasets, figures, section : callable
+        CSV tables and netCDF files of the result by their names, what figures show of result and `Gathered`, section of
+        the report.
     linked : str
         Its figure over time that stands below the player and shows the time of it; empty where there is none.
     marked : str
@@ -180,6 +182,7 @@ class Quantity:
     files: Mapping[str, str] = field(default_factory=dict)
     captions: Mapping[str, str] = field(default_factory=dict)
     tables: Callable[[Any], Tables] = lambda _: {}
+    datasets: Callable[[Any], Mapping[str, xr.Dataset]] = lambda _: NONE
     figures: Callable[[Any, Gathered], Drawings] = lambda *_: {}
     marked: str = ""
     linked: str = ""

@@ -26,6 +26,7 @@ FILES = {
     "forces.csv": "force and moment on each probed wall against time",
     "contacts.bin": "contacts of each frame, with their forces",
     "walls.csv": "where walls are that the discs push",
+    "pressure.npz": "force on stretches of outlines, a row a window of the probes (native engine)",
     "end.npz": "state of discs and bodies at the end, with all digits: another case begins from it",
     "start-[0-9a-f]*.npz": "the same of the run that this one began from",
     "job.slurm": "job file for a cluster",

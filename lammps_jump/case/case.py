@@ -136,6 +136,13 @@ class ReadCase(NearestNames):
         return (*self.body_names, *(self.fields.probes.stability or {}))
 
     @property
+    def pressed(self) -> tuple[str, ...]:
+        """Names of the walls and bodies whose pressure is recorded, and of their gauges."""
+        asked = (self.fields.probes.pressure or {}).items()
+        names = ((name, *(f"{name}_{k}" for k in range(1, len(one.points) + 1))) for name, one in asked)
+        return tuple(name for group in names for name in group)
+
+    @property
     def tailgates(self) -> tuple[str, ...]:
         """Names of the walls that hold a depth or a front."""
         return tuple(wall.name for wall in self.fields.walls if isinstance(getattr(wall, "motion", None), Held))
