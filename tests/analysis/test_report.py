@@ -115,10 +115,10 @@ def test_the_verdict_stands_at_the_top_and_its_numbers_have_errors_and_a_compari
     assert content.index(title) < content.index('class="numbers"') < content.index(ONE_RUN)
     assert "Compare this" not in content.partition("<pre>")[0]
     assert tiles_of(content) == {
-        "Sequent depth": ("5.00", " m||Bélanger 5.20 m, −3.8 %|"),
+        "Sequent depth": ("5.000", " ± ≥ 0.040 m||Bélanger 5.20 m, −3.8 %|"),
         "Front velocity": ("−1.00", " m/s|"),
         "Jump length": ("7.00", " m|"),
-        "Peak Fx, sill": ("4.20", " kN/m||hydrostatic 2.10 kN/m, +100 %|"),
+        "Peak Fx, sill": ("4.20", " ± 0.30 kN/m||hydrostatic 2.10 kN/m, +100 %|"),
     }
     errors = content.partition(">Errors within this run</h2>")[2].partition("<h2")[0]
     assert "Sequent depth, by mass [m]" in errors and "at least 0.040" in errors and "sill: Peak force [N/m]" in errors
@@ -346,8 +346,8 @@ def test_a_comparison_that_is_far_off_does_not_apply():
     assert rows["jump.y2"].off() == "−14 %" and rows["jump.y2"].reason() == ""
     assert rows["jump.head_lost"].off() == "does not apply"
     assert rows["jump.head_lost"].reason() == (
-        "Head lost: Bélanger 0.100 m does not apply, because it is of one jump on a level bed, with hydrostatic "
-        "pressure on both sides; measured is 25 times as much."
+        "Head lost in the jump: Bélanger 0.100 m does not apply, because it is of one jump on a level bed, with "
+        "hydrostatic pressure on both sides; measured is 25 times as much."
     )
     box = next(box for box in tiles(list(rows.values())) if box.label == "Head lost")
     assert "does not apply, because it is of one jump on a level bed" in box.against
