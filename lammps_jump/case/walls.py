@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
 from math import hypot, inf, isfinite, isinf, pi, sqrt
 from typing import Any, cast
 
@@ -20,7 +19,16 @@ from lammps_jump.scene.chains import TX0, TY0, Point, boxes
 from lammps_jump.scene.motion import Motion, arms, largest_speed, way
 from lammps_jump.scene.pressed import MOST_INTERVALS, FaceStretch, bins_of, gauge_of
 from lammps_jump.scene.scene import Weighed
-from lammps_jump.scene.shapes import ArcTo, PlaceError, flush, open_ends, over_each_other, tight_bend, vertices
+from lammps_jump.scene.shapes import (
+    ArcTo,
+    PlaceError,
+    flush,
+    open_ends,
+    over_each_other,
+    pairs_that_may_touch,
+    tight_bend,
+    vertices,
+)
 from lammps_jump.scene.tracks import Held, Loaded, Translate
 from lammps_jump.scene.walls import Line
 
@@ -372,7 +380,8 @@ def check_bends(walls: tuple[CaseWall, ...], largest: float) -> None:
 def wall_doubts(walls: Sequence[MovingWall], begun: Beginning, laws: Laws, inlets: Sequence[InletRow]) -> list[str]:
     """Sentences on walls: too fast for the discs, bent too tightly, ends that meet or nearly meet."""
     found = [text for one in walls for text in _doubts_of(one, begun, laws, inlets)]
-    for one, two in combinations([one.wall for one in walls], 2):
+    for first, second in pairs_that_may_touch([one.wall.faces for one in walls]):
+        one, two = walls[first].wall, walls[second].wall
         if one.motion != two.motion:
             continue
         if at := flush(one.faces, two.faces):
@@ -437,12 +446,16 @@ def _bend_doubt(wall: Wall, largest: float) -> list[str]:
 def _gap_doubts(walls: Sequence[Wall], smallest: float) -> list[str]:
     """Ends that nearly meet: no disc fits between them, and they are not joined."""
     found, ends = [], [open_ends(wall.faces) for wall in walls]
+    corners = [vertices(wall.faces) for wall in walls]
+    low = np.array([points.min(axis=0, initial=inf) for points in corners]).reshape(-1, 2) - smallest
+    high = np.array([points.max(axis=0, initial=-inf) for points in corners]).reshape(-1, 2) + smallest
     for index, wall in enumerate(walls):
         for number, (x, y) in enumerate(ends[index]):
             places = [("its other end", np.array(ends[index][:number]))]
-            for i, other in enumerate(walls):
+            for i in np.flatnonzero(((low <= (x, y)) & (high >= (x, y))).all(axis=1)).tolist():
+                other = walls[i]
                 if i != index and other.motion == wall.motion and not (i < index and ends[i]):
-                    places.append((f"a corner of '{other.name}'", vertices(other.faces)))
+                    places.append((f"a corner of '{other.name}'", corners[i]))
             for what, points in places:
                 gap = np.hypot(*(points - (x, y)).T).min() if len(points) else inf
                 if SAME_END * max(1.0, abs(x), abs(y)) < gap < smallest:

@@ -19,7 +19,7 @@ from lammps_jump import cli, compiling, core, drawings, engines, files, live, ru
 from lammps_jump.engines import interrupts
 from lammps_jump.errors import CaseError, SetupError
 from lammps_jump.foreign import bounded
-from lammps_jump.quoting import echoed, typed
+from lammps_jump.quoting import echoed, shortened, typed
 from lammps_jump.units import to_si, unit_in_words
 
 from .options import Accuracy, CaseFile, Commands, EngineName, Kernel, Sets, assignments, has_display, open_page, place
@@ -41,9 +41,12 @@ app.add_typer(kernels, name="kernels")
 def shift_of(given: str) -> tuple[float, float]:
     """Where the origin comes to lie, m: ``2,-1.5`` or ``2 m, -150 cm``."""
     try:
-        x, y = (float(to_si(part, "m")) for part in given.split(","))
+        parts = given.split(",")
+        if len(parts) != 2:
+            raise ValueError(f"has {len(parts)} numbers, expected are two")
+        x, y = (float(to_si(part, "m")) for part in parts)
     except ValueError as error:
-        raise typer.BadParameter(f"{echoed(given)}: {error}; write x and y, such as 2,-1.5") from None
+        raise typer.BadParameter(f"{echoed(given)}: {shortened(str(error))}; write x and y, such as 2,-1.5") from None
     return x, y
 
 

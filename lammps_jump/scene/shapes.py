@@ -368,6 +368,17 @@ def over_each_other(one: Faces, two: Faces) -> Point | None:
     return None
 
 
+def pairs_that_may_touch(walls: Sequence[Faces]) -> list[tuple[int, int]]:
+    """Pairs of walls, by number, whose boxes of corners meet: `flush` and `over_each_other` find nothing in others."""
+    if not walls:
+        return []
+    boxes = np.array([(ends[:, 0].min(axis=0), ends[:, 1].max(axis=0)) for ends in map(_straight_boxes, walls)])
+    room = 2 * FLUSH * max(1.0, float(np.abs(boxes[np.isfinite(boxes)]).max(initial=0.0)))
+    low, high = boxes[:, 0] - room, boxes[:, 1]
+    meet = ((low[:, None] <= high) & (low <= high[:, None])).all(axis=2)
+    return [(int(one), int(two)) for one, two in np.argwhere(np.triu(meet, 1))]
+
+
 def _straight_boxes(faces: Faces) -> np.ndarray:
     """Low and high corner of each face as if it were straight, shape (faces, 2, 2), m; infinite without end."""
     ends = np.sort(faces.shape[:, [X0, Y0, X1, Y1]].reshape(-1, 2, 2), axis=1)

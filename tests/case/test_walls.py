@@ -10,7 +10,8 @@ from lammps_jump.case import load_case, parse_case
 from lammps_jump.case.fields import CaseFields
 from lammps_jump.errors import CaseError
 from lammps_jump.scene.motion import largest_speed, way
-from lammps_jump.scene.shapes import ArcTo
+from lammps_jump.scene.shapes import ArcTo, flush, over_each_other, pairs_that_may_touch
+from lammps_jump.scene.walls import Circle, Line, Plane
 
 CASE = """\
 name: walls
@@ -326,3 +327,23 @@ def test_the_schema_has_all_kinds():
     assert list(known["Line"]["properties"])[:5] == ["kind", "name", "points", "sheet", "join"]
     assert {"Polygon", "Circle", "ArcTo", "Translate", "Lift"} <= known.keys()
     assert "from" in known["Translate"]["properties"] and known["Line"]["required"] == ["kind", "name"]
+
+
+def test_walls_apart_are_not_held_against_each_other(monkeypatch):
+    """Of a thousand walls of a drawing half a million pairs; those whose corners are apart are left out."""
+    dice, seen = np.random.default_rng(5), []
+    wall = [
+        Line(f"w{n}", ((float(x), float(y)), (x + 2.0, float(y))))
+        for n, (x, y) in enumerate(dice.integers(0, 12, (60, 2)))
+    ]
+    wall += [Plane("floor", "y", 0.0, "above"), Circle("pipe", (5.0, 5.0), 1.0)]
+    faces = [one.faces for one in wall]
+    every = [(i, j) for i in range(len(faces)) for j in range(i + 1, len(faces))]
+    found = {pair for pair in every if flush(*(faces[n] for n in pair)) or over_each_other(*(faces[n] for n in pair))}
+    near = pairs_that_may_touch(faces)
+    assert found and found <= set(near) and near == sorted(near) and len(near) < len(every) / 3
+    assert pairs_that_may_touch([]) == []
+
+    monkeypatch.setattr("lammps_jump.case.walls.flush", lambda *pair: seen.append(pair))
+    case(*(f"{{name: w{n}, kind: line, points: [[{n - 18}, 0], [{n - 17.5}, 0.5]]}}" for n in range(40))).check()
+    assert seen == []
