@@ -122,7 +122,6 @@ def test_the_verdict_stands_at_the_top_and_its_numbers_have_errors_and_a_compari
     }
     errors = content.partition(">Errors within this run</h2>")[2].partition("<h2")[0]
     assert "Sequent depth, by mass [m]" in errors and "at least 0.040" in errors and "sill: Peak force [N/m]" in errors
-    assert "±" not in content.partition("summary.json</summary>")[0]
     assert "<summary>What these numbers mean</summary>" in content and "where a sharp step between" in content
     jump |= {"verdict": "drowned inlet"}
     content = page(write_report(tmp_path, {"name": "x", "jump": jump}))
@@ -349,5 +348,5 @@ def test_a_comparison_that_is_far_off_does_not_apply():
         "Head lost in the jump: Bélanger 0.100 m does not apply, because it is of one jump on a level bed, with "
         "hydrostatic pressure on both sides; measured is 25 times as much."
     )
-    box = next(box for box in tiles(list(rows.values())) if box.label == "Head lost")
-    assert "does not apply, because it is of one jump on a level bed" in box.against
+    box = next(box for box in tiles(list(rows.values())) if box.label == "Head lost in the jump")
+    assert box.against == ""
