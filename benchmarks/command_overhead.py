@@ -11,8 +11,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Collection, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Collection, Mapping
 from functools import partial
 from pathlib import Path
 
@@ -24,6 +23,7 @@ from lammps_jump.errors import RunError
 from lammps_jump.files import SUMMARY_FILE, read_json, write_text
 from lammps_jump.studies.runs import middle
 from lammps_jump.sweeps import Results, Say, Store
+from lammps_jump.system import only_on, own_cores
 
 SHORT, SHORT_ROUNDS, LONG_ROUNDS = 10.0, 7, 3
 """Rounds of a whole command whose engine takes fewer seconds than the first, and of others."""
@@ -52,7 +52,7 @@ def command_time(case: Case, cores: Collection[int] = ()) -> dict[str, float]:
     RunError
         The command failed.
     """
-    with tempfile.TemporaryDirectory() as place, _only(cores):
+    with tempfile.TemporaryDirectory() as place, only_on(cores):
         path, folder = write_text(Path(place) / "case.yaml", case.to_yaml()), Path(place) / "run"
         words = ("build-and-run", str(path), "--out", str(folder), "--quiet")
         begin, before = time.perf_counter(), os.times()
@@ -68,23 +68,12 @@ def command_time(case: Case, cores: Collection[int] = ()) -> dict[str, float]:
     return {**known, "else": whole - sum(known.values()), **spent}
 
 
-@contextmanager
-def _only(cores: Collection[int]) -> Iterator[None]:
-    """Use these cores, by default all, in this process and those that it starts, while the block runs."""
-    before = os.sched_getaffinity(0)
-    os.sched_setaffinity(0, cores or before)
-    try:
-        yield
-    finally:
-        os.sched_setaffinity(0, before)
-
-
 def time_commands(case: Case, store: Store, *, quick: bool, say: Say) -> Results:
     """Time the whole command several times, with all cores and with one in turn, seven times where it is short.
 
     A row holds the median seconds of a phase with all cores and with one.
     """
-    all_cores = os.sched_getaffinity(0)
+    all_cores = own_cores()
     calls = {"all cores": partial(command_time, case), "one core": partial(command_time, case, {min(all_cores)})}
     told = "{0[whole]:z.2f} s, engine {0[engine]:z.2f} s"
     time_all = partial(timed_in_turn, calls, store=store, identity=case.hash, say=say, told=told)

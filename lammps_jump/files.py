@@ -7,9 +7,7 @@ an engine is written whole or not at all. `tests/test_house.py` refuses other wa
 
 from __future__ import annotations
 
-import ctypes
 import errno
-import fcntl
 import hashlib
 import io
 import json
@@ -17,7 +15,6 @@ import os
 import re
 import secrets
 import shutil
-import signal
 import stat
 import tempfile
 import time
@@ -33,6 +30,7 @@ from pydantic_core import to_jsonable_python
 
 from .errors import DumpError, JumpError
 from .foreign import foreign
+from .system import exchanged, give_further_attributes, lent, taken_back
 
 DUMP_NAMES = {"text": "dump.lammpstrj", "gz": "dump.lammpstrj.gz", "binary": "dump.lammpsbin"}
 """File of the dump in a run folder, by its format."""
@@ -162,14 +160,10 @@ ENCRYPTED = 1
 """Flag of an encrypted entry of a zip file."""
 MOST_TEXT = 2_000_000_000
 """Bytes of a table or log that is read."""
-MOST_TOLD = 10_000_000
-"""Bytes of what the system tells, such as its processors."""
 END_OF_LINE = re.compile("\r\n|\r|\n")
 """Ends of lines of a text; a page of a browser turns each into the last."""
 NO_ROOM_BESIDE = {errno.EACCES, errno.EPERM, errno.EROFS, errno.EBUSY, errno.ENAMETOOLONG, errno.ENOTSUP, errno.EXDEV}
 """Errors of making a file beside another, or of putting it in the other's place, though that one may be written."""
-_HERE, _EXCHANGE = -100, 2
-"""AT_FDCWD and RENAME_EXCHANGE of Linux."""
 WRITER_PATIENCE = 0.5
 """Seconds that a program which has a file open for writing gets to close it."""
 
@@ -394,15 +388,6 @@ def text_of(path: Path, errors: str = "strict") -> str:
         raise DumpError(f"{path}: cannot be read ({getattr(error, 'strerror', None) or error})") from None
 
 
-def told_by_system(path: str | Path) -> str:
-    """The text of a file that the system makes, whose size it does not tell; empty where there is none."""
-    try:
-        with open_to_read(path) as file:
-            return file.read(MOST_TOLD).decode(errors="replace")
-    except OSError:
-        return ""
-
-
 def open_regular(path: str, flags: int) -> int:
     """An `opener` for `open` that refuses all but regular files, and never waits for a pipe."""
     place = os.open(path, flags | os.O_NONBLOCK, 0o666)  # a pipe without a writer would be waited for
@@ -481,7 +466,7 @@ def change_text(path: Path, before: str, after: str) -> str | None:
         found = os.fstat(file.fileno())
         if not found.st_mode & 0o222 or not os.access(path, os.W_OK):
             raise PermissionError(errno.EACCES, "it is read-only", str(path))
-        alone = found.st_nlink == 1 and _lent(file, fcntl.F_RDLCK)
+        alone = found.st_nlink == 1 and lent(file.fileno())
         done = _put_in_its_place(path, file, old, new) if alone else None
     if done is None:
         done = _written_over(path, old, new)
@@ -495,22 +480,6 @@ def _holds(path: Path, file: IO[bytes], data: bytes) -> bool:
     except FileNotFoundError:
         return False
     return same and os.pread(file.fileno(), len(data) + 1, 0) == data
-
-
-def _lent(file: IO[bytes], kind: int) -> bool:
-    """Whether no other program has a file open for writing (F_RDLCK), or at all (F_WRLCK).
-
-    With F_WRLCK programs that would open it wait until this one closes it. True where the system does not know.
-    """
-    try:
-        # a program that waits is told by this signal, which is ignored; the usual one would end this process
-        fcntl.fcntl(file, fcntl.F_SETSIG, signal.SIGURG)
-        fcntl.fcntl(file, fcntl.F_SETLEASE, kind)
-        if kind == fcntl.F_RDLCK:
-            fcntl.fcntl(file, fcntl.F_SETLEASE, fcntl.F_UNLCK)
-    except OSError as error:
-        return error.errno != errno.EAGAIN
-    return True
 
 
 def _put_in_its_place(path: Path, file: IO[bytes], old: bytes, new: bytes) -> bool | None:
@@ -553,13 +522,10 @@ def _make(path: Path, data: bytes, like: IO[bytes] | None = None) -> None:
 
 def _give_attributes(place: int, like: int) -> None:
     """Give an open file owner, mode and further attributes of another."""
-    found, here, names = os.fstat(like), os.fstat(place), []
+    found, here = os.fstat(like), os.fstat(place)
     if (here.st_uid, here.st_gid) != (found.st_uid, found.st_gid):
         os.fchown(place, found.st_uid, found.st_gid)
-    with suppress(OSError):  # a file system without further ones
-        names = os.listxattr(like)
-    for name in names:
-        os.setxattr(place, name, os.getxattr(like, name))
+    give_further_attributes(place, like)
     os.fchmod(place, stat.S_IMODE(found.st_mode))
 
 
@@ -570,13 +536,8 @@ def _new(path: Path, mode: int = 0o600) -> io.BufferedWriter:
 
 def _exchange(first: Path, second: Path) -> bool:
     """Exchange two files in one move; False where the system cannot: the first has taken the place of the second."""
-    rename = getattr(ctypes.CDLL(None, use_errno=True), "renameat2", None)
-    if rename is not None:
-        if rename(_HERE, os.fsencode(first), _HERE, os.fsencode(second), _EXCHANGE) == 0:
-            return True
-        code = ctypes.get_errno()
-        if code not in (errno.EINVAL, errno.ENOSYS, errno.ENOTSUP):
-            raise OSError(code, os.strerror(code), str(second))
+    if exchanged(first, second):
+        return True
     os.replace(first, second)
     return False
 
@@ -589,7 +550,7 @@ def _came_out(beside: Path, file: IO[bytes], old: bytes) -> bool:
 def _left(file: IO[bytes]) -> bool:
     """Wait until no other program has a file open for writing; whether they have closed it in time."""
     until = time.monotonic() + WRITER_PATIENCE
-    while not (left := _lent(file, fcntl.F_RDLCK)) and time.monotonic() < until:
+    while not (left := lent(file.fileno())) and time.monotonic() < until:
         time.sleep(0.002)
     return left
 
@@ -634,7 +595,7 @@ def _written_over(path: Path, old: bytes, new: bytes) -> bool:
             copied = False
             if error.errno not in NO_ROOM_BESIDE:
                 raise
-        _lent(file, fcntl.F_WRLCK)
+        lent(place, whole=True)
         if same := _holds(path, file, old):
             try:
                 _overwrite(place, new)
@@ -643,8 +604,7 @@ def _written_over(path: Path, old: bytes, new: bytes) -> bool:
                 if copied:
                     delete(copy)
                 raise
-        with suppress(OSError):
-            fcntl.fcntl(file, fcntl.F_SETLEASE, fcntl.F_UNLCK)
+        taken_back(place)
         os.fsync(place)
         if copied:
             delete(copy)

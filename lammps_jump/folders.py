@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import fcntl
 import json
 import os
 import re
@@ -29,11 +28,11 @@ from .files import (
     delete,
     flush,
     read_json,
-    told_by_system,
     write_json,
     writes,
 )
 from .foreign import foreign
+from .system import boot, lock, started
 
 MARKER_FILE = ".lammps-jump"
 """Makes a folder ours."""
@@ -247,35 +246,35 @@ def locked(folder: Path) -> Iterator[None]:
         Another process writes to the folder, or nothing can be written there.
     """
     with writable(folder):
-        lock = _take(folder)
+        place = _take(folder)
     try:
         _wait_for_engine(folder)
         yield
     finally:
         with suppress(OSError):
             os.unlink(folder / LOCK_FILE)
-        os.close(lock)
+        os.close(place)
 
 
 def _take(folder: Path) -> int:
     """Descriptor of the lock file, locked, with this process named in it."""
     path = folder / LOCK_FILE
     while True:
-        lock = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666)
+        place = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666)
         try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            lock(place)
             taken = False
         except OSError as error:
             taken = isinstance(error, BlockingIOError) or bool(holder(folder))
         if taken:
-            os.close(lock)
+            os.close(place)
             raise _in_use(folder, holder(folder))
         with suppress(FileNotFoundError):
-            if os.stat(path).st_ino == os.fstat(lock).st_ino:  # else its holder has just deleted it
-                os.ftruncate(lock, 0)
-                os.pwrite(lock, (json.dumps(_this_process()) + "\n").encode(), 0)
-                return lock
-        os.close(lock)
+            if os.stat(path).st_ino == os.fstat(place).st_ino:  # else its holder has just deleted it
+                os.ftruncate(place, 0)
+                os.pwrite(place, (json.dumps(_this_process()) + "\n").encode(), 0)
+                return place
+        os.close(place)
 
 
 def require_unlocked(folder: Path) -> None:
@@ -293,38 +292,33 @@ def _in_use(folder: Path, text: str) -> SetupError:
 def holder(folder: Path) -> str:
     """The process that writes to a folder, in words; empty where there is none. Nothing is written or locked."""
     try:
-        lock = os.open(folder / LOCK_FILE, os.O_RDONLY | os.O_NONBLOCK | os.O_NOFOLLOW)
+        place = os.open(folder / LOCK_FILE, os.O_RDONLY | os.O_NONBLOCK | os.O_NOFOLLOW)
     except OSError:
         return ""
     try:
-        held = json.loads(os.read(lock, 4096))
+        held = json.loads(os.read(place, 4096))
         pid, begun, boot, host = int(held["pid"]), held["started"], held["boot"], str(held["host"])[:80]
         here = _this_process()
         if boot == here["boot"]:
-            alive = _started(pid) == begun
+            alive = started(pid) == begun
         elif alive := host != here["host"]:  # flock may know; its answer is no more than a look
             with suppress(OSError):
-                fcntl.flock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB)
+                lock(place, shared=True)
                 alive = False
         return f"process {pid} on {host!r}" if alive else ""
     except Exception:  # whatever stands there was written by no run
         return ""
     finally:
-        os.close(lock)
+        os.close(place)
 
 
 def _this_process() -> dict[str, str | int]:
     return {
         "pid": os.getpid(),
-        "started": _started(os.getpid()),
-        "boot": told_by_system("/proc/sys/kernel/random/boot_id").strip(),
+        "started": started(os.getpid()),
+        "boot": boot(),
         "host": os.uname().nodename,
     }
-
-
-def _started(pid: int) -> int:
-    """Start time of a process in ticks since the boot, 0 where there is none: a pid is given again."""
-    return int([*told_by_system(f"/proc/{pid}/stat").rpartition(")")[2].split(), *20 * "0"][19])
 
 
 @contextmanager
@@ -333,7 +327,7 @@ def engine_at_work(folder: Path) -> Iterator[None]:
     place = -1
     with suppress(OSError):  # no flock here, or no folder: the engine says so
         place = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-        fcntl.flock(place, fcntl.LOCK_SH)
+        lock(place, shared=True, wait=True)
     try:
         yield
     finally:
@@ -347,7 +341,7 @@ def _wait_for_engine(folder: Path) -> None:
     try:
         for _ in range(ENGINE_PATIENCE):
             try:
-                fcntl.flock(place, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                lock(place)
                 return
             except BlockingIOError:
                 time.sleep(0.1)

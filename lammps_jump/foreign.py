@@ -4,13 +4,13 @@
 from __future__ import annotations
 
 import re
-import resource
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from .errors import JumpError, SetupError
 from .quoting import shortened
+from .system import within_memory
 
 NUMBER = re.compile(r"\s*[-+]?(?:(?:\d+(?:\.\d*)?|\.\d+)(?:e[-+]?\d+)?|nan|inf(?:inity)?)\s*", re.ASCII | re.IGNORECASE)
 """A number as files have it."""
@@ -72,12 +72,11 @@ def bounded(what: str, remedy: str) -> Iterator[None]:
     def late(*_: object) -> None:
         raise _Late
 
-    before, memory = signal.signal(signal.SIGPROF, late), resource.getrlimit(resource.RLIMIT_DATA)
-    if memory[0] == resource.RLIM_INFINITY or memory[0] > MOST_MEMORY:
-        resource.setrlimit(resource.RLIMIT_DATA, (MOST_MEMORY, memory[1]))
+    before = signal.signal(signal.SIGPROF, late)
     signal.setitimer(signal.ITIMER_PROF, MOST_SECONDS, 1.0)  # again each second: a parser may clean up for long
     try:
-        yield
+        with within_memory(MOST_MEMORY):
+            yield
     except _Late:
         raise SetupError(f"{what}: took more than {MOST_SECONDS:g} s and was left; {remedy}") from None
     except MemoryError:
@@ -85,7 +84,6 @@ def bounded(what: str, remedy: str) -> Iterator[None]:
     finally:
         signal.setitimer(signal.ITIMER_PROF, 0.0)
         signal.signal(signal.SIGPROF, before)
-        resource.setrlimit(resource.RLIMIT_DATA, memory)
 
 
 def reason(error: BaseException) -> str:

@@ -10,7 +10,7 @@ from functools import cache
 from importlib import metadata
 from pathlib import Path
 
-from .files import told_by_system
+from .system import CONTROL_GROUPS, control_group, own_cores, processor_lines, told
 
 
 @cache
@@ -44,8 +44,7 @@ def versions(*more: str) -> dict[str, str]:
 def machine() -> dict[str, str | int | None]:
     """Processor model and number of cores, system; no host name, no paths."""
     model = platform.processor() or platform.machine()
-    lines = told_by_system("/proc/cpuinfo").splitlines()
-    model = next((line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")), model)
+    model = next((line.split(":", 1)[1].strip() for line in processor_lines() if line.startswith("model name")), model)
     return {
         "processor": model,
         "cores": os.cpu_count(),
@@ -54,13 +53,13 @@ def machine() -> dict[str, str | int | None]:
     }
 
 
-def usable_cores(root: Path = Path("/sys/fs/cgroup")) -> int:
+def usable_cores(root: Path = CONTROL_GROUPS) -> int:
     """Cores this process may use by its affinity and by the limits of its control groups (version 2); at least 1."""
-    cores = float(len(os.sched_getaffinity(0)))
-    own = told_by_system("/proc/self/cgroup").rpartition("::")[2].strip().lstrip("/")
+    cores = float(len(own_cores()))
+    own = control_group()
     for folder in (root / own, *(root / own).parents):
         with suppress(OSError, ValueError, IndexError):
-            quota, period = told_by_system(folder / "cpu.max").split()  # "max 100000" is no limit, and no number
+            quota, period = told(folder / "cpu.max").split()  # "max 100000" is no limit, and no number
             cores = min(cores, float(quota) / float(period))
         if folder == root:
             break

@@ -137,7 +137,7 @@ DEFECTS = [
            "faults/test_power.py engines/test_checkpoint.py"),
     Defect("missing flush", FILES_PY, "whole", "if not staged:\n            flush(new)", "",
            "faults/test_power.py faults/test_files.py"),
-    Defect("lock", FOLDERS, "_take", ", fcntl.LOCK_EX", ", fcntl.LOCK_SH", "runs/test_lock.py"),
+    Defect("lock", FOLDERS, "_take", "lock(place)", "lock(place, shared=True)", "runs/test_lock.py"),
     Defect("another's file", FOLDERS, "clear", "& set(marker.files if marker else ())", "", "runs/test_ours.py runs"),
     Defect("off by one", "lammps_jump/dump/check.py", "FrameCheck.result.expected", "+ 1", "",
            "runs/test_complete.py"),

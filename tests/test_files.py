@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lammps_jump import files
+from lammps_jump import files, system
 from lammps_jump.files import change_text, with_ends_of
 
 OTHERS = "other programs that write the same file"
@@ -48,7 +48,7 @@ def no_room(code):
 
 WAYS = {
     "a new file in its place": lambda patch: None,
-    "no exchange here": lambda patch: patch.setattr(files.ctypes, "CDLL", lambda *_, **__: object()),
+    "no exchange here": lambda patch: patch.setattr(system.ctypes, "CDLL", lambda *_, **__: object()),
     "no file can be made beside it": lambda patch: patch.setattr(files, "_make", no_room(errno.EACCES)),
     "it is a mount of its own": lambda patch: patch.setattr(files, "_exchange", no_room(errno.EBUSY)),
     "the owner cannot be kept": lambda patch: patch.setattr(files, "_give_attributes", no_room(errno.EPERM)),
@@ -121,7 +121,7 @@ MEANWHILE = {"lines are added": append, "all of it is written": lambda p: p.writ
 @pytest.mark.fault(OTHERS)
 @pytest.mark.parametrize("hard", [False, True])
 @pytest.mark.parametrize("other", MEANWHILE)
-@pytest.mark.parametrize("moment", ["_make", "_exchange", "_lent"])
+@pytest.mark.parametrize("moment", ["_make", "_exchange", "lent"])
 def test_what_is_written_just_before_stays(case, tmp_path, monkeypatch, moment, other, hard):
     """Another program writes at one moment or another; its text stands there, and ours is not called written."""
     if hard:

@@ -28,12 +28,12 @@ from function_sizes import Shape, functions
 ROOT = Path(__file__).parents[1]
 
 FLOORS = (
-    "errors", "quoting", "foreign", "files", "folders", "written", "units", "provenance", "identity",
+    "errors", "quoting", "system", "foreign", "files", "folders", "written", "units", "provenance", "identity",
     "compiling", "core", "physics", "scene", "dump", "analysis", "case", "drawings", "script", "engines", "runs",
     "sweeps", "calibration", "studies", "live", "served", "cli",
 )  # fmt: skip
 """What lies in ``lammps_jump``, from the top down: each imports only what stands before it."""
-AT_THE_ROOT = {"__init__.py", "__main__.py", *(f"{name}.py" for name in FLOORS[:9])}
+AT_THE_ROOT = {"__init__.py", "__main__.py", *(f"{name}.py" for name in FLOORS[:10])}
 CALLERS = {"studies", "cli"}
 """What calls the public Python API, ``import lammps_jump``."""
 NOT_FOR_ANALYSIS = {"case", "engines"}
@@ -62,6 +62,7 @@ IMPORTS_INSIDE: dict[str, int] = {}
 DOOR = {
     "lammps_jump/files.py": "reads, writes, deletes",
     "lammps_jump/folders.py": "markers, locks and staging folders",
+    "lammps_jump/system.py": "files that the system makes, such as those of processes",
     "lammps_jump/compiling/trust.py": "the lock of who builds a library",
     "lammps_jump/engines/plugin/wheel.py": "clears the folder of the libraries of a wheel that is being made",
     "lammps_jump/cli/streams.py": "standard output that was closed",

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import tempfile
 from collections.abc import Callable, Sequence
 from contextlib import suppress
@@ -24,10 +23,13 @@ from typing import Any
 
 from lammps_jump.errors import SetupError
 from lammps_jump.files import read_file, read_json, write_text
+from lammps_jump.system import libraries_version, native_flags, plugin_flags
 
+from .binary import is_code, made_for
 from .cache import MOST_BYTES, Made, cache_folder, checksum, forget_old, is_whole, kept, record_of, write
 from .carried import Carried, carried_folder, check_loads, fitting, needs
 from .compiler import ADVICE, processor, require_compiler, run_compiler
+from .platforms import Platform
 from .product import FLAGS, Product, add
 from .trust import require_own
 
@@ -81,8 +83,8 @@ class _Recipe:
     library: Path
 
 
-def _recipe(product: Product, level: str = "native") -> _Recipe:
-    """How the product is built here, for this machine or a level of x86-64.
+def _recipe(product: Product, platform: Platform | None = None, level: str = "") -> _Recipe:
+    """How the product is built here, for this very processor, or for a level of a platform.
 
     Raises
     ------
@@ -90,8 +92,8 @@ def _recipe(product: Product, level: str = "native") -> _Recipe:
         Naming what is missing and what to install, or why the place in the cache cannot be used.
     """
     units = product.units()
-    compiler, version = require_compiler(product.title)
-    flags = (*FLAGS, f"-march={level}")
+    compiler, version = require_compiler(product.title, platform.compiler if platform else None)
+    flags = (*FLAGS, *((platform.levels[level],) if platform else native_flags()))
     headers: list[str] = []
     for wheel in product.wheels:
         if wheel.headers is None:
@@ -101,7 +103,7 @@ def _recipe(product: Product, level: str = "native") -> _Recipe:
     objects = {}
     for unit in units:
         digest = hashlib.sha256()
-        add(digest, here.encode(), processor().encode() if level == "native" else b"", " ".join(unit).encode())
+        add(digest, here.encode(), b"" if platform else processor().encode(), " ".join(unit).encode())
         for name, text in product.included(unit).items():
             add(digest, name.encode(), text)
         objects[unit] = digest.hexdigest()[:20]
@@ -122,10 +124,6 @@ def _place(product: Product, name: str) -> Path:
     return library
 
 
-def _is_object(code: bytes) -> bool:
-    return code.startswith(b"\x7fELF")
-
-
 def _run(recipe: _Recipe, arguments: Sequence[str], product: Path, is_made: Callable[[bytes], bool]) -> Made:
     """Run the compiler; what it made, with its record."""
     command = [*recipe.compiler, *recipe.flags, *arguments, "-o", str(product)]
@@ -144,13 +142,13 @@ def _compile(recipe: _Recipe, unit: tuple[str, ...]) -> Made:
     with tempfile.TemporaryDirectory(prefix="lammps-jump-") as work:
         source, product = Path(work) / "unit.cpp", Path(work) / "unit.o"
         write_text(source, "".join(f'#include "{name}"\n' for name in unit))
-        return _run(recipe, [*recipe.headers, "-c", str(source)], product, _is_object)
+        return _run(recipe, [*recipe.headers, "-c", str(source)], product, is_code)
 
 
 def _object(recipe: _Recipe, unit: tuple[str, ...], force: bool) -> Path:
     """The object of a unit, in the cache."""
     path = cache_folder() / "objects" / recipe.objects[unit] / "unit.o"
-    return kept(path, _is_object, partial(_compile, recipe, unit), force)
+    return kept(path, is_code, partial(_compile, recipe, unit), force)
 
 
 def _build(recipe: _Recipe, force: bool, tell: Tell, linking: Sequence[str] = ()) -> Made:
@@ -172,8 +170,8 @@ def _carried(product: Product) -> tuple[Carried | None, Path | None, str]:
     carried, reason = fitting(product)
     if carried is None:
         return None, None, reason
-    system = os.confstr("CS_GNU_LIBC_VERSION") or "unknown"  # whether it loads depends on the system's libraries
-    name = checksum(json.dumps([carried.record["sha256"], system]).encode())[:20]
+    # whether it loads depends on the system's libraries
+    name = checksum(json.dumps([carried.record["sha256"], libraries_version()]).encode())[:20]
     library = _place(product, f"{carried.level}-{name}")
     with suppress(OSError, ValueError, KeyError, TypeError):
         return None, None, str(read_json(record_of(library))["fails"])
@@ -212,7 +210,8 @@ def library_path(product: Product, *, force: bool = False, tell: Tell = lambda t
             if carried is not None and library is not None:
                 return kept(library, product.is_made, partial(_copy, product, carried, library))
     recipe = _recipe(product)
-    return kept(recipe.library, product.is_made, partial(_build, recipe, force, tell), force)
+    linking = plugin_flags() if product.wheels else ()
+    return kept(recipe.library, product.is_made, partial(_build, recipe, force, tell, linking), force)
 
 
 def build_all(products: Sequence[Product], *, force: bool = False, tell: Tell = lambda text: None) -> list[Path | str]:
@@ -235,18 +234,21 @@ def _at_once(work: Callable[[Any], Any], items: Sequence[Any]) -> list[Any]:
         return list(pool.map(work, items))
 
 
-def build_for(product: Product, level: str) -> Path:
-    """Build the library that the package carries for a level of x86-64; returns its path.
+def build_for(product: Product, platform: Platform, level: str) -> Path:
+    """Build the library that the package carries for a level of a platform; returns its path.
 
     Raises
     ------
     SetupError
-        As `library_path`.
+        As `library_path`; the compiler made something for another system.
     """
-    recipe = _recipe(product, level)
+    recipe = _recipe(product, platform, level)
     library = carried_folder(product) / level / product.library
     library.parent.mkdir(parents=True)
-    write(library, _build(recipe, False, lambda text: None, product.carried_flags))
+    code, record = _build(recipe, False, lambda text: None, () if platform.zig else product.carried_flags)
+    if made_for(code) != (platform.system, platform.machine):
+        raise SetupError(f"{recipe.version.splitlines()[0]} made code for {made_for(code)}, not for {platform.tag}")
+    write(library, (code, {**record, **needs(product, platform)}))
     return library
 
 

@@ -21,6 +21,7 @@ from platformdirs import user_cache_path
 
 from lammps_jump.errors import SetupError
 from lammps_jump.files import delete, read_file, read_json, write_bytes
+from lammps_jump.system import forbids_programs
 
 from .trust import locked_alone, open_to_others, require_own
 
@@ -76,7 +77,7 @@ def why_elsewhere() -> str:
 def is_noexec(folder: Path) -> bool:
     """Whether no program or library may be loaded from where a folder is, or would be made."""
     there = next(place for place in (folder.absolute(), *folder.absolute().parents) if place.exists())
-    return bool(os.statvfs(there).f_flag & os.ST_NOEXEC)
+    return forbids_programs(there)
 
 
 def _others() -> Iterator[Path]:

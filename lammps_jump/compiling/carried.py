@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Libraries that the wheel of lammps-jump carries, built for levels of x86-64, for machines without a compiler.
+"""Libraries that a wheel of lammps-jump carries, built for levels of its processor, for machines without a compiler.
 
 `make wheel` builds them. One is taken where the sources, the versions of the wheels that it includes, the processor
 and the system's libraries are those that it needs; it is copied into the cache, so that the same checks hold for it as
@@ -18,10 +18,12 @@ from pathlib import Path
 from typing import Any
 
 from lammps_jump.errors import SetupError
-from lammps_jump.files import read_file, read_json, told_by_system
+from lammps_jump.files import read_file, read_json
 from lammps_jump.provenance import wheel_file
+from lammps_jump.system import processor_lines
 
 from .cache import MOST_BYTES, checksum, record_of
+from .platforms import Platform
 from .product import Product
 
 SECONDS = 60.0
@@ -31,8 +33,9 @@ LEVELS = {
     "x86-64-v4": _V3 | {"avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"},
     "x86-64-v3": _V3,
     "x86-64": frozenset(),
+    "armv8-a": frozenset(),
 }
-"""Levels of the x86-64 psABI and the flags of /proc/cpuinfo that each needs."""
+"""Levels of the x86-64 psABI and of Arm's, and the flags that each needs, by the words of Linux."""
 
 _TRIAL = "import ctypes, sys\nfor name in sys.argv[1:]: ctypes.CDLL(name, ctypes.RTLD_GLOBAL)"
 
@@ -60,15 +63,16 @@ def carried_folder(product: Product) -> Path:
     return product.folder / "carried"
 
 
-def needs(product: Product) -> dict[str, str]:
-    """What a library must have been built from and for to run here."""
-    return {**product.versions(), "machine": platform.machine(), "sources": product.sources()}
+def needs(product: Product, built_for: Platform | None = None) -> dict[str, str]:
+    """What a library must have been built from and for to run here, or on another platform."""
+    system, machine = (built_for.system, built_for.machine) if built_for else (platform.system(), platform.machine())
+    return {**product.versions(), "system": system, "machine": machine, "sources": product.sources()}
 
 
 @lru_cache(maxsize=1)
 def processor_flags() -> frozenset[str]:
     """What this processor can do, by the words of Linux; empty where it does not say."""
-    lines = told_by_system("/proc/cpuinfo").splitlines()
+    lines = processor_lines()
     return frozenset(next((line.partition(":")[2].split() for line in lines if line.startswith("flags")), ()))
 
 

@@ -14,8 +14,9 @@ from pathlib import Path
 from threading import BoundedSemaphore
 
 from lammps_jump.errors import SetupError
-from lammps_jump.files import MOST_TEXT, read_file, told_by_system
+from lammps_jump.files import MOST_TEXT, read_file
 from lammps_jump.provenance import usable_cores
+from lammps_jump.system import processor_lines
 
 COMPILERS = ("c++", "g++", "clang++")
 ADVICE = "install a C++17 compiler (Debian: `apt install g++`), or name one in the variable CXX"
@@ -44,15 +45,15 @@ def compiler_version(command: tuple[str, ...]) -> str | None:
     return answer.stdout.strip()
 
 
-def require_compiler(title: str) -> tuple[tuple[str, ...], str]:
-    """The compiler as a command, and its version.
+def require_compiler(title: str, command: tuple[str, ...] | None = None) -> tuple[tuple[str, ...], str]:
+    """The compiler as a command, that of the system unless another is named, and its version.
 
     Raises
     ------
     SetupError
         There is none, or it does not run; says what to install.
     """
-    command = find_compiler()
+    command = command or find_compiler()
     if command is None:
         named = os.environ.get("CXX")
         what = (
@@ -61,7 +62,7 @@ def require_compiler(title: str) -> tuple[tuple[str, ...], str]:
         raise SetupError(f"{title} cannot be built: {what}; {ADVICE}")
     version = compiler_version(command)
     if version is None:
-        raise SetupError(f"{title} cannot be built: {command[0]} does not run; {ADVICE}")
+        raise SetupError(f"{title} cannot be built: {' '.join(command)} does not run; {ADVICE}")
     return command, version
 
 
@@ -89,6 +90,6 @@ def run_compiler(command: list[str], product: Path, title: str, version: str) ->
 @lru_cache(maxsize=1)
 def processor() -> str:
     """Name and abilities of the processor, as far as the system tells."""
-    lines = told_by_system("/proc/cpuinfo").splitlines()
+    lines = processor_lines()
     told = {line for line in lines if line.startswith(("model name", "flags", "Features", "CPU part"))}
     return json.dumps([platform.system(), platform.machine(), *(sorted(told) or [platform.processor()])])

@@ -16,6 +16,8 @@ from lammps_jump.errors import SetupError
 from lammps_jump.files import MOST_TEXT, read_file
 from lammps_jump.provenance import package_version, wheel_file
 
+from .binary import is_code
+
 FLAGS = (
     "-std=c++17",
     "-O3",
@@ -65,7 +67,7 @@ class Product:
     Attributes
     ----------
     name : str
-        The file is ``<name>.so``.
+        The file is ``<name>.so``, on macOS too, as modules of Python are.
     title : str
         How a message calls it.
     folder : Path
@@ -81,9 +83,9 @@ class Product:
     advice : str
         How to get the wheels.
     levels : tuple of str
-        Levels of x86-64 for which a wheel of this project carries it, best first.
+        Levels of processors for which a wheel of this project carries it, best first.
     carried_flags : tuple of str
-        For the link of a library that is carried to other systems.
+        For the link of a library that is carried to other systems, where this machine's compiler makes it.
     forbidden : str
         Characters that the path of the library must not have.
     """
@@ -107,7 +109,7 @@ class Product:
 
     def is_made(self, code: bytes) -> bool:
         """Whether bytes look like a library of this product."""
-        return code.startswith(b"\x7fELF") and self.export.encode() in code
+        return is_code(code) and self.export.encode() in code
 
     def units(self) -> list[tuple[str, ...]]:
         """Paths in `folder` of the files of each unit of compiling; each file is in one.

