@@ -68,7 +68,7 @@ CORE_LAW, CORE_CONTACT, CORE_FACES, CORE_NEAR, CORE_SLOTS, CORE_MOTION, CORE_WAL
 CORE_DRIFT, CORE_PAIRS, CORE_LISTS, CORE_SUMS = (
     f"lammps_jump/core/{name}.cpp" for name in ("step/integrate", "step/pair_forces", "step/lists", "sums/sums")
 )
-CORE_PARTITION, CORE_RELIST = "lammps_jump/core/step/thread_partition.h", "lammps_jump/core/step/relist.cpp"
+CORE_PARTITION, CORE_SEARCH = "lammps_jump/core/step/thread_partition.h", "lammps_jump/core/step/pair_search.h"
 CORE_EVENTS = "lammps_jump/core/step/events.cpp"
 TWIN_TESTS = "engines/test_twin.py"
 ALONE_TESTS = "engines/test_native_alone.py"
@@ -117,7 +117,7 @@ DEFECTS = [
     Defect("ends", CORE_NEAR, "is_plain", "< -", "<", TWIN_TESTS),
     Defect("partner", CORE_SLOTS, "held", "!= partner", "== 0", TWIN_TESTS),
     Defect("foot", CORE_SLOTS, "way_of", "least(rest, around - rest)", "rest", TWIN_TESTS),
-    Defect("candidates", CORE_RELIST, "list", "far, low", "far, low + 1", TWIN_TESTS),
+    Defect("candidates", CORE_SEARCH, "list", "far, low", "far, low + 1", TWIN_TESTS),
     Defect("pose", CORE_MOTION, "inward", "+ wall.s * dy", "- wall.s * dy", TWIN_TESTS),
     Defect("kick", CORE_MOTION, "drift", "(first ? 0.5 * clock.dt : clock.dt)", "clock.dt", TWIN_TESTS),
     Defect("power", CORE_SUMS, "each_wall_contact", "power -= out.torque * at_step.spin[i];", "", TWIN_TESTS),

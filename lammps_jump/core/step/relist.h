@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-/* Lists of the native engine made anew: discs sorted by cell, pairs that are close, discs near walls.
-
-   Cells are as wide as the list's reach and counted along the shorter side of the flow first. Discs are sorted by cell, so
-   that the candidates of a disc are two stretches of memory. */
+/* Lists of the native engine made anew: discs sorted by cell, pairs that are close (pair_search.h), discs near walls. Cells are
+   counted along the shorter side of the flow first. */
 
 #ifndef JUMP_CORE_RELIST_H
 #define JUMP_CORE_RELIST_H
@@ -11,8 +9,8 @@
 
 namespace jump {
 
-/** What `list_pairs` returns in place of a disc outside the domain. */
-enum : int64_t { LISTED = -1, NO_ROOM = -2, AT_SEAM = -3 };
+/** What `list_pairs` returns in place of a disc outside the domain; NO_ROOM is another. */
+enum : int64_t { LISTED = -1, AT_SEAM = -3 };
 
 /** Sort the discs by cell and list all pairs closer than the reach, sorted rows alone; the index of a disc outside the
     domain, or LISTED or NO_ROOM. A NaN is outside; then nothing is changed. */

@@ -4,6 +4,8 @@
 #ifndef JUMP_CORE_THREAD_PARTITION_H
 #define JUMP_CORE_THREAD_PARTITION_H
 
+#include "step/pair_search.h"    // before the core: its templates take vectors
+
 #include "step/integrate.h"
 #include "step/thread_tuner.h"
 #include "step/rooms.h"
@@ -21,12 +23,8 @@ inline int64_t next_list()
 }
 
 /** Room for lists that are made anew. */
-struct ListRoom {
-  std::vector<int32_t> cells, columns;          // of each disc
-  std::vector<int64_t> ends;                    // of columns
-  std::vector<uint64_t> sorted;                 // cells of discs in their order, and where these were
-  std::vector<std::vector<int32_t>> rows;       // of the list, those of each thread
-  std::vector<std::vector<int64_t>> copy;       // of each array that is sorted
+struct ListRoom : SearchRoom {
+  std::vector<std::vector<int64_t>> copy;    // of each array that is sorted
 };
 
 class ThreadPartition {

@@ -25,6 +25,8 @@
 #ifndef LMP_PAIR_JUMP_DISC_H
 #define LMP_PAIR_JUMP_DISC_H
 
+#include "step/pair_search.h"    // before the core: its templates take vectors
+
 #include "disc_law.h"
 #include "disc_slots.h"
 #include "halo.h"
@@ -100,22 +102,20 @@ class PairJumpDisc : public Pair {
   double moved_here[2] = {0.0, 0.0};    // … and of the local ones
   JumpHalo ring;
   std::vector<tagint> listed;        // ids of the local discs in the list, by index
-  std::vector<int> cell_of, cell_start, sorted;
+  jump::SearchRoom search;
+  int columns_along = 0, rows_up = 0;    // cells along x and y of the list
+  std::vector<int> sorted;               // discs of the list in the order of its cells
   std::vector<double> sorted_x, sorted_y, sorted_radius;
-  std::vector<std::vector<int>> found_first, found_second;    // pairs of each thread, while the list is built
+  std::vector<int64_t> start;            // of the pairs of each of them
   std::vector<int> first_across, second_across;    // pairs across a cut, while the list is built
 
   void require_sound_settings() const;
   void pack();
   void check_discs(int, int);
   bool keeps_order() const;
-  struct DiscBox {
-    double xlo, xhi, ylo, yhi;
-  };
-  DiscBox box_around(int, double) const;
+  jump::BoxOfPlaces box_around(int, double) const;
+  size_t find_pairs(int);
   void build_list();
-  size_t find_pairs(int, int);
-  template <bool SIZES> size_t find_pairs(int, int, int, std::vector<int> &, std::vector<int> &) const;
   size_t keep_local(size_t);
   void append_to_list(int);
   void widen_range();
@@ -153,7 +153,6 @@ class PairJumpDisc : public Pair {
   std::vector<PairPart> parts;
   int divided = 0;                   // for how many threads the list is divided; 0: it is not
   size_t built = 0;                  // pairs that were found together, in the order of the cells; others come behind
-  int row = 0;                       // cells of a row
   int room = 0;                      // of local discs, before the copies of the parts
   int first_group = 0;               // atom->nfirst, which is 0 while LAMMPS is to clear no forces
   std::vector<int> place;            // of each disc in the order of the cells

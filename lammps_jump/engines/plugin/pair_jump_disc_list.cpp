@@ -3,7 +3,8 @@
 
 #include "contact/no_contraction.h"
 
-#include "contact/simd.h"
+#include "step/pair_search.h"    // before the core: its templates take vectors
+
 #include "pair_jump_disc.h"
 
 #include "atom.h"
@@ -18,10 +19,6 @@
 #include <cstring>
 
 using namespace LAMMPS_NS;
-using jump::Four;
-using jump::four;
-using jump::FourInts;
-
 /** Whether the local discs that the list knows still have the same indices (more may have come after them). */
 bool PairJumpDisc::keeps_order() const
 {
@@ -47,10 +44,10 @@ void make_room(size_t pairs, std::vector<int> &first, std::vector<int> &second)
 
 /** Smallest box around the first n packed discs; an error where they are nowhere, or further apart than a number of cells
     of this width can be. */
-PairJumpDisc::DiscBox PairJumpDisc::box_around(int n, double cut) const
+jump::BoxOfPlaces PairJumpDisc::box_around(int n, double cut) const
 {
   const int nlocal = atom->nlocal;
-  DiscBox box{disc[0].x, disc[0].x, disc[0].y, disc[0].y};
+  jump::BoxOfPlaces box{disc[0].x, disc[0].x, disc[0].y, disc[0].y};
   for (int i = 0; i < n; i++) {
     if (!std::isfinite(disc[i].x) || !std::isfinite(disc[i].y))
       error->one(FLERR, "jump/disc: the position of {} {} is not a number: the run has blown up",
@@ -66,11 +63,60 @@ PairJumpDisc::DiscBox PairJumpDisc::box_around(int n, double cut) const
   return box;
 }
 
-/** All pairs whose rims are closer than the skin, from the packed positions.
+namespace {
+/** The threads that share a search; few discs are for one. */
+struct SearchCrew {
+  jump::ThreadPool &pool;
+  int count;
 
-    Cells are as wide as that distance and numbered along x first, as LAMMPS sorts its discs: pairs that follow each
-    other then lie close in memory. What a disc can meet and that comes after it lies in two runs of the sorted discs,
-    its own cell with the one beside, and the three cells above. */
+  SearchCrew(jump::ThreadPool &pool, int discs) : pool(pool), count(discs < 64 * pool.size() ? 1 : pool.size()) {}
+  int shares() const { return count; }
+  template <class Run> void stretches(int64_t n, const Run &run)
+  {
+    pool.run(count, [&](int part) { run(part, n * part / count, n * (part + 1) / count); });
+  }
+};
+}    // namespace
+
+/** Put the pairs of n packed discs into the list, in the order of the cells; returns their number.
+
+    Cells are counted along x first, as LAMMPS sorts its discs: pairs that follow each other then lie close in memory. */
+size_t PairJumpDisc::find_pairs(int n)
+{
+  const double cut = largest + skin;
+  const auto cells = jump::SearchCells::along_x(box_around(n, cut), cut, n);
+  columns_along = (int) cells.rows;
+  rows_up = (int) cells.columns;
+  for (auto *const of : {&sorted_x, &sorted_y, &sorted_radius}) of->resize(n);
+  sorted.resize(n);
+  for (int i = 0; i < n; i++) {
+    sorted_x[i] = disc[i].x;
+    sorted_y[i] = disc[i].y;
+  }
+  SearchCrew crew(pool, n);
+  const jump::SearchedDiscs discs{n, sorted_x.data(), sorted_y.data(), sizes ? sorted_radius.data() : nullptr};
+  jump::sort_discs<true>(discs, cells, search, crew);
+  crew.stretches(n, [&](int, int64_t from, int64_t to) {
+    for (int64_t s = from; s < to; s++) {
+      const size_t i = jump::was_at(search.sorted[s]);
+      sorted[s] = (int) i;
+      sorted_x[s] = disc[i].x;
+      sorted_y[s] = disc[i].y;
+      if (sizes) sorted_radius[s] = radii[i];
+    }
+  });
+  start.resize(n + 1);
+  second.resize(std::max<size_t>(second.size(), 8 * (size_t) n + 1024));
+  const jump::RowsOf rows(discs, jump::NumbersOf{sorted.data()}, search, sizes ? skin : cut, cells.height(), start.data());
+  while (!jump::list_rows(rows, second.data(), (int64_t) second.size(), search, crew)) second.resize(2 * second.size());
+  first.resize(second.size());
+  crew.stretches(n, [&](int, int64_t from, int64_t to) {
+    for (int64_t s = from; s < to; s++) std::fill(&first[start[s]], &first[start[s + 1]], sorted[s]);
+  });
+  return (size_t) start[n];
+}
+
+/** All pairs whose rims are closer than the skin, from the packed positions. */
 void PairJumpDisc::build_list()
 {
   const int nlocal = atom->nlocal;
@@ -83,96 +129,11 @@ void PairJumpDisc::build_list()
   check_discs(0, nlocal);
   remember_order();
   if (n == 0) return;
-
-  const double cut = largest + skin;
-  const auto [xlo, xhi, ylo, yhi] = box_around(n, cut);
-  double side = cut * (1.0 + 1e-9);    // rounding must not put neighbours two cells apart
-  const double most = 16.0 * n + 65536.0;    // far-flung discs must not cost memory: wider cells then
-  while (((xhi - xlo) / side + 3.0) * ((yhi - ylo) / side + 1.0) > most) side *= 2.0;
-  const double inverse = 1.0 / side;
-  const int nx = (int) ((xhi - xlo) * inverse) + 3;    // an empty column left and right: no tests at the rims
-  const int ny = (int) ((yhi - ylo) * inverse) + 1;
-  const size_t cells = (size_t) (ny + 1) * nx + 1;
-
-  cell_of.resize(n);
-  cell_start.assign(cells + 1, 0);
-  sorted.resize(n + 8);    // four are read at a time
-  sorted_x.resize(n + 8);
-  sorted_y.resize(n + 8);
-  if (sizes) sorted_radius.resize(n + 8);
-  for (int i = 0; i < n; i++) {
-    const int c = (int) ((disc[i].y - ylo) * inverse) * nx + (int) ((disc[i].x - xlo) * inverse) + 1;
-    cell_of[i] = c;
-    cell_start[c + 1]++;
-  }
-  for (size_t c = 0; c < cells; c++) cell_start[c + 1] += cell_start[c];
-  // fill from the back, so that a cell keeps the order of the indices and its start ends where it belongs
-  for (int i = n - 1; i >= 0; i--) {
-    const int s = --cell_start[cell_of[i] + 1];
-    sorted[s] = i;
-    sorted_x[s] = disc[i].x;
-    sorted_y[s] = disc[i].y;
-    if (sizes) sorted_radius[s] = radii[i];
-  }
-  // now cell_start[c + 1] is where cell c begins: the discs of cell c are [cell_start[c + 1], cell_start[c + 2])
-  built = interior = keep_local(find_pairs(n, nx));
-  row = nx;
+  built = interior = keep_local(find_pairs(n));
   candidates = interior + first_across.size();
   make_room(candidates, first, second);
   std::copy(first_across.begin(), first_across.end(), first.begin() + interior);
   std::copy(second_across.begin(), second_across.end(), second.begin() + interior);
-}
-
-/** Put the pairs of n sorted discs, in rows of nx cells, into the list; returns their number.
-
-    Each thread finds those of a stretch of the sorted discs; put one behind the other they are as one thread finds them. */
-size_t PairJumpDisc::find_pairs(int n, int nx)
-{
-  const auto find = [&](int from, int to, std::vector<int> &one, std::vector<int> &two) {
-    return sizes ? find_pairs<true>(from, to, nx, one, two) : find_pairs<false>(from, to, nx, one, two);
-  };
-  const int count = n < 64 * pool.size() ? 1 : pool.size();
-  if (count == 1) return find(0, n, first, second);
-  found_first.resize(count);
-  found_second.resize(count);
-  std::vector<size_t> begin(count + 1, 0);
-  pool.run(count, [&](int part) {
-    const int from = (int) ((int64_t) n * part / count), to = (int) ((int64_t) n * (part + 1) / count);
-    begin[part + 1] = find(from, to, found_first[part], found_second[part]);
-  });
-  for (int part = 0; part < count; part++) begin[part + 1] += begin[part];
-  make_room(begin[count] + 4, first, second);
-  pool.run(count, [&](int part) {
-    std::copy_n(found_first[part].begin(), begin[part + 1] - begin[part], first.begin() + begin[part]);
-    std::copy_n(found_second[part].begin(), begin[part + 1] - begin[part], second.begin() + begin[part]);
-  });
-  return begin[count];
-}
-
-/** Pairs of the sorted discs from one place to another. */
-template <bool SIZES>
-size_t PairJumpDisc::find_pairs(int from, int to, int nx, std::vector<int> &one, std::vector<int> &two) const
-{
-  size_t found = 0;
-  for (int s = from; s < to; s++) {
-    const int i = sorted[s];
-    const int c = cell_of[i];
-    const double x = sorted_x[s], y = sorted_y[s], rim = SIZES ? sorted_radius[s] + skin : 0.0;
-    const int above = c + nx - 1;
-    const int runs[2][2] = {{s + 1, cell_start[c + 3]}, {cell_start[above + 1], cell_start[above + 4]}};
-    make_room(found + (runs[0][1] - runs[0][0]) + (runs[1][1] - runs[1][0]) + 4, one, two);
-    for (const auto &run : runs) {
-      for (int t = run[0]; t < run[1]; t += 4) {
-        const Four dx = x - four(&sorted_x[t]), dy = y - four(&sorted_y[t]);
-        const Four cut = SIZES ? rim + four(&sorted_radius[t]) : largest + skin - Four{};
-        const int mask = jump::bits(dx * dx + dy * dy < cut * cut) & (run[1] - t < 4 ? (1 << (run[1] - t)) - 1 : 15);
-        *reinterpret_cast<FourInts *>(&one[found]) = i - FourInts{};
-        *reinterpret_cast<FourInts *>(&two[found]) = jump::first_of(four(&sorted[t]), mask);
-        found += __builtin_popcount(mask);
-      }
-    }
-  }
-  return found;
 }
 
 /** Keep the pairs of local discs in the list and put the others beside it; returns the number of those that stay. */
@@ -206,19 +167,20 @@ void PairJumpDisc::divide(int most)
 {
   if (divided == most) return;
   divided = most;
-  const int n = (int) sorted.size() - 8, nlocal = atom->nlocal, rows = (int) (cell_start.size() - 1) / row - 1;
-  const bool upright = row > FLAT * rows;
-  const int lines = upright ? row : rows, least = upright ? LEAST_COLUMNS : LEAST_ROWS;
+  const int n = (int) sorted.size(), nlocal = atom->nlocal;
+  const bool upright = columns_along > FLAT * rows_up;
+  const int lines = upright ? columns_along : rows_up, least = upright ? LEAST_COLUMNS : LEAST_ROWS;
   const int count = std::max(1, std::min(most, lines / least));
   place.resize(disc.size());
   home.resize(disc.size());
   std::vector<int> line_of(disc.size());
-  for (int y = 0, c = 0; y < rows; y++)
-    for (int x = 0; x < row; x++, c++)
-      for (int s = cell_start[c + 1]; s < cell_start[c + 2]; s++) {
-        line_of[sorted[s]] = upright ? x : y;
-        place[sorted[s]] = s;
-      }
+  const int64_t framed = columns_along + 2;    // a frame of empty cells surrounds the others
+  for (int s = 0; s < n; s++) {
+    const int i = sorted[s];
+    const int64_t cell = jump::cell_of(search.sorted[s]);
+    line_of[i] = (int) (upright ? cell % framed : cell / framed) - 1;
+    place[i] = s;
+  }
   std::vector<size_t> before(lines + 1, 0);    // pairs of the lines before
   for (size_t p = 0; p < built; p++) before[line_of[first[p]] + 1]++;
   for (int l = 0; l < lines; l++) before[l + 1] += before[l];
