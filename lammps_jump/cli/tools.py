@@ -10,7 +10,7 @@ from contextlib import ExitStack, suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import typer
 
@@ -48,6 +48,18 @@ def shift_of(given: str) -> tuple[float, float]:
     except ValueError as error:
         raise typer.BadParameter(f"{echoed(given)}: {shortened(str(error))}; write x and y, such as 2,-1.5") from None
     return x, y
+
+
+def moment_of(given: str) -> float | Literal["last"]:
+    """A time of a run, s, or `last`."""
+    if given == "last":
+        return "last"
+    try:
+        return float(to_si(given, "s"))
+    except ValueError as error:
+        raise typer.BadParameter(
+            f"--from {echoed(given)}: {error}; write a time, such as 3.5 or '3.5 s', or last"
+        ) from None
 
 
 def layers(name: str, text: str) -> typer.models.OptionInfo:
@@ -188,15 +200,24 @@ def live_(
         Path, typer.Argument(help="Case file, or folder of a run.", metavar="CASE|RUN", show_default=False)
     ],
     out: Annotated[Path | None, place("File of the page (default: NAME_live.html in the current folder).")] = None,
+    begin: Annotated[
+        str | None,
+        typer.Option(
+            "--from", metavar="TIME|last", help="Begin with the discs of the run at this time (s) or its end."
+        ),
+    ] = None,
     set_: Sets = None,
 ) -> None:
     """Write a page in which the flow runs in the browser, with sliders for what `live` of the case names; no server."""
     case = cases.load_case(target, assignments(set_))
+    if begin is not None:
+        case = case.after(target, moment_of(begin))
     core.browser_core()  # what is lacking is told before any work
     path = out or Path(f"{case.name}_live.html")
     live.require_place(path)
     flow = live.prepare(case, partial(print, file=sys.stderr))
-    print(live.write_page(flow, path))
+    again = live.run_again(target) if target.is_dir() else ""
+    print(live.write_page(flow, path, again))
     for note in flow.notes:
         print(f"note: {note}", file=sys.stderr)
 

@@ -42,13 +42,14 @@ from lammps_jump.physics.inlet import seed_factors
 from lammps_jump.physics.jump import sequent_depth
 from lammps_jump.runs.results import flow_of
 
+from .again import RunAgain
 from .prepare import LiveFlow
 from .words import WORD
 
 HERE = Path(__file__).parent
 DRAWING = ("frames.js", "discs.js", "view.js", "pointer.js", "curves.js")
 """Scripts of the report that the page has too."""
-COMPUTING = ("core.js", "moves.js", "worker.js")
+COMPUTING = ("core.js", "moves.js", "again.js", "worker.js")
 """Scripts of the thread that computes."""
 SHOWING = ("download.js", "show.js")
 MADE = b"<!doctype html><!-- live page of lammps-jump -->"
@@ -67,8 +68,8 @@ PARTS = 200
 """Places of a slider."""
 
 
-def live_page(flow: LiveFlow) -> str:
-    """The page of a flow.
+def live_page(flow: LiveFlow, again: RunAgain | str = "") -> str:
+    """The page of a flow; with a run, it also computes that again, or says why it does not.
 
     Raises
     ------
@@ -77,6 +78,8 @@ def live_page(flow: LiveFlow) -> str:
     """
     core = browser_core()
     head = head_of(flow, core)
+    if isinstance(again, RunAgain):
+        head["again"] = again.head
     style = Markup(text_of(Path(page.__file__).parent / "page.css") + text_of(HERE / "live.css"))
     worker = "\n".join(text_of(HERE / name) for name in COMPUTING)
     scripts = [Markup(text_of(Path(page.__file__).parent / name)) for name in DRAWING]
@@ -95,10 +98,18 @@ def live_page(flow: LiveFlow) -> str:
         charts=charts,
         colours=["speed", *(["size"] if flow.simulation.scene.sizes is not None else [])],
         notes=flow.notes,
+        again=_about_again(again),
         core=_packed(core.code),
         image=_packed(image_of(flow.simulation, flow.target, WORD, flow.discs)),
         head=_packed(json.dumps(plain(head), allow_nan=False, separators=(",", ":")).encode()),
     )
+
+
+def _about_again(again: RunAgain | str) -> dict[str, str] | None:
+    """What the template is told of a run that is computed again."""
+    if isinstance(again, RunAgain):
+        return {"image": _packed(again.image), "reason": ""}
+    return {"image": "", "reason": again} if again else None
 
 
 def require_place(path: Path) -> None:
@@ -109,8 +120,8 @@ def require_place(path: Path) -> None:
     require_replaceable(path.parent, path.name)
 
 
-def write_page(flow: LiveFlow, path: Path) -> Path:
-    """Write the page of a flow, in place of a live page that stands there.
+def write_page(flow: LiveFlow, path: Path, again: RunAgain | str = "") -> Path:
+    """Write the page of a flow, as of `live_page`, in place of a live page that stands there.
 
     Raises
     ------
@@ -118,7 +129,7 @@ def write_page(flow: LiveFlow, path: Path) -> Path:
         Something else stands there, the file cannot be written, or the core for browsers is not there.
     """
     require_place(path)
-    text = live_page(flow)
+    text = live_page(flow, again)
     with writes(path, SetupError):
         return write_text(path, text)
 

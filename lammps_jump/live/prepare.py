@@ -18,6 +18,7 @@ import numpy as np
 from lammps_jump.case import ReadCase
 from lammps_jump.case.groups.discs import Column
 from lammps_jump.case.live import NUMBERS
+from lammps_jump.case.parts.earlier import EarlierRun
 from lammps_jump.case.parts.inflow import PourInflow, RowsInflow
 from lammps_jump.case.parts.live import LiveSlider
 from lammps_jump.engines.accuracy import with_accuracy
@@ -319,6 +320,13 @@ def _notes(given: ReadCase, case: ReadCase, sliders: Mapping[str, LiveSlider]) -
         motion = getattr(wall, "motion", None)
         if motion is not None and any(one.wall == wall.name for one in sliders.values()):
             yield f"The slider takes the place of the motion of {wall.name} ({motion.kind})."
+    for item in given.fields.initial:
+        if isinstance(item, EarlierRun):
+            moment = "its end" if item.time is None else f"t = {item.time:zg} s"
+            yield (
+                f"The flow begins with the discs of the run {item.folder} at {moment}; its time begins at 0. The "
+                "downloaded case names that folder: run it where the folder is."
+            )
     if any(one.path in NUMBERS for one in sliders.values()):
         told = ", ".join(name for name, one in sliders.items() if one.path in NUMBERS)
         yield (

@@ -193,6 +193,7 @@ function startButtons() {
   byClass("play").addEventListener("click", () => play(byClass("play").textContent === "Play"));
   byClass("step").addEventListener("click", oneStep);
   byClass("again").addEventListener("click", again);
+  if (byClass("verify")) byClass("verify").addEventListener("click", verify);
   byClass("download").addEventListener("click", async () => save(caseText(live.head, await asked("tables"))));
   document.addEventListener("keydown", key);
   document.addEventListener("visibilitychange", () => { if (document.hidden) play(false); });
@@ -216,7 +217,34 @@ function save(text) {
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }
 
+// ---- computing a run again, in a thread of its own ----
+
+async function verify() {
+  const { again } = live.head, worker = new Worker(workerUrl()), button = byClass("verify");
+  const end = (text) => { say("verified", text); worker.terminate(); button.disabled = false; };
+  button.disabled = true;
+  play(false);
+  worker.onmessage = ({ data: { verified, failed } }) => {
+    if (failed) end(failed);
+    else if (!verified.done) say("verified", `Step ${verified.step} of ${again.steps}.`);
+    else if (verified.parts) end(partedText(verified.parts));
+    else end(`The same: ${again.checks.length} frames to the ${again.digits} digits of the dump, and the end of ${again.steps} steps to the last bit.`);
+  };
+  const [core, image] = await Promise.all(["core", "image-again"].map(unpacked));
+  worker.postMessage({ act: "verify", module: core, image, head: live.head });
+}
+
+function partedText({ step, wrong }) {
+  const at = `at step ${step}, t = ${((step - live.head.start) * live.head.again.timeStep).toFixed(4)} s`;
+  return wrong ? `It ended ${at}: ${wrong}.` : `They part: the first frame that differs is ${at}. The stored run is of another version, or was changed.`;
+}
+
 // ---- the page ----
+
+function workerUrl() {
+  live.url ??= URL.createObjectURL(new Blob([COMPUTING], { type: "text/javascript" }));
+  return live.url;
+}
 
 function hear({ data }) {
   if (data.failed) return say("told", data.failed);
@@ -233,7 +261,7 @@ function hear({ data }) {
 async function start() {
   const [core, image, head] = await Promise.all(["core", "image", "head"].map(unpacked));
   live.head = JSON.parse(new TextDecoder().decode(head));
-  live.worker = new Worker(URL.createObjectURL(new Blob([COMPUTING], { type: "text/javascript" })));
+  live.worker = new Worker(workerUrl());
   live.worker.onmessage = hear;
   live.worker.onerror = (event) => say("told", `The page cannot compute here: ${event.message}.`);
   clearPoints(); // each line has points of its own

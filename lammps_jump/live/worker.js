@@ -84,6 +84,7 @@ const ACTS = {
   },
   again: ({ values }) => begin(values),
   play: ({ on }) => {
+    if (!on && flow.playing) setTimeout(picture); // the last word: it is not playing
     clearTimeout(flow.timer);
     Object.assign(flow, { playing: on, clock: performance.now(), paces: [], lead: 0 });
     if (on) slice();
@@ -92,6 +93,11 @@ const ACTS = {
   want: ({ name, value }) => flow.moves.want(name, value),
   shown: () => { flow.shown = true; },
   tables: () => postMessage({ tables: flow.moves.tables() }),
+  verify: async ({ module, image, head }) => {
+    const core = new LiveCore(await WebAssembly.compile(module), image, head);
+    const parts = await computeAgain(core, head.again, (step) => postMessage({ verified: { step } }));
+    postMessage({ verified: { done: true, parts } });
+  },
   state: () => postMessage({ state: flow.core.state() }),
 };
 

@@ -9,12 +9,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from chromium import PROGRAM, Page, chromium
+from chromium import PROGRAM, Chromium, Page, chromium
 from live_flows import lacking_core, native
 from made_up import INPUTS
 
-from lammps_jump.case import load_case
-from lammps_jump.live import live_page, prepare
+from lammps_jump import load_case
+from lammps_jump.live import live_page, prepare, run_again, write_page
 
 pytestmark = [
     pytest.mark.browser,
@@ -129,6 +129,38 @@ def test_every_control_has_a_name_and_nothing_is_wider_than_the_screen(browser, 
     assert page.run("document.documentElement.scrollWidth <= innerWidth")
     assert page.troubles() == []
     page.close()
+
+
+def test_a_run_is_computed_again_and_where_it_parts_is_told(browser, tmp_path):
+    """A jet and a rough bed; then one digit of the dump is another."""
+    said = []
+    for name, changes in (
+        ("quick_jump", {"discs.diameter": 0.3, "run.duration": 0.4}),
+        ("heap", {"run.duration": 0.06}),
+    ):
+        run = load_case(INPUTS / f"{name}.yaml", {"engine.name": "native", **changes}).run(tmp_path / name)
+        path = write_page(prepare(run.case.replace({"live": {}})), tmp_path / f"{name}.html", run_again(run.folder))
+        said.append(_verified(browser, path))
+        dump = run.folder / "dump.lammpstrj"
+        lines = dump.read_text().split("\n")
+        lines[-2] = lines[-2].replace("1", "2", 2)
+        dump.write_text("\n".join(lines))
+        said.append(
+            _verified(browser, write_page(prepare(run.case.replace({"live": {}})), path, run_again(run.folder)))
+        )
+        assert said[-1].startswith(f"They part: the first frame that differs is at step {run.scene.steps}, ")
+        assert said[-2].startswith("The same: ") and f"the end of {run.scene.steps} steps to the last bit" in said[-2]
+
+
+def _verified(browser: Chromium, path: Path) -> str:
+    page = Page(browser, path)
+    until(page, "live.last")
+    page.run("byClass('verify').click()")
+    until(page, "/same|part|ended|cannot/.test(byClass('verified').textContent)")
+    assert page.troubles() == []
+    found = page.run("byClass('verified').textContent")
+    page.close()
+    return found
 
 
 def test_a_page_without_webassembly_says_so(browser, tmp_path):

@@ -12,11 +12,13 @@ import numpy as np
 import pytest
 from made_up import INPUTS, call
 
+import lammps_jump as lj
 from lammps_jump.case import load_case
 from lammps_jump.core import browser
 from lammps_jump.engines.native.image import placed_image
 from lammps_jump.errors import CaseError, SetupError
-from lammps_jump.live import live_page, prepare
+from lammps_jump.live import live_page, prepare, run_again
+from lammps_jump.live.again import RunAgain
 from lammps_jump.live.words import WORD
 
 pytestmark = pytest.mark.usefixtures("compiled_core")
@@ -96,6 +98,33 @@ def test_a_page_takes_the_place_of_a_page_and_of_nothing_else(made, tmp_path, mo
     assert call(monkeypatch, capsys, *words, page)[0] == 0 and page.read_bytes().endswith(b"</body></html>")
     status, _, err = call(monkeypatch, capsys, *words, other)
     assert status == 2 and "is not overwritten" in err and other.read_text() == "<!doctype html>\nmine"
+
+
+def test_a_run_that_cannot_be_computed_again_is_told_why(made, tmp_path):
+    run = lj.load_case(JUMP, {"discs.diameter": 0.5, "run.duration": 0.05, "engine.name": "native"}).run(
+        tmp_path / "run"
+    )
+    again = run_again(run.folder)
+    assert isinstance(again, RunAgain) and again.head["steps"] == run.scene.steps and len(again.head["checks"]) == 2
+    summary = run.folder / "summary.json"
+    summary.write_text(summary.read_text().replace('"status": "complete"', '"status": "interrupted"'))
+    said = run_again(run.folder)
+    assert "not complete (interrupted)" in said and said in live_page(prepare(load_case(JUMP, SMALL)), said)
+
+
+def test_a_page_goes_on_from_a_run(made, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    changes = {"discs.diameter": 0.5, "run.duration": 0.1, "run.output_interval": 0.05, "engine.name": "native"}
+    run = lj.load_case(JUMP, {**changes, "live": {}}).run("run")
+    for begin, said in (("last", "at its end"), ("50 ms", "at t = 0.05 s")):
+        status, _, err = call(monkeypatch, capsys, "live", "run", "--from", begin, "--out", "page.html")
+        assert status == 0 and f"begins with the discs of the run run {said}" in err
+    flow = prepare(run.case.after(run, "last"))
+    last = run.frames[-1]
+    places = last.to_numpy("x", "y")[np.argsort(last.ids)]
+    assert np.allclose(flow.simulation.positions, places, rtol=1e-9, atol=0.0)  # a dump has ten digits
+    status, _, err = call(monkeypatch, capsys, "live", "run", "--from", "soon", "--out", "page.html")
+    assert status == 2 and "write a time, such as 3.5" in err
 
 
 def test_an_image_holds_no_memory_of_the_process(monkeypatch):
