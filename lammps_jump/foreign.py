@@ -72,18 +72,19 @@ def bounded(what: str, remedy: str) -> Iterator[None]:
     def late(*_: object) -> None:
         raise _Late
 
-    before = signal.signal(signal.SIGPROF, late)
-    signal.setitimer(signal.ITIMER_PROF, MOST_SECONDS, 1.0)  # again each second: a parser may clean up for long
-    try:
-        with within_memory(MOST_MEMORY):
+    with within_memory(MOST_MEMORY):
+        before = signal.signal(signal.SIGPROF, late)
+        signal.setitimer(signal.ITIMER_PROF, MOST_SECONDS, 1.0)  # again each second: a parser may clean up for long
+        try:
             yield
-    except _Late:
-        raise SetupError(f"{what}: took more than {MOST_SECONDS:g} s and was left; {remedy}") from None
-    except MemoryError:
-        raise SetupError(f"{what}: takes more than {MOST_MEMORY / 1e9:g} GB of memory and was left; {remedy}") from None
-    finally:
-        signal.setitimer(signal.ITIMER_PROF, 0.0)
-        signal.signal(signal.SIGPROF, before)
+        except _Late:
+            raise SetupError(f"{what}: took more than {MOST_SECONDS:g} s and was left; {remedy}") from None
+        except MemoryError:
+            said = f"{what}: takes more than {MOST_MEMORY / 1e9:g} GB of memory and was left; {remedy}"
+            raise SetupError(said) from None
+        finally:
+            signal.setitimer(signal.ITIMER_PROF, 0.0)
+            signal.signal(signal.SIGPROF, before)
 
 
 def reason(error: BaseException) -> str:
