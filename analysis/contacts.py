@@ -89,7 +89,7 @@ class Contacts:
 
 
 class Touching(NamedTuple):
-    """What touches in a frame: indices of both discs; of a contact with a wall, `first` is the number of discs.
+    """Contacts of a frame: indices of both discs; of a contact with a wall, `first` is the number of discs.
 
     Unit vector from the first to the second, overlap (m), dashpot and slope of LAMMPS' viscous friction (N s/m),
     velocity of the wall at the contact (m/s; 0 for pairs), which of `Flow.laws` it has, and id of the first disc, or
@@ -111,7 +111,7 @@ class Touching(NamedTuple):
 
 @lru_cache
 def _grid(wall: Wall, reach: float) -> FaceGrid:
-    """Where discs of radii up to `reach` (m) find the faces of a wall."""
+    """Grid on which discs of radii up to `reach` (m) find the faces of a wall."""
     return grid_of(wall.faces, 2 * reach, reach)
 
 
@@ -374,7 +374,7 @@ def pair_sums(frame: Frame, flow: Flow, edges: np.ndarray | None = None) -> Cont
 
 @dataclass(frozen=True)
 class WallSums:
-    """What one wall does to the discs of a frame.
+    """Forces and energies of one wall on the discs of a frame.
 
     Attributes
     ----------

@@ -299,7 +299,7 @@ def _force_moments(frame: Frame, flow: Flow) -> tuple[np.ndarray, np.ndarray]:
 
 @lru_cache(maxsize=1)  # the frames of a run share their walls
 def _open_cells(walls: tuple[Wall, ...], x: tuple[float, ...], y: tuple[float, ...]) -> np.ndarray:
-    """Whether the centre of each cell is outside all walls, bool, shape (len(y), len(x)). Not to be changed."""
+    """Mask of the cells whose centre is outside all walls, bool, shape (len(y), len(x)). Not to be changed."""
     mesh = np.meshgrid(x, y)
     open_ = np.ones(mesh[0].shape, bool)
     for wall in walls:

@@ -124,7 +124,7 @@ class Flow:
 
     @property
     def knows_contacts(self) -> bool:
-        """Whether there are elastic energy and contact forces."""
+        """Tells whether there are elastic energy and contact forces."""
         return not self.no_contacts
 
     @property
@@ -185,7 +185,7 @@ class Flow:
         return self.scene.walls_at(self.step_at(time), *pushed)
 
     def standing_at(self, time: float) -> tuple[Wall, ...]:
-        """Those of `walls_at` that are never taken away."""
+        """Walls of `walls_at` that are never taken away."""
         gates = {wall.name for wall, _ in self.scene.gates}
         return tuple(wall for wall in self.walls_at(time) if wall.name not in gates)
 
@@ -234,7 +234,7 @@ class Flow:
 
 
 def _ends(wall: Wall) -> np.ndarray:
-    """Where the faces of a wall end along x, m."""
+    """Ends of the faces of a wall along x, m."""
     codes, shape = wall.faces.codes, wall.faces.shape
     return shape[codes[:, AT_START] != ENDLESS][:, [X0, X1]].ravel()
 

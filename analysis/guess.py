@@ -121,7 +121,7 @@ def _require_positive(what: str, *values: float | None) -> None:
 
 
 def _gravity(dump: Dump, notes: list[str]) -> float:
-    """What gravity is where none is given, by the units of a dump, m/s^2."""
+    """Gravity where none is given, by the units of a dump, m/s^2."""
     gravity = GRAVITY.get(dump.units or "", 9.81)
     notes.append(
         f"Gravity taken as {gravity:zg} m/s2, downward: Froude numbers, heads and times of rest hold where that is "
@@ -233,7 +233,7 @@ def _bins(seen: Interval, floor: Plane | Block, given: float | None, usual: floa
 
 
 def _timed(dump: Dump, time_step: float | None, notes: list[str]) -> bool:
-    """Whether the times of the frames are known."""
+    """Tells whether the times of the frames are known."""
     clocked = all(header.time is not None for header in dump.headers())
     if clocked and time_step is not None:
         notes.append("The dump carries its own times: the time step that was given is not used.")
@@ -270,7 +270,7 @@ def _mass(frame: Frame, diameters: np.ndarray, density: float | None, given: str
 def _bodies(
     masses: np.ndarray, diameters: np.ndarray, density: float | None, given: str | None
 ) -> tuple[tuple[str, ...], str]:
-    """What the bodies are, and a sentence on it.
+    """Bodies of a dump, and a sentence on them.
 
     Raises
     ------

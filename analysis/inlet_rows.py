@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a frame knows of a stream that an inlet lets in disc by disc, and what its sums over bins make of it.
+"""Rows of a stream that an inlet lets in disc by disc, by a frame, and what its sums over bins make of them.
 
 Discs of a row follow each other at the distance v T, with the time T from turn to turn. Frames whose times are whole
 multiples of T see all of them at the same places, again and again: their mean is that of one picture, and a bin that
@@ -74,7 +74,7 @@ NO_ROWS = RunningRows(*np.empty((5, 0)))
 
 
 class OpenEnds(NamedTuple):
-    """What is at the ends of a range: planes at which discs come or go, m, infinite where there is none.
+    """Ends of a range: planes at which discs come or go, m, infinite where there is none.
 
     `inlet` is the one at which they come, NaN without.
     """
@@ -85,7 +85,7 @@ class OpenEnds(NamedTuple):
 
     @classmethod
     def of(cls, flow: Flow) -> OpenEnds:
-        """Those of the range of a flow."""
+        """Ends of the range of a flow."""
         scene, (low, high) = flow.scene, flow.x_range
         rows = [row for row in scene.inlets if row.vx]
         planes = {(row.x, row.vx > 0) for row in rows}

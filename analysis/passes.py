@@ -28,14 +28,14 @@ Tables = dict[str, Mapping[str, np.ndarray]]
 
 
 class Watcher(Protocol):
-    """What takes in one frame after the other."""
+    """Consumer of frames, one after the other."""
 
     def add(self, frame: Frame, time: float) -> None:
         """Take in a frame at a time, s."""
 
 
 class Collector(Watcher, Protocol):
-    """What takes in one frame after the other, and gives its history at the end."""
+    """Consumer of frames, one after the other, which gives its history at the end."""
 
     def result(self) -> object:
         """The history of all frames taken in."""
@@ -43,7 +43,7 @@ class Collector(Watcher, Protocol):
 
 @dataclass(frozen=True)
 class Gathered:
-    """What one pass over a dump has left: input of the analyses and their figures.
+    """Data that one pass over a dump has left: input of the analyses and their figures.
 
     Attributes
     ----------

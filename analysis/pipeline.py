@@ -44,7 +44,7 @@ MAIN = ("depth_profile",)
 
 
 class Pictures(NamedTuple):
-    """What is drawn.
+    """Pictures to be drawn.
 
     Attributes
     ----------
@@ -239,7 +239,7 @@ def _forces_file(places: Sequence[Path]) -> Path | None:
 
 
 def drawings(gathered: Gathered, results: Mapping[str, object]) -> dict[str, Chart | Bars | Map]:
-    """What the results have to show, by the name of the figure."""
+    """Drawings of the results, by the name of the figure."""
     flow, looks = gathered.flow, _marks(results)
     shown: Drawings = {
         "depth_profile": depth_profile(gathered.profiles, flow, lines=looks.lines, marks=looks.places),
@@ -254,7 +254,7 @@ def drawings(gathered: Gathered, results: Mapping[str, object]) -> dict[str, Cha
 
 
 def _marks(results: Mapping[str, object]) -> Marks:
-    """What figures of the profiles show of all results."""
+    """Marks of all results in the figures of the profiles."""
     found = Marks()
     for lines, places, track in (QUANTITIES[name].marks(result) for name, result in results.items()):
         found = Marks({**found.lines, **lines}, {**found.places, **places}, track or found.track)

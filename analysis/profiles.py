@@ -154,7 +154,7 @@ class Binner:
 
     @property
     def frames(self) -> int:
-        """How many frames were added."""
+        """Number of frames added."""
         return len(self._kept)
 
     def result(self) -> xr.Dataset:
@@ -244,7 +244,7 @@ def window_of(profiles: xr.Dataset) -> tuple[float, float]:
 
 
 def within(time: np.ndarray, window: tuple[float, float]) -> np.ndarray:
-    """Which of the times lie in the window, its ends included but for rounding; bool, of the shape of `time`."""
+    """Mask of the times in the window, its ends included but for rounding; bool, of the shape of `time`."""
     slack = 1e-9 * max(1.0, abs(window[0]), abs(window[1]))
     return (time >= window[0] - slack) & (time <= window[1] + slack)
 
@@ -450,7 +450,7 @@ def left_share(edge: np.ndarray, start: np.ndarray, stop: np.ndarray, radius: np
 
 
 def connected(discs: FrameDiscs, bed: np.ndarray, reach: float) -> np.ndarray:
-    """Whether each disc is connected to the bed, shape (n,): a chain of centres no further apart than `reach`.
+    """Mask of the discs connected to the bed, shape (n,): by a chain of centres no further apart than `reach`.
 
     The first of a chain has at most a diameter of air under it, never where `bed` under it is NaN.
     """

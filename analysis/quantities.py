@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class ListedAnalysis(NamedTuple):
-    """What is known of an analysis before its module is loaded.
+    """Facts of an analysis before its module is loaded.
 
     Attributes
     ----------
@@ -149,7 +149,7 @@ def captions() -> dict[str, str]:
 
 
 def tables() -> dict[str, str]:
-    """What each CSV table of an analysis holds, by the name of its file."""
+    """Content of each CSV table of an analysis, by the name of its file."""
     return {name: text for quantity in QUANTITIES.values() for name, text in quantity.files.items()}
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a quantity is: one analysis of a run, and all that the program says of it.
+"""Quantity: one analysis of a run, and all that the program says of it.
 
 The file of each analysis ends with its `QUANTITY`; `quantities.py` lists these files. Summary, report, screen, tables
 of a study, Python and the pages of the site ask it for what they show.
@@ -68,7 +68,7 @@ class Wanted(NamedTuple):
 
 
 class Marks(NamedTuple):
-    """What the figures of the profiles show of a result.
+    """Marks of a result in the figures of the profiles.
 
     Attributes
     ----------

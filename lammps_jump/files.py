@@ -139,7 +139,7 @@ FORCES_HEADER = "time,structure,fx,fy,moment"
 
 
 def study_files(command: str) -> tuple[str, ...]:
-    """What the folder of a study holds beside run folders: results, page and pictures (names and patterns)."""
+    """Files in the folder of a study beside run folders: results, page and pictures (names and patterns)."""
     return STUDY_FILES.get(command) or (f"{command}.json", f"{command}.md", f"{command}*.png")
 
 
@@ -474,7 +474,7 @@ def change_text(path: Path, before: str, after: str) -> str | None:
 
 
 def _holds(path: Path, file: IO[bytes], data: bytes) -> bool:
-    """Whether a path still leads to the file that is open, and the file holds these bytes."""
+    """Tells whether a path still leads to the file that is open, and the file holds these bytes."""
     try:
         same = os.path.samestat(os.stat(path, follow_symlinks=False), os.fstat(file.fileno()))
     except FileNotFoundError:
@@ -543,7 +543,7 @@ def _exchange(first: Path, second: Path) -> bool:
 
 
 def _came_out(beside: Path, file: IO[bytes], old: bytes) -> bool:
-    """Whether what an exchange has brought out is the open file, and no program has written to it."""
+    """Tells whether what an exchange has brought out is the open file, and no program has written to it."""
     return _left(file) and _holds(beside, file, old)
 
 

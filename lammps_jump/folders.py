@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Which folders are ours, by their marker; the lock of the one process that writes to a folder."""
+"""Folders that are ours, by their marker; the lock of the one process that writes to a folder."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ writable = partial(writes, kind=SetupError, remedy="name another folder with --o
 
 @dataclass(frozen=True)
 class Marker:
-    """What ``.lammps-jump`` says of a folder; without that file no folder is ours.
+    """Content of ``.lammps-jump`` in a folder; without that file no folder is ours.
 
     Attributes
     ----------

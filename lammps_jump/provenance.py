@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a result depends on: versions, the machine."""
+"""Provenance of a result: versions, the machine."""
 
 from __future__ import annotations
 

@@ -100,7 +100,7 @@ class Estimates:
 
 
 class Sure(NamedTuple):
-    """How sure a number is: its standard error within one run or half of its 95 % interval; None where not known.
+    """Certainty of a number: its standard error within one run or half of its 95 % interval; None where not known.
 
     `bound` says that it is a lower bound.
     """
@@ -110,14 +110,14 @@ class Sure(NamedTuple):
 
 
 def sure_of(found: object, key: str) -> Sure:
-    """How sure a number of a result is."""
+    """Certainty of a number of a result."""
     values = (getattr(found, f"{key}{ending}", None) for ending in ("_error", "_interval"))
     known = next((value for value in values if value is not None and value == value), None)
     return Sure(known, key in getattr(found, "lower_bounds", ()))
 
 
 def known(value: object) -> bool:
-    """Whether a number was measured: neither None nor NaN."""
+    """Tells whether a number was measured: neither None nor NaN."""
     return value is not None and value == value
 
 
@@ -276,7 +276,7 @@ class InUnit(FieldUnit):
             _FIELD_UNITS[self.unit] = self
 
     def __get_pydantic_core_schema__(self, source: object, handler: GetCoreSchemaHandler) -> CoreSchema:
-        """What pydantic checks a value with."""
+        """Schema by which pydantic checks a value."""
         return no_info_before_validator_function(partial(to_number, wanted=self), handler(source))
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:

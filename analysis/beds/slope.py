@@ -172,7 +172,7 @@ class AlongBed:
         self.binner.add(turned, time, np.full(frame.n, intervals.mean() if len(intervals) else 0.0))
 
     def result(self) -> Gathered:
-        """What was gathered along the stretch."""
+        """Numbers along the stretch."""
         contacts, profiles = self.contacts.result() if self.contacts else None, self.binner.result()
         try:
             profiles = add_means(profiles, self.flow.window)

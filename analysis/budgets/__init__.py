@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What comes into a flow: discs of the inflow, counted."""
+"""Budget of a flow: discs of the inflow, counted."""
 
 import lazy_loader
 

@@ -149,7 +149,7 @@ def _stations(line: GradeLine, places: tuple[float, ...]) -> tuple[Station, ...]
 
 
 def _alike(line: GradeLine, one: int, two: int) -> bool:
-    """Whether the same stream runs through two bins."""
+    """Tells whether the same stream runs through two bins."""
     pair = line.discharge[[one, two]]
     known = np.isfinite(line.head[[one, two]]).all()
     return bool(known and np.ptp(pair) <= SAME * np.abs(pair).max())

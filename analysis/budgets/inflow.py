@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What the case lets rows of inflow carry, and what they delivered: discs are counted, by their ids."""
+"""Budget of the rows of inflow: what the case lets them carry, and what they delivered, counted by ids."""
 
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
 from __future__ import annotations
@@ -258,7 +258,7 @@ def deliver(arrivals: Arrivals, flow: Flow, window: tuple[float, float]) -> Deli
 
 
 class _Plan(NamedTuple):
-    """What the case asks for: mean depth (m) and speed (m/s); of each row time between turns, speed, discharge."""
+    """Plan of the case: mean depth (m) and speed (m/s); of each row time between turns, speed, discharge."""
 
     depth: float
     speed: float
@@ -268,7 +268,7 @@ class _Plan(NamedTuple):
 
 
 def _plan(flow: Flow, time: np.ndarray, tries: np.ndarray) -> _Plan:
-    """What the case asks for in a window whose frames have these times (s), with the turns of its rows in it."""
+    """Plan of the case in a window whose frames have these times (s), with the turns of its rows in it."""
     scene, rows = flow.scene, flow.scene.inlets
     graph = scene.hydrograph
     if graph is None or len(time) < 2:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What page and screen show of the energy between two stations: the ledger of every step, and frames beside it."""
+"""Energy between two stations for page and screen: the ledger of every step, and frames beside it."""
 
 # ruff: noqa: RUF001  (minus signs are meant for readers)
 from __future__ import annotations

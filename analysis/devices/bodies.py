@@ -42,7 +42,7 @@ LEAST = 8
 
 @dataclass(frozen=True)
 class BodyResult(Estimates):
-    """What one body did; absent numbers were not measured, and `reason` says why it has none at all."""
+    """Result of one body; absent numbers were not measured, and `reason` says why it has none at all."""
 
     mass: float = number("kg/m", "mass per metre of width", default=nan)
     inertia: float = number("kg m", "moment of inertia about the centre of mass, per metre of width", default=nan)
@@ -111,7 +111,7 @@ def _bodies(flow: Flow) -> dict[str, MovingWall]:
 
 
 def analyse(gathered: Gathered) -> dict[str, BodyResult] | None:
-    """What each body did; None for a scene without bodies."""
+    """Results of the bodies; None for a scene without bodies."""
     flow, beside = gathered.flow, gathered.histories.get("bodies", {})
     assert isinstance(beside, dict)
     bodies = _bodies(flow)
@@ -130,7 +130,7 @@ def analyse(gathered: Gathered) -> dict[str, BodyResult] | None:
 
 
 def _found(flow: Flow, one: MovingWall, history: BodyHistory, beside: np.ndarray) -> BodyResult:
-    """What one body did, by its history and by the discs beside it."""
+    """Result of one body, by its history and by the discs beside it."""
     kind = one.motion.kind
     assert isinstance(kind, Free)
     d, (low, high) = flow.scene.diameter, one.wall.extent[0]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What floats among discs: level and density of the discs beside a body, and how deep it lies.
+"""Floating bodies among discs: level and density of the discs beside a body, and how deep it lies.
 
 Discs count as a fluid of their bulk density: the mass of those beside the body per area, away from bed and surface. The
 level is that of the mass: from a height within the bulk, the mass above it over bulk density and width; the mean over

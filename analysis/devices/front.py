@@ -137,7 +137,7 @@ def quantile_front(x: np.ndarray, diameter: float, share: float = 0.99) -> float
 
 
 def stop_beside(flow: Flow, place: float, side: int) -> str:
-    """What discs that end at x = `place` (m) touch to their left (`side` -1) or right (1), in words; empty for nothing.
+    """Neighbours that discs ending at x = `place` (m) touch to their left (`side` -1) or right (1), in words; or empty.
 
     A wall, a step of the bed, an outlet or the end of the domain within a diameter of them: they would go further.
     """
@@ -246,7 +246,7 @@ def dimensionless(history: FrontHistory, gravity: float) -> dict[str, np.ndarray
 
 
 class Way(NamedTuple):
-    """What lies before a front.
+    """Way before a front.
 
     Attributes
     ----------
@@ -262,7 +262,7 @@ class Way(NamedTuple):
 
 
 def way(flow: Flow, history: FrontHistory, base: float) -> Way:
-    """What lies before a front at `base`, m from the back wall."""
+    """Way before a front at `base`, m from the back wall."""
     base = history.back + base
     probe = np.linspace(base, flow.scene.domain[0][1], 2000)
     height = flow.bed_height(probe)

@@ -163,13 +163,13 @@ def gaps_of(scene: Scene) -> list[Gap]:
 
 
 def _narrow(one: np.ndarray, other: np.ndarray, leaving: dict[tuple[float, float], list[np.ndarray]]) -> bool:
-    """Whether no face leads from one point towards the other."""
+    """Tells whether no face leads from one point towards the other."""
     across = (other - one) / np.hypot(*(other - one))
     return max((float(way @ across) for way in leaving.get(_key(one), ())), default=0.0) <= SQUARE
 
 
 def _blocked(one: np.ndarray, other: np.ndarray, start: np.ndarray, end: np.ndarray) -> bool:
-    """Whether a face crosses the way from one point to another, or touches it between them."""
+    """Tells whether a face crosses the way from one point to another, or touches it between them."""
     across, along, off = other - one, end - start, start - one
     cross = across[0] * along[:, 1] - across[1] * along[:, 0]
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -124,7 +124,7 @@ def flow_on(time: np.ndarray, passed: np.ndarray, discs: int, asked: tuple[float
 
 
 def flow_ends(time: np.ndarray, passed: np.ndarray) -> bool:
-    """Whether no disc passes any more in the last `PIECE` of the record."""
+    """Tells whether no disc passes any more in the last `PIECE` of the record."""
     return bool(passed[time >= time[-1] - PIECE * (time[-1] - time[0])][0] == passed[-1])
 
 

@@ -116,14 +116,14 @@ class RunUp:
 
 
 def can_run_up(flow: Flow) -> bool:
-    """Whether waves can run up in a scene: discs without friction under gravity, none that flow in, ends not joined."""
+    """Tells whether waves can run up: discs without friction under gravity, none that flow in, ends not joined."""
     scene = flow.scene
     known = scene.steps > 0 and len(scene.positions) > 0 and not scene.periodic and flow.gravity > 0
     return known and not (scene.rubs or scene.inlets or scene.pours)
 
 
 def obstacles_of(flow: Flow, middle: float) -> list[Obstacle]:
-    """What stands to the left and to the right of discs around x = middle, m."""
+    """Obstacles to the left and to the right of discs around x = middle, m."""
     (low, high), d = flow.x_range, flow.scene.diameter
     step = max(d / PER_DIAMETER, (high - low) / MOST_PLACES)
     ends = [wall.faces.shape[:, [X0, X1]].ravel() for wall in flow.scene.permanent]
@@ -366,7 +366,7 @@ def _why_no_run_up(
 
 
 def _gone_over(flow: Flow, obstacle: Obstacle, rows: tuple[np.ndarray, ...], discs: int) -> dict[str, Any]:
-    """What goes over an obstacle: volume (m^2), and of the time while it does head, depth (m) and discharge (m^2/s).
+    """Flow over an obstacle: volume (m^2), and of the time while it does head, depth (m) and discharge (m^2/s).
 
     Parameters
     ----------

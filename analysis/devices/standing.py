@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""How a structure stands at the end, and what happened to it on the way: it slid, tipped, fell.
+"""State of a structure at the end, and what happened to it on the way: it slid, tipped, fell.
 
 A body stands on a face of its convex hull, the one that looks most downward at the start. From then on its pose tells
 all: along the floor it slides as far as both ends of that face have come, about an end of it it tips. At the end it
@@ -48,7 +48,7 @@ class HullFace(NamedTuple):
 
 @dataclass(frozen=True)
 class Standing:
-    """How a body stands at the end; times are s, NaN where it did not happen.
+    """State of a body at the end; times are s, NaN where it did not happen.
 
     Attributes
     ----------
@@ -116,7 +116,7 @@ class BaseWay(NamedTuple):
 
 
 def standing_of(flow: Flow, one: MovingWall, history: BodyHistory) -> Standing:
-    """How a body stands at the end of its history."""
+    """State of a body at the end of its history."""
     kind, g = one.motion.kind, np.array(flow.scene.gravity)
     assert isinstance(kind, Free)
     if away := left_since(flow, history):
@@ -180,7 +180,7 @@ def left_since(flow: Flow, history: BodyHistory) -> float:
 
 
 def carried(flow: Flow, time: np.ndarray, vx: np.ndarray, vy: np.ndarray) -> bool:
-    """Whether anything carries a body over some rows: whether its acceleration is another than that of gravity."""
+    """Tells whether anything carries a body over some rows: its acceleration is another than that of gravity."""
     span = float(time[-1] - time[0])
     if span <= 0:
         return True
@@ -223,7 +223,7 @@ def _at_end(
 def _state(
     turn: float, faces: list[HullFace], base: HullFace, angle: float, floors: tuple[np.ndarray, np.ndarray]
 ) -> tuple[str, str | None]:
-    """Whether a body that has turned so far (rad) stands, lies or leans, and to which side."""
+    """Tells whether a body that has turned so far (rad) stands, lies or leans, and to which side."""
     off = atan2(sin(turn), cos(turn))
     if abs(off) <= UPRIGHT:
         return "stands", None
@@ -282,6 +282,6 @@ def turned(vector: np.ndarray, angle: float) -> np.ndarray:
 
 
 def placed(point: np.ndarray, kind: Free, history: BodyHistory) -> np.ndarray:
-    """Where a point of a body is at each row, m, shape (rows, 2)."""
+    """Place of a point of a body at each row, m, shape (rows, 2)."""
     arm, c, s = point - np.array(kind.centre), np.cos(history.angle), np.sin(history.angle)
     return np.column_stack([history.x + c * arm[0] - s * arm[1], history.y + s * arm[0] + c * arm[1]])

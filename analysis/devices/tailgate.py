@@ -82,7 +82,7 @@ class Tailgate(Estimates):
 
 
 class Record(NamedTuple):
-    """What frames show of one gate: time (s), height of its crest (m), what it sees (m), its end reached (-1, 0, 1)."""
+    """Record of one gate by frames: time (s), height of its crest (m), what it sees (m), its end reached (-1, 0, 1)."""
 
     time: np.ndarray
     height: np.ndarray
@@ -116,7 +116,7 @@ class GateWatch:
 
 
 def analyse(gathered: Gathered) -> dict[str, Tailgate] | None:
-    """What each gate has found; None where a scene has none."""
+    """Results of the gates; None where a scene has none."""
     flow, records = gathered.flow, gathered.histories.get("tailgate", {})
     assert isinstance(records, dict)
     gates = {one.wall.name: one for one in flow.scene.walls if one.motion.holding}
@@ -164,7 +164,7 @@ def _behind(far: np.ndarray) -> int:
 
 
 def _near(holding: Holding) -> float:
-    """How far what is held may be off, m: as a mean over a response, and half of the interval of its mean."""
+    """Allowed distance of what is held, m: as a mean over a response, and half of the interval of its mean."""
     return FRONT_OFF * holding.level if holding.level else DEPTH_OFF * holding.target
 
 
@@ -215,7 +215,7 @@ def _smooth(time: np.ndarray, height: np.ndarray, over: float) -> np.ndarray:
 
 
 def _what(holding: Holding, held: Mean) -> str:
-    """What a gate holds, and what is asked for, in words."""
+    """Quantity that a gate holds, and what is asked for, in words."""
     seen = shown(held.value, "m", _interval(held))
     what = f"the front at x = {seen}" if holding.level else f"a mass depth of {seen}"
     return f"{what}, and {holding.target:zg} m is asked for"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a figure shows, described once: drawn by the page (``report/curves.js``) or by matplotlib (`style.drawn`)."""
+"""Description of a figure, drawn by the page (``report/curves.js``) or by matplotlib (`style.drawn`)."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ class Panel:
 
 @dataclass(frozen=True)
 class Described:
-    """What has a title.
+    """Base of what has a title.
 
     Attributes
     ----------
@@ -109,7 +109,7 @@ class Chart(Described):
 
     @property
     def plain(self) -> dict[str, Any]:
-        """What the page draws: text and numbers, five digits of each."""
+        """Plain data for the page: text and numbers, five digits of each."""
         return {
             "title": self.title,
             "x": self.x,
@@ -135,7 +135,7 @@ class Bars(Described):
 
     @property
     def plain(self) -> dict[str, Any]:
-        """What the page draws."""
+        """Plain data for the page."""
         return {"title": self.title, "x": self.x, "bars": [[label, value] for label, value in self.rows.items()]}
 
 

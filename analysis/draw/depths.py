@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What the figures of the profiles show: depth and velocity along the channel, depth over distance and time."""
+"""Figures of the profiles: depth and velocity along the channel, depth over distance and time."""
 
 from __future__ import annotations
 

@@ -160,7 +160,7 @@ class _Painter:
 
 
 def _anchor(wall: Wall, view: View) -> tuple[float, float]:
-    """Where the arrow of a structure starts: its middle, of what is seen, m."""
+    """Start of the arrow of a structure: its middle, of what is seen, m."""
     sides = zip(wall.extent, (view.x, view.y), strict=True)
     x, y = (float(np.mean(np.clip(side, *shown))) if side[0] < side[1] else side[0] for side, shown in sides)
     return x, y
@@ -219,7 +219,7 @@ def _mp4(pictures: Iterable[np.ndarray], out: Path, fps: float, shape: tuple[int
 
 
 def has_ffmpeg() -> bool:
-    """Whether MP4 files can be written."""
+    """Tells whether MP4 files can be written."""
     try:
         from imageio_ffmpeg import get_ffmpeg_exe
 

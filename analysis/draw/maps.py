@@ -62,7 +62,7 @@ def _heading(fields: xr.Dataset, what: str) -> str:
 
 
 def _time_of(fields: xr.Dataset, flow: Flow) -> float:
-    """When walls that move are shown, s: with the frame, or at the end of the window of a mean."""
+    """Time at which walls that move are shown, s: with the frame, or at the end of the window of a mean."""
     if "frames" in fields.attrs:
         return flow.window[1] if flow.window else 0.0
     return float(fields.time)

@@ -37,7 +37,7 @@ _paint_discs = entry(
 
 @dataclass(frozen=True)
 class View:
-    """What part of the plane a picture shows: the same scale on both axes.
+    """Part of the plane that a picture shows: the same scale on both axes.
 
     Parameters
     ----------

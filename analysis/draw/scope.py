@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What of the plane and of the speeds pictures of discs show: the same for figures, films and the page."""
+"""Part of the plane, and range of the speeds, in pictures of discs: the same for figures, films and the page."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def top_of(speeds: Sequence[np.ndarray], step: float = 0.5) -> float:
 
 
 def seen(frames: Sequence[Frame], flow: Flow) -> tuple[Interval, Interval]:
-    """What of the plane is worth showing, m.
+    """Part of the plane that is worth showing, m.
 
     Along x the studied stretch, cut short where the frames hold neither a disc nor a block; along y from just below the
     floor to just above nearly all discs there.

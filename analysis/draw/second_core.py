@@ -17,7 +17,7 @@ Found = TypeVar("Found")
 
 
 class Later(Generic[Found]):
-    """What a work gives back, once the block of `aside` is left."""
+    """Result of a work, once the block of `aside` is left."""
 
     value: Found
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What figures and section of the forces show: history, impulse, reflected wave, each with its estimate beside it."""
+"""Figures and section of the forces: history, impulse, reflected wave, each with its estimate beside it."""
 
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
 from __future__ import annotations

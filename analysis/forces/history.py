@@ -159,7 +159,7 @@ class Forces:
 
     @property
     def shown(self) -> dict[str, Force]:
-        """Those that figures show: a group in place of its walls, and none that nothing touched."""
+        """Histories that figures show: a group in place of its walls, and none that nothing touched."""
         shown = {name: force for name, force in self.structures.items() if name not in self.members}
         return {name: force for name, force in shown.items() if force.component is not None}
 
@@ -182,7 +182,7 @@ class Forces:
 
     @classmethod
     def of(cls, summary: Mapping[str, Any]) -> Forces:
-        """Those that stand under ``force`` in ``summary.json``."""
+        """Histories that stand under ``force`` in ``summary.json``."""
         walls = {name: from_summary(Force, one) for name, one in summary.items() if name not in BESIDE}
         axes = (summary.get("identity") or {}).items()
         identities = (replace(from_summary(Identity, one), axis=axis) for axis, one in axes)

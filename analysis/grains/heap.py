@@ -133,7 +133,7 @@ class StandingColumn(NamedTuple):
 
     @property
     def back(self) -> float:
-        """Where L0 is measured from, m: the wall, or the middle."""
+        """Place from which L0 is measured, m: the wall, or the middle."""
         return 0.5 * (self.left + self.right) if all(self.free) else self.left if self.free[1] else self.right
 
     @property
@@ -143,7 +143,7 @@ class StandingColumn(NamedTuple):
 
 
 class Remains(NamedTuple):
-    """What the frames leave: the last one with discs, its time (s), and the column at the start, if there was one."""
+    """Remains of the frames: the last one with discs, its time (s), and the column at the start, if there was one."""
 
     frame: Frame | None
     time: float
@@ -222,7 +222,7 @@ class HeapWatch:
         return StandingColumn(left, right, height, free) if any(free) and height > 0 else None
 
     def result(self) -> Remains:
-        """What is left of all frames."""
+        """Remains of all frames."""
         return Remains(*self._last, None if self._fed else self._column)
 
 
@@ -293,7 +293,7 @@ def _angle(flank: Flank, side: int, flow: Flow) -> tuple[float, float]:
 
 
 def _end(frame: Frame, flow: Flow, start: float, side: int, *, bulk: bool) -> float:
-    """Where the discs on one side of a place (m) end: the bulk from there on, or 99 % of them, m."""
+    """End of the discs on one side of a place (m): the bulk from there on, or 99 % of them, m."""
     d, radii = flow.scene.diameter, flow.radii(frame)
     # where nominal discs with the same outer edges would stand
     outer = side * (frame.x - start) + radii - flow.scene.radius

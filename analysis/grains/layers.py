@@ -332,7 +332,7 @@ def figures(layers: LayerProfiles, gathered: Gathered) -> Drawings:
 
 
 def section(layers: LayerProfiles) -> Section:
-    """Where the layers are, and their means."""
+    """Section on the layers: where they are, and their means."""
     if not layers.layers:
         return Section("Layers", [])
     keys = ("begin", "end", "height", "layers", "packing", "velocity", "fastest")

@@ -37,7 +37,7 @@ FEWEST = 4
 
 @dataclass(frozen=True)
 class Rest:
-    """When the discs came to rest."""
+    """Time at which the discs came to rest."""
 
     time: float = number("s", "time from which on the discs rest", default=nan, label="at rest from")
     speed: float = number("", "median speed at the end over √(g d)", default=nan, label="median speed over √(g d)")
@@ -163,7 +163,7 @@ class RestWatch:
 
 
 def analyse(gathered: Gathered) -> Rest:
-    """When the discs of a run came to rest; with a reason where they did not."""
+    """Time at which the discs of a run came to rest; with a reason where they did not."""
     flow, history = gathered.flow, gathered.histories["rest"]
     assert isinstance(history, RestHistory)
     if flow.g <= 0 or not flow.timed or not flow.velocities:
@@ -191,7 +191,7 @@ def analyse(gathered: Gathered) -> Rest:
 
 
 def rests(history: RestHistory, flow: Flow) -> bool | None:
-    """Whether the discs rest at the end, or move: their median speed is above 0.01 sqrt(g d).
+    """Tells whether the discs rest at the end, or move: their median speed is above 0.01 sqrt(g d).
 
     None where nothing says what rest is, and where discs are slower and have not rested for the whole stretch: what is
     slower than that does not move, and is not known to stay.
@@ -209,7 +209,7 @@ def rests(history: RestHistory, flow: Flow) -> bool | None:
 
 
 def _is_short(history: RestHistory, flow: Flow) -> bool:
-    """Whether the record is too short to show rest."""
+    """Tells whether the record is too short to show rest."""
     counted = history.time[history.time >= begin_of(flow.scene)]
     stretch = SPAN * sqrt(flow.scene.diameter / flow.g) * (1.0 - 1e-9)
     return len(counted) < FEWEST or bool(counted[-1] - counted[0] < stretch)
@@ -252,7 +252,7 @@ def figures(rest: Rest, gathered: Gathered) -> Drawings:
 
 
 def section(rest: Rest) -> Section:
-    """When the discs came to rest, or why they do not."""
+    """Section on when the discs came to rest, or why they do not."""
     if not known(rest.speed):
         return Section("Rest", [])
     rows = described(rest, *(["time"] if known(rest.time) else []), "speed", "top", "sinking")

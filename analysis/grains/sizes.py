@@ -138,7 +138,7 @@ def section(found: DrawnSizes) -> Section:
 
 
 def has_curve(flow: Flow) -> bool:
-    """Whether the scene has a grading curve."""
+    """Tells whether the scene has a grading curve."""
     return flow.scene.sizes is not None and flow.scene.sizes.is_curve
 
 

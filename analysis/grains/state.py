@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What is there at the end: how many discs, how fast they are, how much room they take; known of every flow."""
+"""State at the end: how many discs, how fast they are, how much room they take; known of every flow."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""How sure one run is of its jump: errors from the pieces of the window, drift, and what only more starts can tell."""
+"""Certainty of the jump of one run: errors from the pieces of the window, drift, and what only more starts can tell."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What the figures of the hydraulic jump show: its track, mean shape, momentum balance, the energy head."""
+"""Figures of the hydraulic jump: its track, mean shape, momentum balance, the energy head."""
 
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
 from __future__ import annotations

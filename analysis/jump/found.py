@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What is found of a jump: one result from the measurement to the page; docs/measuring.md explains its numbers."""
+"""Result of a jump, one from the measurement to the page; docs/measuring.md explains its numbers."""
 
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
 from __future__ import annotations
@@ -233,5 +233,5 @@ class MeasuredJump(TrackedJump):
 
     @property
     def used(self) -> np.ndarray:
-        """Whether a frame of the window has a jump, shape (frames,)."""
+        """Mask of the frames of the window that have a jump, shape (frames,)."""
         return self.track.found & self.in_window

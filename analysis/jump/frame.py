@@ -141,7 +141,7 @@ def move_along(stream: xr.Dataset, position: np.ndarray, reach_end: np.ndarray) 
 
 
 def crossing(xi: np.ndarray, values: np.ndarray, level: float, around: float) -> float:
-    """Where values rise through a level, linear in between, nearest to `around`; `around` where they do not."""
+    """Place where values rise through a level, linear in between, nearest to `around`; `around` where they do not."""
     up = np.flatnonzero((values[:-1] < level) & (values[1:] >= level))
     if not up.size:
         return around

@@ -234,7 +234,7 @@ def _pieces(whole: MeasuredJump) -> tuple[MeasuredJump, ...]:
 def _ends(
     moving: frame.Moving, name: str, one: frame.FlowState, two: frame.FlowState, toe: float, end: float
 ) -> tuple[float, float]:
-    """Where the mean profile of a depth has made 5 % and 95 % of its rise; the given places where it does not cross."""
+    """Places where the mean profile of a depth has made 5 % and 95 % of its rise; the given ones where it does not."""
     profile, level = moving.smoothed(name, frame.SMOOTHED * two.mass_depth), getattr(one, name)
     rise = getattr(two, name) - level
     toe = frame.crossing(moving.xi, profile, level + frame.TOE_SHARE * rise, toe)
@@ -243,7 +243,7 @@ def _ends(
 
 
 def _heap(stream: xr.Dataset, start: float, gravity: float) -> StandingHeap:
-    """How much of the discs behind the jump stands still, and how steep their surface is."""
+    """Share of the discs behind the jump that stands still, and how steep their surface is."""
     x, depth, discharge = stream.x.values, *(stream[name].values.mean(axis=0) for name in ("mass_depth", "discharge"))
     behind = (x > start) & (depth > 0)
     x, s, q = x[behind], depth[behind], discharge[behind]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What the pages, tables and figures of a run show of its jump."""
+"""Jump of a run on its pages, in tables and figures."""
 
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
 from __future__ import annotations
@@ -71,7 +71,7 @@ def _analysed(gathered: Gathered, whole: Gathered) -> TrackedJump:
 
 
 def _on_level_of_inlet(flow: Flow, measured: TrackedJump) -> bool:
-    """Whether the bed under the toe is as high as that at the inlet: else the inflow is no state before the jump."""
+    """Tells whether the bed under the toe is as high as at the inlet: else the inflow is no state before the jump."""
     rows, track = flow.scene.inlets, measured.track
     if isinstance(flow, TurnedFlow) or not rows or track is None or not track.found.any():
         return True
@@ -251,7 +251,7 @@ def _budget(budget: Budget | None) -> Table:
 
 
 def certainty(jump: Jump) -> tuple[str, ...]:
-    """How sure the numbers are, in two paragraphs: the drift within the window, and how many starts are needed."""
+    """Certainty of the numbers, in two paragraphs: the drift within the window, and how many starts are needed."""
     drift, units = jump.drift, numbers_of(Jump)
     if drift is None:
         return ()
@@ -270,7 +270,7 @@ def certainty(jump: Jump) -> tuple[str, ...]:
 
 
 def _deviation(local: Local, key: str, other: str) -> str:
-    """How far a number lies off another, in per cent, cut to the errors of both taken as independent."""
+    """Deviation of a number from another, in per cent, cut to the errors of both taken as independent."""
     one, two = Mean.of(local, key), Mean.of(local, other)
     if not known(one.value) or not two.value:
         return ABSENT

@@ -70,7 +70,7 @@ class Stream(AlongStream):
 
 
 def compression_front(stream: xr.Dataset, track: JumpTrack, gravity: float) -> np.ndarray:
-    """Where the compressed stretch before the toe begins in each frame, m; NaN where there is none; shape (frames,).
+    """Begin of the compressed stretch before the toe in each frame, m; NaN where there is none; shape (frames,).
 
     It is the place from which the thrust up to the toe, less g s^2/2 and less `COMPRESSED` of the momentum flux, adds
     up to most: where a cumulative sum turns. Gaps do not end the stretch. Before a jump is found it goes to the end of

@@ -30,7 +30,7 @@ TAIL, BEHIND = "tail water", "depth behind the end"
 
 
 def inflow_theory(flow: Flow) -> theory.Inflow | None:
-    """What hydraulics says of the inflow: Froude number, Bélanger depth, lengths, loss; None without an inflow."""
+    """Hydraulics of the inflow: Froude number, Bélanger depth, lengths, loss; None without an inflow."""
     if not flow.inflow_depth or not flow.inflow_speed or flow.gravity <= 0:
         return None
     return theory.inflow_theory(flow.inflow_depth, flow.inflow_speed, flow.gravity)
@@ -126,7 +126,7 @@ def _area(result: MeasuredJump) -> float:
 
 
 def _filling(jump: MeasuredJump) -> bool:
-    """Whether the front runs upstream and has no level tail water behind it yet: the channel still fills."""
+    """Tells whether the front runs upstream and has no level tail water behind it yet: the channel still fills."""
     upstream = -jump.direction * jump.speed
     return jump.at == BEHIND and upstream > 2 * np.nan_to_num(jump.speed_error)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Where the jump is in each frame: a ramp between two levels, fitted to the mass depth; and how fast it moves.
+"""Place of the jump in each frame: a ramp between two levels, fitted to the mass depth; and how fast it moves.
 
 The stream flows towards larger x here; `result.analyse_jump` mirrors streams towards smaller x.
 """
@@ -158,7 +158,7 @@ class JumpTrack(AlongStream):
 
     @property
     def found(self) -> np.ndarray:
-        """Whether a frame has a jump, shape (frames,)."""
+        """Mask of the frames that have a jump, shape (frames,)."""
         return np.array([not reason for reason in self.why], bool)
 
 
@@ -238,7 +238,7 @@ def _look(
 
 
 def _backed_up(edges: np.ndarray, depth: np.ndarray, discharge: np.ndarray, gravity: float, toe: float) -> bool:
-    """Whether the stream is supercritical before a toe and subcritical in the mean behind it."""
+    """Tells whether the stream is supercritical before a toe and subcritical in the mean behind it."""
     before = edges[1:] <= toe
     parts = (before, edges[:-1] >= toe)
     if not all(part.any() and depth[part].mean() > 0 for part in parts):
@@ -250,7 +250,7 @@ def _backed_up(edges: np.ndarray, depth: np.ndarray, discharge: np.ndarray, grav
 def equivalent_position(
     edges: np.ndarray, depth: np.ndarray, toe: float, end: float, depth_1: float, depth_2: float
 ) -> float:
-    """Where a step between two levels holds the mass of the profile around the ramp, m (exact for any step).
+    """Place where a step between two levels holds the mass of the profile around the ramp, m (exact for any step).
 
     ``(x - a) s1 + (b - x) s2 = integral of s from a to b``, with a and b at bin edges a bin beyond the ramp's ends.
     """

@@ -59,7 +59,7 @@ def _kept(found: Jump | Local, names: tuple[str, ...]) -> dict[str, Any]:
 
 
 def headline(jump: Jump) -> str:
-    """What happened, what to compare with what, and how sure that is."""
+    """Headline: what happened, what to compare with what, and how sure that is."""
     if jump.verdict not in A_JUMP:
         return f"No hydraulic jump to compare with Bélanger: {jump.verdict}. {_sentence(jump.reason)}"
     name = {"jump": "Hydraulic jump", "marginal jump": "Now and then a jump"}.get(jump.verdict, "Jump not developed")
@@ -82,7 +82,7 @@ FILLS = "The channel still fills: there is no level tail water yet, and the dept
 
 
 def left_out(jump: Jump) -> str:
-    """What Bélanger's relation leaves out of this flow, as a sentence: friction and a sloping bed."""
+    """Sentence on what Bélanger's relation leaves out of this flow: friction and a sloping bed."""
     terms = jump.momentum_terms or Balance()
     known = {FRICTION: ("friction; that of the bed", terms.bed), SLOPE: ("the slope of the bed; it", terms.slope)}
     said = [
@@ -111,7 +111,7 @@ def _how_sure(jump: Jump) -> str:
 
 
 def belongs_to(jump: MeasuredJump) -> str:
-    """Where the numbers beside the jump were measured, and how far contacts have changed the stream there."""
+    """Sentence on where the numbers beside the jump were measured, and how far contacts changed the stream there."""
     near, far = -jump.upstream.zone[1], -jump.upstream.zone[0]
     text = f"The state before the toe is that of the stream {near:z.1f} to {far:z.1f} m before the front"
     stream = jump.stream

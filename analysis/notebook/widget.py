@@ -18,12 +18,12 @@ SCRIPT = Path(__file__).parent / "widget.js"
 
 
 def widgets_are_there() -> bool:
-    """Whether anywidget is installed."""
+    """Tells whether anywidget is installed."""
     return importlib.util.find_spec("anywidget") is not None
 
 
 def is_running() -> bool:
-    """Whether this program runs in a notebook: an IPython that has a kernel."""
+    """Tells whether this program runs in a notebook: an IPython that has a kernel."""
     ipython = sys.modules.get("IPython")
     shell = None if ipython is None else ipython.get_ipython()
     return hasattr(shell, "kernel")

@@ -78,7 +78,7 @@ class _StoredCurves(RootModel[dict[Text, _Chart | _Bars]]):
 
 
 def read_curves(folder: Path) -> dict[str, dict[str, Any]]:
-    """What a page draws of a folder, by the name of the figure; empty where there is no such file.
+    """Figures that a page draws of a folder, by their names; empty where there is no such file.
 
     Raises
     ------

@@ -246,7 +246,7 @@ def _step(rows: np.ndarray, qv: float, share: float, before: _Instant) -> _Insta
 
 
 class _Entries:
-    """What the text tells of each disc where it comes in; `rows` is the number of rows of all frames."""
+    """Entries of the text for each disc where it comes in; `rows` is the number of rows of all frames."""
 
     def __init__(self, rows: int):
         self._counts, self._radii, self._known = np.zeros(rows, np.int64), np.empty(rows, "f4"), 0

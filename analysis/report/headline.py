@@ -26,7 +26,7 @@ FELL = 0.01
 
 
 def against_water(front: Mapping[str, Any]) -> bool:
-    """Whether the case asks for a comparison with water: ``analysis.front: water``."""
+    """Tells whether the case asks for a comparison with water: ``analysis.front: water``."""
     return bool(front.get("martin_moyce"))
 
 
@@ -37,7 +37,7 @@ OF_A_JUMP = (*OF_A_STEADY_JUMP, "belanger_y2", "belanger_deviation", "froude", "
 
 
 def belongs(key: str, verdict: str) -> bool:
-    """Whether a number of a jump goes with what was found: no length of a jump where there is none."""
+    """Tells whether a number of a jump goes with what was found: no length of a jump where there is none."""
     if verdict in ("marginal jump", "jump not developed"):
         return key not in OF_A_STEADY_JUMP
     return verdict == "jump" or (key not in OF_A_JUMP and not key.startswith("local."))

@@ -66,7 +66,7 @@ class Table(NamedTuple):
 
     @property
     def numeric(self) -> list[bool]:
-        """Whether a column holds a number, shape (columns,)."""
+        """Mask of the columns that hold a number, shape (columns,)."""
         columns = max((len(row) for row in self.rows), default=0)
         return [any(len(row) > i and _is_number(row[i]) for row in self.rows) for i in range(columns)]
 
@@ -161,7 +161,7 @@ class Beside(NamedTuple):
 
     @property
     def parts(self) -> Sequence[Text | Table | Curve | Player]:
-        """What stands side by side."""
+        """Parts that stand side by side."""
         return self.blocks
 
 
@@ -348,7 +348,7 @@ def cut(result: object, key: str, scale: float = 1.0, unit: str = "") -> str:
 
 
 def picture_kind(path: Path) -> str:
-    """What a file is by its first bytes, as a page names it: PNG, GIF or MP4; empty for all else, and for a link."""
+    """Kind of a file by its first bytes, as a page names it: PNG, GIF or MP4; empty for all else, and for a link."""
     try:
         head = b"" if path.is_symlink() else read_start(path, 12)
     except OSError:  # no regular file, or gone

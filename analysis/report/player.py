@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What the player of a page knows of a run, besides its frames: walls, what to show, and Bélanger's depth in time."""
+"""Facts of a run for the player of a page, besides its frames: walls, what to show, and Bélanger's depth in time."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ MEMBER_ROWS = 500_000
 
 
 def member_packer(flow: Flow, frames: int) -> FramePacker:
-    """What keeps every n-th of the frames of a member, so that they are at most about `MEMBER_ROWS` rows."""
+    """Packer that keeps every n-th of the frames of a member, so that they are at most about `MEMBER_ROWS` rows."""
     scene = flow.scene
     mean = (len(scene.positions) + scene.expected_discs) / 2  # in play, where their number grows evenly
     return FramePacker(flow, max(1, ceil(frames * mean / MEMBER_ROWS)))
@@ -69,7 +69,7 @@ def still_of(folder: Path, small: bytes = b"") -> Picture | None:
 
 
 def about_run(packer: FramePacker, folder: Path) -> dict[str, object]:
-    """What a player has to know of a run besides its frames, see `make_player`; some frames hold discs."""
+    """Facts of a run for a player besides its frames, see `make_player`; some frames hold discs."""
     flow, sample = packer.flow, packer.sample()
     x, y = seen(sample, flow)
     scene, edges, bodies = flow.scene, bin_edges(flow.x_range, flow.bin_width), _bodies(packer)
@@ -180,7 +180,7 @@ def _sequent(flow: Flow, folder: Path, times: Sequence[float]) -> list[list[floa
 
 
 def _level_until(flow: Flow, starts: np.ndarray, directions: np.ndarray) -> np.ndarray:
-    """Where the bed ends to be level, from each start in its direction, m."""
+    """End of the level bed, from each start in its direction, m."""
     low, high = flow.x_range
     x = np.linspace(starts, np.where(directions > 0, high, low), 400, axis=1)
     bed = flow.bed_height(x.ravel()).reshape(x.shape)

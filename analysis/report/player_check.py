@@ -68,7 +68,7 @@ class _Body(_Part):
     fy: _Known = None
 
     def ways_fit(self, frames: int) -> bool:
-        """Whether it has velocity and force for each frame, or neither."""
+        """Tells whether it has velocity and force for each frame, or neither."""
         ways = [self.vx, self.vy, self.fx, self.fy]
         return ways == [None] * 4 or all(way is not None and len(way) == frames for way in ways)
 
@@ -85,7 +85,7 @@ class _Shape(_Part):
     body: _Body | None = None
 
     def ways_fit(self, frames: int) -> bool:
-        """Whether it stands, or has a pose for each frame; a body always has."""
+        """Tells whether it stands, or has a pose for each frame; a body always has."""
         ways = [self.x, self.y, self.angle]
         if self.about is None:
             return ways == [None] * 3 and self.body is None
@@ -170,7 +170,7 @@ def read_player(path: Path) -> Player:
 
 
 def holds_frames(text: str, discs: int, rows: int, frames: int, shades: int, cells: int) -> bool:
-    """Whether a text holds `discs` discs of `rows` rows in all in so many frames, a map, and nothing else.
+    """Tells whether a text holds `discs` discs of `rows` rows in all in so many frames, a map, and nothing else.
 
     Raises
     ------
@@ -234,7 +234,7 @@ class _Reader:
 
 
 def _holds_each(digits: list[int], discs: int, rows: int, frames: int, shades: int, cells: int) -> bool:
-    """Whether digits hold `discs` discs of `rows` rows in all in so many frames, a map, and nothing else."""
+    """Tells whether digits hold `discs` discs of `rows` rows in all in so many frames, a map, and nothing else."""
     reader = _Reader(digits)
     column, stays = [0] * COLUMNS, []
     try:
@@ -261,7 +261,7 @@ def _holds_each(digits: list[int], discs: int, rows: int, frames: int, shades: i
 
 
 def _unrest_after(reader: _Reader, unrest: int) -> int:
-    """What a row adds to the unrest of a disc."""
+    """Change of the unrest of a disc by a row."""
     felt = unrest
     for part in range(4):
         if felt.bit_length() > MOST_BITS:

@@ -162,7 +162,7 @@ def _linked() -> list[str]:
 
 
 def curves(folder: Path) -> dict[str, Curve]:
-    """What the page draws of a run folder, by the name of the figure's file, in the order of the report.
+    """Figures that the page draws of a run folder, by the name of their files, in the order of the report.
 
     Raises
     ------
@@ -214,7 +214,7 @@ def _command(summary: Mapping[str, Any]) -> list[Text | Code]:
 
 
 def _option(key: str, value: object) -> list[str]:
-    """What was given with a bare dump, as options of its command."""
+    """Options of the command that were given with a bare dump."""
     if key == "analyses" and isinstance(value, Sequence):
         return [f"--{LISTED[name].option or name}" for name in value if name in LISTED]
     if key == "stations" and isinstance(value, Sequence):

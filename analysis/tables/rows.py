@@ -54,7 +54,7 @@ class MeasuredRow(NamedTuple):
 
     @property
     def far(self) -> bool:
-        """Whether theory is more than `FAR` times off, so that it does not apply."""
+        """Tells whether theory is more than `FAR` times off, so that it does not apply."""
         ratio = 1.0 + self.difference.value
         return not self.plain and isfinite(ratio) and bool(self.holds) and not 1 / FAR <= ratio <= FAR
 
@@ -146,7 +146,7 @@ def _rows(
 
 
 def _at(summary: Mapping[str, Any], path: str) -> Any:
-    """What stands at a path of keys; None where there is nothing."""
+    """Value at a path of keys; None where there is nothing."""
     found: object = summary
     for key in path.split("."):
         found = found.get(key) if isinstance(found, Mapping) else None
@@ -214,7 +214,7 @@ def table(rows: Sequence[MeasuredRow], width: int) -> list[str]:
 
 
 def lines(summary: Mapping[str, Any]) -> list[str]:
-    """What stands below the numbers at the top."""
+    """Lines below the numbers at the top."""
     return [line for quantity in QUANTITIES.values() if (line := quantity.line(summary))]
 
 

@@ -25,7 +25,7 @@ def _told(summary: Mapping[str, Any]) -> Iterator[tuple[str, Mapping[str, Any]]]
 
 
 def _one(name: str, body: Mapping[str, Any]) -> str:
-    """What one body did: how it is at the end, and what happened before."""
+    """Sentence on one body: how it is at the end, and what happened before."""
     many = body.get("alike")
     often = f" in {many[0]} of {many[1]} starts" if many else ""
     since = f"rests from {body['rest_since']:z.1f} s on" if body.get("rest") else ""
@@ -50,7 +50,7 @@ def _afloat(body: Mapping[str, Any]) -> str:
 
 
 def _ways(body: Mapping[str, Any]) -> str:
-    """How far base and centre of mass have come, as a sentence."""
+    """Sentence on how far base and centre of mass have come."""
     base, centre = body.get("base_way"), body.get("centre_way")
     known = base is not None and centre is not None
     return f". Its base came {base:z.2f} m far, its centre of mass {centre:z.2f} m" if known else ""
@@ -71,7 +71,7 @@ STATES = {"lies": "lies from {:z.1f} s on", "leans": "leans from {:z.1f} s on", 
 
 
 def _events(body: Mapping[str, Any]) -> list[str]:
-    """What happened to a body, in its order."""
+    """Events of a body, in their order."""
     if body.get("state") == "afloat":
         return []
     found = [(body[key], words) for key, words in EVENTS.items() if body.get(key) is not None]

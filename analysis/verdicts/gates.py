@@ -30,7 +30,7 @@ def _number(gate: Mapping[str, Any], key: str) -> str:
 
 
 def _held(gate: Mapping[str, Any]) -> str:
-    """What a gate holds, in words; an older run does not say which of the two it is."""
+    """Quantity that a gate holds, in words; an older run does not say which of the two it is."""
     what = {"front": "the front at x = {}", "depth": "a mass depth of {}"}.get(gate.get("holds") or "", "{}")
     return what.format(_number(gate, "held"))
 

@@ -18,14 +18,14 @@ SWALLOWED = "no jump found"
 
 
 def is_asked(summary: Mapping[str, Any]) -> bool:
-    """Whether page and screen show what was looked for: a case asked for a jump, or one was found in a dump."""
+    """Tells whether page and screen show what was looked for: a case asked for a jump, or one was found in a dump."""
     jump = part(summary, "jump")
     found = jump.get("verdict") in (*A_JUMP, AT_SILL)
     return bool(jump.get("verdict")) and (found or asked_of_a_dump("jump", summary))
 
 
 def is_spoken_of(summary: Mapping[str, Any]) -> bool:
-    """Whether the title may speak of a jump: found, or asked for where a stream flows in; never of grains."""
+    """Tells whether the title may speak of a jump: found, or asked for where a stream flows in; never of grains."""
     jump = part(summary, "jump")
     if not is_asked(summary) or of_grains(summary):
         return False
@@ -45,7 +45,7 @@ def title(summary: Mapping[str, Any]) -> str:
 
 
 def sentence(summary: Mapping[str, Any]) -> str:
-    """What to compare with what, as the analysis of the jump says it."""
+    """Sentence on what to compare with what, as the analysis of the jump says it."""
     return (part(summary, "jump").get("headline") or "") if is_spoken_of(summary) else ""
 
 

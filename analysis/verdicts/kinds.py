@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a verdict is: a question, the sentences that answer it from a summary, its numbers, and its doubts."""
+"""Parts of a verdict: a question, the sentences that answer it from a summary, its numbers, and its doubts."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Said = Callable[[Mapping[str, Any]], str]
 
 
 class Doubt(NamedTuple):
-    """What makes a verdict doubtful.
+    """Condition that makes a verdict doubtful.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class Verdict(NamedTuple):
         return (self.sentence or self.title)(summary)
 
     def doubted(self, summary: Mapping[str, Any]) -> list[str]:
-        """What is doubtful about this answer of a summary, or why there is none."""
+        """Sentence on what is doubtful about this answer of a summary, or why there is none."""
         if not self.title(summary):
             why = self.unanswered(summary) if self.unanswered else ""
             return [f"{self.question} {why[:1].upper()}{why[1:]}"] if why else []
@@ -79,12 +79,12 @@ def part(summary: Mapping[str, Any], key: str) -> Mapping[str, Any]:
 
 
 def asked_of_a_dump(quantity: str, summary: Mapping[str, Any]) -> bool:
-    """Whether somebody asked for a quantity: of a dump by an option, of a run by its case, which has what is there."""
+    """Tells whether somebody asked for a quantity: of a dump by an option, of a run by its case."""
     return "given" not in summary or quantity in (summary["given"].get("analyses") or ())
 
 
 def of_grains(summary: Mapping[str, Any]) -> bool:
-    """Whether friction has a memory: contacts carry slopes at rest, as those of grains do and of water do not."""
+    """Tells whether friction has a memory: contacts carry slopes at rest, as those of grains do and of water do not."""
     law = FRICTION_LAWS.get(summary.get("friction_law") or "")
     return law is not None and law.remembers
 
@@ -115,7 +115,7 @@ def below(key: str, limit: float, text: str) -> Said:
 
 
 def at(summary: Mapping[str, Any], key: str) -> Any:
-    """What stands at ``quantity.number``, a number; None where there is none."""
+    """Number at ``quantity.number``; None where there is none."""
     quantity, _, name = key.partition(".")
     value = part(summary, quantity).get(name)
     return None if isinstance(value, bool) or not isinstance(value, int | float) else value

@@ -52,7 +52,7 @@ SLOW = 0.01
 
 
 def is_foreign(summary: Mapping[str, Any]) -> bool:
-    """Whether the summary is that of a dump of which no case is known."""
+    """Tells whether the summary is that of a dump of which no case is known."""
     return "given" in summary and "case_yaml" not in summary
 
 

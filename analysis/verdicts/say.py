@@ -68,7 +68,7 @@ def headline(summary: Mapping[str, Any]) -> str:
 
 
 def doubts(summary: Mapping[str, Any]) -> list[str]:
-    """What makes the answers of the title doubtful in this run, as sentences."""
+    """Doubts about the answers of the title in this run, as sentences."""
     if (summary.get("status") or "complete") != "complete":
         return []
     shown = {number for _, number in answered(summary)[:TOGETHER]}

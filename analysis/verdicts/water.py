@@ -24,12 +24,12 @@ RUNNING = 0.2
 
 
 def collapsed(front: Mapping[str, Any]) -> bool:
-    """Whether there was a column at the start, whose front then ran."""
+    """Tells whether there was a column at the start, whose front then ran."""
     return front.get("column_base") is not None and front.get("speed") is not None
 
 
 def has_front(summary: Mapping[str, Any]) -> bool:
-    """Whether page and screen show the front: a case asked for it; in a dump a column fell, or a stream runs."""
+    """Tells whether page and screen show the front: a case asked for it; in a dump a column fell, or a stream runs."""
     front = part(summary, "front")
     if front.get("position") is None:
         return False
@@ -188,7 +188,7 @@ def _run_up(summary: Mapping[str, Any]) -> str:
 
 
 def _goes_over(found: Mapping[str, Any], on: str) -> str:
-    """What goes over a crest, where there is no run-up."""
+    """Sentence on what goes over a crest, where there is no run-up."""
     total, crest = f"{shown(found['over'])} m²", place(found["crest"])
     if found.get("discharge") is None:
         return f"{total} of water go over {on}, whose crest is at y = {crest} m."
@@ -257,7 +257,7 @@ def struck(summary: Mapping[str, Any]) -> tuple[str, Mapping[str, Any]]:
 
 
 def _runs(force: Mapping[str, Any]) -> bool:
-    """Whether discs bring momentum, beside the thrust of the deepest water there; what climbs the wall is that deep."""
+    """Tells whether discs bring momentum beside the thrust of the deepest water; what climbs the wall is that deep."""
     return (force.get("oncoming_flux") or 0.0) > RUNNING * (force.get("hydrostatic") or 0.0)
 
 

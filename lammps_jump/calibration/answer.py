@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What ``calibration.json`` holds: which numbers the measurements tell, what hides the others, what to measure besides.
+"""Answer of ``calibration.json``: numbers that the measurements tell, what hides the others, what to measure besides.
 
 The expected variance after another measurement is a mean over the posterior of what it would then be: D. V. Lindley,
 Ann. Math. Statist. 27 (1956) 986, with the variance in place of the entropy.
@@ -45,7 +45,7 @@ LOOKED_AT = 2048
 
 @dataclass(frozen=True)
 class Parameter:
-    """What is known of one varied number.
+    """Knowledge of one varied number.
 
     Attributes
     ----------
@@ -228,7 +228,7 @@ def _unmet(part: TargetPart, near: np.ndarray, distance: float) -> dict[str, Any
 
 
 def _reach(part: TargetPart, values: np.ndarray, limit: float) -> dict[str, Any]:
-    """What all runs of a target reach: least and largest of a number, and how many measured points lie beyond them."""
+    """Range that all runs of a target reach: least and largest number, and how many measured points lie beyond them."""
     target = part.target
     low, high = (take(values, axis=(0, 1)) for take in (np.nanmin, np.nanmax))
     below, above = (low - limit * target.error > target.measured), (high + limit * target.error < target.measured)
@@ -240,7 +240,7 @@ def answer(
     study: Calibration, model: Model, posterior: Posterior, summaries: Mapping[int, Sequence[Mapping[str, Any]]],
     not_met: list[dict[str, Any]],
 ) -> dict[str, Any]:  # fmt: skip
-    """What the runs say, as plain data: parameters, correlation, targets, leave-one-out, unmet targets.
+    """Result of the runs, as plain data: parameters, correlation, targets, leave-one-out, unmet targets.
 
     Parameters
     ----------

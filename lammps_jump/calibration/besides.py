@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Where no run reaches what was measured: which other numbers of the case move it, by runs that change one of them.
+"""Further numbers of the case that move a measurement which no run reaches, by runs that change one of them.
 
 The runs stand at the point that is nearest to the measurements, with starts of their own, and count to the budget. What
 a change does is taken along the gap between the measurement and the runs of that point.
@@ -98,7 +98,7 @@ def _can_be_run(study: Calibration, values: Mapping[str, float], change: Change)
 
 @dataclass(frozen=True)
 class Besides:
-    """What runs beside the ranges gave.
+    """Result of the runs beside the ranges.
 
     Attributes
     ----------

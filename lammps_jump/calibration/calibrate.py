@@ -109,7 +109,7 @@ def calibrate(
 
 
 def default_folder(case: str | Path | Mapping[str, Any] | ReadCase, read: Case) -> Path:
-    """Where a calibration is kept when no folder is named; a folder of one is its own."""
+    """Folder of a calibration when none is named; a folder of one is its own."""
     if isinstance(case, str | Path) and Path(case).is_dir():
         return Path(case)
     stem = Path(case).stem if isinstance(case, str | Path) else read.name
@@ -185,7 +185,7 @@ class _Point(BaseModel, strict=True):
 
 
 class StoredAnswer(BaseModel, strict=True):
-    """What is read back of ``calibration.json``; it may have been handed on."""
+    """Content of ``calibration.json`` as it is read back; it may have been handed on."""
 
     verdict: str
     notes: list[str]
@@ -279,7 +279,7 @@ class Calibrated(NearestNames):
 
     @property
     def notes(self) -> list[str]:
-        """What to know beside it."""
+        """Notes beside the answer."""
         return list(self.data["notes"])
 
     @property

@@ -146,7 +146,7 @@ class Model:
         return values, np.sqrt(spread)
 
     def distances(self, places: np.ndarray) -> np.ndarray:
-        """How far each target is from its measurement, in errors of all kinds, shape (n, targets).
+        """Distance of each target from its measurement, in errors of all kinds, shape (n, targets).
 
         Of a curve the root mean square over its points.
         """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What measurements say of the varied numbers: likelihood, samples of the posterior, 95 % ranges.
+"""Varied numbers by measurements: likelihood, samples of the posterior, 95 % ranges.
 
 The prior is flat in the ranges. The likelihood is Student's t over all measured numbers at once. Its covariance is that
 of the measurement, of the scatter over starts, and of the emulator.

@@ -54,7 +54,7 @@ class StoredRound(BaseModel, strict=True, extra="forbid"):
 
 
 class StoredRounds(BaseModel, strict=True, extra="forbid"):
-    """What ``rounds.json`` holds."""
+    """Content of ``rounds.json``."""
 
     vary: dict[str, list[FiniteFloat]]
     seed: int
@@ -98,13 +98,13 @@ def where_likely(posterior: Posterior, there: np.ndarray, count: int) -> np.ndar
 
 
 def has_settled(before: list[tuple[float, float]], now: list[tuple[float, float]]) -> bool:
-    """Whether the 95 % range of every varied number is nearly as wide as a round before."""
+    """Tells whether the 95 % range of every varied number is nearly as wide as a round before."""
     return all(high - low > SHRINK * (top - bottom) for (low, high), (bottom, top) in zip(now, before, strict=True))
 
 
 @dataclass(frozen=True)
 class SearchProgress:
-    """How far a calibration has come.
+    """Progress of a calibration.
 
     Attributes
     ----------
@@ -128,7 +128,7 @@ class SearchProgress:
 
 @dataclass
 class Observed:
-    """What the runs of some points gave.
+    """Results of the runs of some points.
 
     Attributes
     ----------
@@ -172,14 +172,14 @@ class Fit:
 
     @property
     def nearest(self) -> int:
-        """Which of `good` is nearest to the best values, in standard deviations of the posterior."""
+        """Index in `good` of the nearest to the best values, in standard deviations of the posterior."""
         assert self.model is not None and self.posterior is not None
         sd = np.sqrt(np.diag(self.posterior.covariance))
         return int(np.argmin(np.sum(((self.model.places - self.posterior.best) / sd) ** 2, axis=1)))
 
     @property
     def unmet(self) -> bool:
-        """Whether no place of the ranges meets the measurements."""
+        """Tells whether no place of the ranges meets the measurements."""
         return self.model is not None and self.posterior is not None and bool(unmet(self.model, self.posterior))
 
     @property
@@ -387,7 +387,7 @@ class Search:
         return dict(zip(self.study.paths, kept[place], strict=True))
 
     def _observed(self, found: Sweep) -> Observed:
-        """What the runs of all points hold."""
+        """Results of the runs of all points."""
         kept = [number for number in range(len(self.points)) if not self.refused[number]]
         shape = len(self.points), self.study.members
         seen = Observed({one.name: np.full((*shape, len(one.measured)), np.nan) for one in self.study.targets})

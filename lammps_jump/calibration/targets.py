@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What was measured: numbers and curves with their errors, and the same of a run."""
+"""Measurements: numbers and curves with their errors, and the same of a run."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class Target:
 
     @property
     def stated(self) -> bool:
-        """Whether the error was given with the measurement."""
+        """Tells whether the error was given with the measurement."""
         return bool(np.isfinite(self.error).all())
 
     def of_run(self, folder: Path, summary: Mapping[str, Any]) -> np.ndarray:

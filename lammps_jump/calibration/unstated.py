@@ -146,6 +146,6 @@ def _logs(own: np.ndarray, shape: np.ndarray, known: np.ndarray, sizes: np.ndarr
 
 
 def together(curves: Sequence[PossibleErrors]) -> np.ndarray:
-    """Which possible error of each curve goes with which of the others, shape (m, curves): a Latin hypercube."""
+    """Order in which possible errors of the curves go together, shape (m, curves): a Latin hypercube."""
     rng = np.random.default_rng(0)
     return np.array([rng.permutation(POSSIBLE) if k else np.arange(POSSIBLE) for k in range(len(curves))]).T

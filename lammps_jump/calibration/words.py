@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a calibration has found, in sentences."""
+"""Result of a calibration, in sentences."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def unmet_text(one: Mapping[str, Any]) -> str:
 
 
 def moved_text(data: Mapping[str, Any]) -> list[str]:
-    """Which other numbers of the case move the targets that are not met, and which could not be tried."""
+    """Sentence on other numbers of the case that move unmet targets, and on those that could not be tried."""
     if not data["unmet"]:
         return []
     tried, left = data["besides"]["tried"], data["besides"]["left"]
@@ -113,7 +113,7 @@ def _moved(change: Mapping[str, Any]) -> str:
 
 
 def notes(data: Mapping[str, Any]) -> list[str]:
-    """What to know beside the verdict: edges, ridges, advice, the emulator, failed runs, errors not given."""
+    """Notes beside the verdict: edges, ridges, advice, the emulator, failed runs, errors not given."""
     said = moved_text(data)
     for path, one in data["parameters"].items():
         if one["at_edge"]:
@@ -139,7 +139,7 @@ def notes(data: Mapping[str, Any]) -> list[str]:
 
 
 def estimated_text(name: str, target: Mapping[str, Any]) -> str:
-    """What was taken as the error of a curve that was measured without one."""
+    """Sentence on the error that is assumed of a curve that was measured without one."""
     error, values = target["error"][0], target["measured"]
     share = 100 * error / ((max(values) - min(values)) or 1.0)
     spread = [one for one in target["spread"] if one is not None and isfinite(one)]

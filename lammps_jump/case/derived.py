@@ -28,7 +28,7 @@ from .walls import words_of_wall
 
 @dataclass(frozen=True)
 class Derived:
-    """What `ReadCase.check` finds.
+    """Numbers that `ReadCase.check` derives.
 
     Attributes
     ----------
@@ -73,17 +73,17 @@ class Derived:
 
     @property
     def begins(self) -> tuple[str, ...]:
-        """Where discs at the start come from, if from earlier runs, and what memory comes along."""
+        """Origin of the discs at the start, if from earlier runs, and the memory that comes along."""
         return self.scene.earlier.origins if self.scene.earlier else ()
 
     @property
     def skipped(self) -> tuple[str, ...]:
-        """What the scene does not need and the run leaves out, in sentences."""
+        """Sentences on what the scene does not need and the run leaves out."""
         return self.scene.skipped
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What to beware of, in sentences."""
+        """Warnings, as sentences."""
         return self.scene.warnings
 
     def as_data(self) -> dict[str, Any]:
@@ -111,7 +111,7 @@ class Derived:
         )
 
     def _quarters(self, graph: Hydrograph) -> list[str]:
-        """What the table of the inflow has in each quarter of the run."""
+        """Values of the table of the inflow in each quarter of the run."""
         ends = [0.25 * i * self.fields.run.duration for i in range(5)]
         means = [(begin, end, *graph.means(begin, end)) for begin, end in pairwise(ends)]
         return [f"  t = {a:z.4g} to {b:z.4g} s  depth {h:z.4g} m  discharge {q:z.4g} m^2/s" for a, b, h, q in means]

@@ -60,7 +60,7 @@ def explain(error: ValidationError, source: CaseSource, model: type[BaseModel]) 
 
 
 def _others(problems: Sequence[ErrorDetails], source: CaseSource) -> str:
-    """Where the other problems are, as far as they are few."""
+    """Places of the other problems, as far as they are few."""
     paths = dict.fromkeys(dotted_path(_data_path(problem["loc"], source.whole)) for problem in problems[1:])
     return f": {', '.join(paths)}" if all(paths) and len(paths) <= MOST_OTHERS else ""
 
@@ -156,7 +156,7 @@ def _example(given: list[Any], vector: Vector) -> list[str]:
 
 
 def _meant(path: PathKey, models: list[type], whole: type[BaseModel]) -> str:
-    """What a key that is not known may mean: a field of its group by meaning or spelling, or one of another group."""
+    """Fields that an unknown key may mean: of its group by meaning or spelling, or one of another group."""
     word, known = str(path[-1]), list(_fields(models))
     own = (getattr(item, "NO_FIELDS", {}).get(word) for item in models)
     if hint := next(filter(None, own), None):

@@ -134,7 +134,7 @@ class CaseFields(Strict):
 
     @property
     def seam(self) -> tuple[float, float] | None:
-        """Where a periodic channel begins and ends, m; None of another."""
+        """Ends of a periodic channel, m; None of another."""
         return self.domain.x if self.domain is not None and self.domain.periodic else None
 
     @property

@@ -25,7 +25,7 @@ CHANGED = "changed: "
 
 
 def scene_folder() -> Path:
-    """Where the case files are: inside the package in a wheel, beside it in a checkout."""
+    """Folder of the case files: inside the package in a wheel, beside it in a checkout."""
     package = Path(__file__).resolve().parents[1]
     inside = package / "inputs"
     return inside if inside.is_dir() else package.parent / "inputs"

@@ -142,7 +142,7 @@ class CaseSource:
         return here
 
     def place(self, path: PathKey) -> str:
-        """Where `path` stands: ``case.yaml:12: contact.friction`` (the nearest line known) or the ``--set`` text."""
+        """Place of `path`: ``case.yaml:12: contact.friction`` (the nearest line known) or the ``--set`` text."""
         if option := self.options.get(str(path[0]) if path else ""):
             return f"{option} {dotted_path(path[1:])}".rstrip()
         dotted = dotted_path(path)

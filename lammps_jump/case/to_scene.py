@@ -77,7 +77,7 @@ def contact_coefficients(
 def contact_of(
     case: CaseFields, integrator: str, sizes: Sizes | None, time_step_fraction: float | None = None
 ) -> contact.ContactNumbers:
-    """What a case says of its contacts."""
+    """Contact numbers of a case."""
     _, impact_speed, stiffness = _stiffness(case)
     springs = case.contact.springs
     return contact.ContactNumbers(
@@ -176,7 +176,7 @@ def _scene(case: CaseFields, runs: Runs) -> Scene:
 
 
 class _Around(NamedTuple):
-    """What stands around the discs of a scene, and what to beware of in it.
+    """Geometry around the discs of a scene, and warnings about it.
 
     Attributes
     ----------
@@ -253,7 +253,7 @@ class _Seen(NamedTuple):
 
 
 def _foreseen(case: CaseFields, begun: Beginning, around: _Around, reached: Sequence[MovingWall]) -> list[str]:
-    """What will not come out as asked, of walls (`reached` by discs), outlets, times and analyses."""
+    """Warnings on walls (`reached` by discs), outlets, times and analyses."""
     rows, own = around.inlet.rows, list(around.fields)
     notes = ways_out.unguarded(case, begun, rows, around.walls, around.domain, around.outlets)
     notes += ways_out.unused(around.walls, reached, own) + written_walls(around.walls, own)
@@ -279,7 +279,7 @@ def _seen(case: CaseFields, begun: Beginning, around: _Around) -> _Seen:
 
 
 def _touch(case: CaseFields, begun: Beginning, laws: dict[str, contact.WallLaw]) -> dict[str, Any]:
-    """How discs touch: fields of `Scene` beside the coefficients."""
+    """Fields of `Scene` on the touch of discs, beside the coefficients."""
     rubs = case.contact.friction > 0 or any(own.friction for own in laws.values())
     width, weight = TOUCH_STEPS * _stiffness(case)[1] * begun.time_step, begun.coefficients.mass * case.gravity
     law = case.contact.law_fields(rubs=rubs, width=width, weight=weight)

@@ -130,7 +130,7 @@ def _meet(one: Sequence[float], two: Sequence[float]) -> bool:
 def _unjoined(
     lines: dict[int, Line], ends: Mapping[int, tuple[Point, Point]], order: list[int], left: list[int]
 ) -> FieldError:
-    """What is wrong with lines of a join that have no order."""
+    """Sentence on what is wrong with lines of a join that have no order."""
     last, here = lines[order[-1]], ends[order[-1]][1]
     for index in left:
         if _meet(here, ends[index][1]) or _meet(ends[order[0]][0], ends[index][0]):
@@ -266,7 +266,7 @@ def span(begun: Beginning | Scene) -> Interval:
 
 
 def reachable(one: MovingWall, begun: Beginning, domain: tuple[Interval, Interval]) -> bool:
-    """Whether any centre inside the domain can touch the wall, wherever it is on its way."""
+    """Tells whether any centre inside the domain can touch the wall, wherever it is on its way."""
     if one.motion.is_state:
         return True
     ((xlo, xhi), (ylo, yhi)), reach = domain, begun.largest / 2

@@ -182,12 +182,12 @@ def open_page(address: str) -> None:
 
 
 def has_display() -> bool:
-    """Whether a browser can be seen here."""
+    """Tells whether a browser can be seen here."""
     return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
 def sayer(quiet: bool) -> Callable[[str], None]:
-    """What prints a line, or nothing."""
+    """Function that prints a line, or nothing."""
     return (lambda text: None) if quiet else (lambda text: print(text, flush=True))
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""How far a run has come, on the screen: simulated time, discs in play, speed, time left; then what it found."""
+"""Progress of a run on the screen: simulated time, discs in play, speed, time left; then what it found."""
 
 from __future__ import annotations
 
@@ -182,7 +182,7 @@ WIDEST = 100
 
 
 def print_summary(summary: Mapping[str, Any], folder: Path, *, verbose: bool = False) -> None:
-    """What a run or a bare dump found: on a terminal `ending`; in a pipe, or where asked for, all numbers."""
+    """Prints the result of a run or a bare dump: on a terminal `ending`; in a pipe, or where asked for, all numbers."""
     page = folder / "report.html"
     if sys.stdout.isatty() and not verbose:
         found = analysis.tables.rows.rows_of([summary])

@@ -70,7 +70,7 @@ def sweep(
 
 
 def site_of(site: Path | None, slurm: bool) -> script.job.Site | None:
-    """What a cluster asks of the job of ``--slurm``; None without it."""
+    """Site for the job of ``--slurm``; None without it."""
     if site is not None and not slurm:
         raise CaseError(f"{site}: a site file is for --slurm; add it, or leave the file out")
     return None if not slurm else script.job.read_site(site) if site else script.job.Site()

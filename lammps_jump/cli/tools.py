@@ -39,7 +39,7 @@ app.add_typer(kernels, name="kernels")
 
 
 def shift_of(given: str) -> tuple[float, float]:
-    """Where the origin comes to lie, m: ``2,-1.5`` or ``2 m, -150 cm``."""
+    """Place to which the origin moves, m: ``2,-1.5`` or ``2 m, -150 cm``."""
     try:
         parts = given.split(",")
         if len(parts) != 2:

@@ -38,7 +38,7 @@ Tell = Callable[[str], None]
 
 @dataclass(frozen=True, slots=True)
 class Status:
-    """Whether a product can be used on this machine.
+    """Availability of a product on this machine.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class Status:
 
 @dataclass(frozen=True, slots=True)
 class _Recipe:
-    """How a product is built here.
+    """Recipe of a product on this machine.
 
     Attributes
     ----------
@@ -253,7 +253,7 @@ def build_for(product: Product, platform: Platform, level: str) -> Path:
 
 
 def availability(product: Product) -> Status:
-    """Whether the library is usable here; looks, builds nothing."""
+    """Availability of the library here; looks, builds nothing."""
     try:
         carried, library, without = _carried(product)
     except SetupError as error:

@@ -75,7 +75,7 @@ def why_elsewhere() -> str:
 
 
 def is_noexec(folder: Path) -> bool:
-    """Whether no program or library may be loaded from where a folder is, or would be made."""
+    """Tells whether no program or library may be loaded from where a folder is, or would be made."""
     there = next(place for place in (folder.absolute(), *folder.absolute().parents) if place.exists())
     return forbids_programs(there)
 
@@ -97,7 +97,7 @@ def checksum(code: bytes) -> str:
 
 
 def is_whole(code: Path, is_made: Callable[[bytes], bool]) -> bool:
-    """Whether a file is there, is what it should be, and is the one that its record was written for."""
+    """Tells whether a file is there, is what it should be, and is the one that its record was written for."""
     try:
         record, data = read_json(record_of(code)), read_file(code, MOST_BYTES)
         return is_made(data) and record["sha256"] == checksum(data)

@@ -59,7 +59,7 @@ class Carried:
 
 
 def carried_folder(product: Product) -> Path:
-    """Where the package holds the libraries of a product, a folder a level."""
+    """Folder of the package with the libraries of a product, a folder a level."""
     return product.folder / "carried"
 
 
@@ -71,7 +71,7 @@ def needs(product: Product, built_for: Platform | None = None) -> dict[str, str]
 
 @lru_cache(maxsize=1)
 def processor_flags() -> frozenset[str]:
-    """What this processor can do, by the words of Linux; empty where it does not say."""
+    """Abilities of this processor, by the words of Linux; empty where it does not say."""
     lines = processor_lines()
     return frozenset(next((line.partition(":")[2].split() for line in lines if line.startswith("flags")), ()))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What is compiled: the libraries of this project, their sources, and what their sources include.
+"""Products of compiling: the libraries of this project, their sources, and what their sources include.
 
 A library is described once, as a `Product`. Every file ``*.cpp`` of its folder and of the folders in there belongs to
 it: a new file needs no entry in a list.
@@ -108,7 +108,7 @@ class Product:
         return f"{self.name}.so"
 
     def is_made(self, code: bytes) -> bool:
-        """Whether bytes look like a library of this product."""
+        """Tells whether bytes look like a library of this product."""
         return is_code(code) and self.export.encode() in code
 
     def units(self) -> list[tuple[str, ...]]:

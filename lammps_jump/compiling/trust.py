@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Whether others can change a library before it runs as code of this user; the lock of those who build one."""
+"""Trust in a library before it runs as code of this user; the lock of those who build one."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def require_own(*files: Path) -> None:
 
 
 def open_to_others(*files: Path) -> Path | None:
-    """What of the way to some files another user owns or may change, see `require_own`; None where nothing is."""
+    """Part of the way to some files that another user owns or may change, see `require_own`; None where nothing is."""
     for path in dict.fromkeys(place for file in files for place in _way(file)):
         with suppress(OSError):  # not there yet
             found, itself = path.stat(), path.lstat()

@@ -29,7 +29,7 @@ class Affine(NamedTuple):
     f: float = 0.0
 
     def __call__(self, x: float, y: float) -> Point:
-        """Where a point comes to lie."""
+        """Place to which a point is mapped."""
         return self.a * x + self.c * y + self.e, self.b * x + self.d * y + self.f
 
     def after(self, first: Affine) -> Affine:
@@ -42,7 +42,7 @@ class Affine(NamedTuple):
 
     @property
     def turns_over(self) -> bool:
-        """Whether it makes a turn to the left one to the right."""
+        """Tells whether it makes a turn to the left one to the right."""
         return self.a * self.d - self.b * self.c < 0.0
 
     @property

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Where walls cross."""
+"""Crossings of walls."""
 
 from __future__ import annotations
 
@@ -87,5 +87,5 @@ def _box(face: Face) -> tuple[float, float, float, float]:
 
 
 def _at(point: Point, start: Point, end: Point, near: float) -> bool:
-    """Whether a point is one of two ends."""
+    """Tells whether a point is one of two ends."""
     return any(hypot(point[0] - x, point[1] - y) <= 1e3 * near for x, y in (start, end))

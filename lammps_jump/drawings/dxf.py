@@ -115,7 +115,7 @@ def _require_numbers(data: bytes, file: str) -> None:
 
 
 def _unit(code: object) -> tuple[str, float | None]:
-    """What `$INSUNITS` says, and metres of a unit; None where it says none."""
+    """Unit by `$INSUNITS`, and metres of a unit; None where it says none."""
     name, metres = UNITS.get(code, (None, None)) if isinstance(code, int) else (None, None)
     if metres is None:
         return f"$INSUNITS is {echoed(code)}: no unit", None
@@ -131,7 +131,7 @@ class _Place(NamedTuple):
 
 
 class _Tools(NamedTuple):
-    """What is taken of ezdxf: maps, ellipses, and the error of a part that a map makes another kind of."""
+    """Parts of ezdxf in use: maps, ellipses, and the error of a part that a map makes another kind of."""
 
     matrix: Any
     ellipse: Any
@@ -139,7 +139,7 @@ class _Tools(NamedTuple):
 
     @classmethod
     def of_ezdxf(cls) -> _Tools:
-        """Those of the package that is installed."""
+        """Tools of the package that is installed."""
         math, parts = map(importlib.import_module, ("ezdxf.math", "ezdxf.entities"))
         oblique = importlib.import_module("ezdxf.math.transformtools").NonUniformScalingError
         return cls(math.Matrix44, parts.Ellipse, oblique)
@@ -183,7 +183,7 @@ class _DxfReader:
         inside(self.document.modelspace(), 0)
 
     def notes(self) -> Iterator[str]:
-        """What else a user has to know."""
+        """Further notes for the user."""
         yield from (
             f"layer '{shortened(name)}' is off or frozen in the drawing: left out" for name in sorted(self.hidden)
         )

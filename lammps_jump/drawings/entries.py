@@ -47,7 +47,7 @@ MOST_TOLD = 20
 
 @dataclass(frozen=True)
 class LayerChoice:
-    """What the user says of layers.
+    """Choices of the user on layers.
 
     Attributes
     ----------
@@ -156,7 +156,7 @@ def wall_name(layer: str) -> str:
 
 
 def _is_text(word: str) -> bool:
-    """Whether YAML reads a word as a text, and not as a number, true or null."""
+    """Tells whether YAML reads a word as a text, and not as a number, true or null."""
     return isinstance(yaml.safe_load(word), str) and isinstance(parse_source(f"a: {word}").data["a"], str)
 
 
@@ -260,7 +260,7 @@ def _outline(stroke: FileStroke, name: str, of: tuple[str, float], choice: Layer
 
 
 def _alone(wall: dict[str, Any]) -> list[str]:
-    """What a wall of this shape is refused for."""
+    """Reason for which a wall of this shape is refused."""
     if len(wall.get("points", ())) > MOST_ROWS:
         return [
             f"{wall['name']}: {len(wall['points']):,} points; a wall of a case has at most {MOST_ROWS:,}: draw it with "

@@ -133,7 +133,7 @@ def _reader(path: Path, measure: Measure, *, along: bool) -> Callable[[bytes, st
 
 
 def _measure(scale: str | None, tolerance: float) -> Measure:
-    """What ``--scale`` says: a unit, metres of one, or 1:100."""
+    """Unit of ``--scale``: a unit, metres of one, or 1:100."""
     if scale is None:
         return Measure(tolerance=tolerance)
     low, high = SCALES

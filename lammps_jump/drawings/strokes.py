@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a drawing holds, whatever file it comes from: strokes of straight pieces and arcs, and circles, by layer."""
+"""Strokes of a drawing, whatever file it comes from: straight pieces and arcs, and circles, by layer."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ MOST_KINDS = 30
 
 
 class Measure(NamedTuple):
-    """What the user says of lengths.
+    """Lengths as the user says them.
 
     `metres`: of a unit of the drawing, in place of what the file says; `reduced`: true length over drawn length, where
     the file says its unit; `tolerance`: how far straight pieces may lie from a curve, m.
@@ -68,7 +68,7 @@ class Ring(NamedTuple):
 
 @dataclass(frozen=True)
 class Layer:
-    """What one layer of a drawing holds, in its own unit.
+    """Content of one layer of a drawing, in its own unit.
 
     Attributes
     ----------

@@ -25,7 +25,7 @@ MOST_TOLD = 3
 
 
 class Rule(NamedTuple):
-    """What a selector without combinators asks for, and what it sets; `rank` says which of two rules wins."""
+    """Condition of a selector without combinators, and what it sets; `rank` says which of two rules wins."""
 
     rank: tuple[int, int, int, int]
     classes: frozenset[str]
@@ -46,7 +46,7 @@ class Styles:
 
     @classmethod
     def of(cls, root: Element, file: str) -> Styles:
-        """Those of a file. Rules that depend on where an element stands are not understood, and told."""
+        """Styles of a file. Rules that depend on where an element stands are not understood, and told."""
         rules: list[Rule] = []
         unknown: list[str] = []
         for element in root.iter():
@@ -133,7 +133,7 @@ def declared(text: str) -> dict[str, str]:
 
 
 def style_of(parent: Mapping[str, str], given: Mapping[str, str]) -> dict[str, str]:
-    """What an element and its parts inherit; ``shown`` is ``no`` where none of it is seen, whatever its parts say."""
+    """Style that an element and its parts inherit; ``shown`` is ``no`` where nothing is seen, whatever parts say."""
     found = {name: given[name].strip() for name in INHERITED if given.get(name, "inherit").strip() != "inherit"}
     gone = given.get("display", "").strip() == "none" or (
         bool(given.get("opacity", "").strip()) and NOTHING.fullmatch(given["opacity"].strip()) is not None

@@ -133,7 +133,7 @@ def _side(text: str | None) -> tuple[float | None, str]:
 
 
 class Viewport(NamedTuple):
-    """What is inherited: the map to the page with y upwards, the size that shares are of, the layer, and styles."""
+    """Inherited state: the map to the page with y upwards, the size that shares are of, the layer, and styles."""
 
     onto: Affine
     width: float
@@ -234,7 +234,7 @@ class _SvgReader:
         return CaseError(f"{self.file}: groups or parts used again stand more than {MOST_DEPTH} deep, or in themselves")
 
     def notes(self, tolerance: float) -> Iterator[str]:
-        """What a user has to know."""
+        """Notes for the user."""
         yield from self.found.notes(tolerance)
         if self.hidden:
             yield f"parts that are hidden, or have neither line nor fill: {self.hidden} left out"
@@ -249,7 +249,7 @@ class _SvgReader:
             self.take(part, view, depth)
 
     def _parts(self, group: Element) -> Iterator[Element]:
-        """What a group holds, of a switch up to the first part that asks for nothing."""
+        """Parts of a group, of a switch up to the first part that asks for nothing."""
         for part in group:
             yield part
             if _kind(group) == "switch" and _kind(part) and part.get("requiredExtensions") is None:
@@ -301,7 +301,7 @@ class _SvgReader:
         return given
 
     def _used(self, part: Element) -> Element | None:
-        """What a part uses again; None where it is not in the file."""
+        """Element that a part uses again; None where it is not in the file."""
         href = next((part.get(name, "") for name in HREFS if part.get(name)), "")
         return self.ids.get(href[1:]) if href.startswith("#") and len(href) > 1 else None
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Whether the frames and the force record of a run are those of its schedule: none missing, moved or torn."""
+"""Check of the frames and the force record of a run against its schedule: none missing, moved or torn."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ NEAR = 0.01
 
 
 def damages(warnings: Iterable[str]) -> list[str]:
-    """Those warnings of the reader of dumps that speak of what no run writes: torn or repeated frames, comments."""
+    """Warnings of the reader of dumps that speak of what no run writes: torn or repeated frames, comments."""
     return [text for text in warnings if CUT_OFF in text or PASSED_OVER in text]
 
 
@@ -65,7 +65,7 @@ class FrameCheck:
         return ""
 
     def result(self, steps: int, present: int) -> list[str]:
-        """What is wrong with a run of so many steps and discs at its end, in words; empty where nothing is."""
+        """Faults of a run of so many steps and discs at its end, in words; empty where there is none."""
         found = [self.first_trouble] if self.first_trouble else []
         expected = steps // self.scene.output_steps + 1
         if self.frames != expected:
@@ -111,7 +111,7 @@ class IdCheck:
 
 
 def force_troubles(path: Path, scene: Scene, steps: int) -> list[str]:
-    """What is wrong with the force record of a run of so many steps, in words: a row a window and probe or group."""
+    """Faults of the force record of a run of so many steps, in words: a row a window and probe or group."""
     if not scene.probes:
         return []
     try:

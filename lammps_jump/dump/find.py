@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What lies in a run folder, and how its small tables are read."""
+"""Files of a run folder, and how its small tables are read."""
 
 from __future__ import annotations
 

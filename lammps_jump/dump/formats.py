@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""How the two file formats of a dump are walked through, frame by frame, in bounded memory."""
+"""Walk through the two file formats of a dump, frame by frame, in bounded memory."""
 
 from __future__ import annotations
 

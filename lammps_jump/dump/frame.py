@@ -163,7 +163,7 @@ class Frame(NearestNames):
 
 @dataclass(frozen=True, slots=True)
 class FrameHeader:
-    """What stands above the discs of one frame."""
+    """Header above the discs of one frame."""
 
     step: int
     time: float | None
@@ -171,7 +171,7 @@ class FrameHeader:
 
 
 class DumpFile:
-    """What is known of a dump file, and what a walk through it notes.
+    """Facts of a dump file, and notes of a walk through it.
 
     Attributes
     ----------

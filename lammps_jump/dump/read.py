@@ -123,7 +123,7 @@ class Dump(DumpFile):
 
 
 def _advances(last: FrameHeader, header: FrameHeader) -> bool:
-    """Whether a frame is later than the last one, by its step and, where both have one, by its time."""
+    """Tells whether a frame is later than the last one, by its step and, where both have one, by its time."""
     if last.time is not None and header.time is not None and header.time <= last.time:
         return False
     return header.step > last.step
@@ -134,7 +134,7 @@ def _place(header: FrameHeader) -> str:
 
 
 def _behind(parse: Callable[[int], bool], before: int) -> Callable[[int], bool]:
-    """What `parse` says of a frame behind `before` others."""
+    """Parse of a frame behind `before` others."""
     return lambda index: parse(before + index)
 
 

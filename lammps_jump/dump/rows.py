@@ -78,7 +78,7 @@ def skip_rows(data: np.ndarray, place: tuple[int, int], row: int, rows: int) -> 
 
 
 def _lines(data: np.ndarray, place: tuple[int, int], most: int) -> tuple[np.ndarray, int]:
-    """Where each of at most so many whole lines starts, and where the last one ends; what stops the counting."""
+    """Starts of at most so many whole lines, and where the last one ends; what stops the counting."""
     begin, end = place
     ends = np.flatnonzero(data[begin:end] == NEWLINE)[:most] + begin + 1
     starts = np.concatenate([[begin], ends])

@@ -96,7 +96,7 @@ class _Growing(io.RawIOBase):
 
 
 class _Arrived(DumpFile):
-    """What has arrived of a dump that grows, unpacked; its size on the disk bounds nothing."""
+    """Unpacked bytes of a dump that grows; its size on the disk bounds nothing."""
 
     most_bytes = 0
 
@@ -156,14 +156,14 @@ class DumpTail:
 
     @property
     def was_cut(self) -> bool:
-        """Whether the file is gone, or shorter than what was read of it: it began anew, or from an earlier time."""
+        """Tells whether the file is gone, or shorter than what was read: it began anew, or from an earlier time."""
         try:
             return self.path.stat().st_size < self._read
         except OSError:
             return self._read > 0
 
     def _unpack(self, arrived: bytes) -> bytes:
-        """What more bytes of a gzip file hold, or a part of it; a run that went on has several streams in it."""
+        """Content of more bytes of a gzip file, or a part of it; a run that went on has several streams in it."""
         found, size, packed = [], 0, self._packed + arrived
         try:
             while packed and size < MOST_UNPACKED:

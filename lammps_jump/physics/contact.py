@@ -344,7 +344,7 @@ f = 0.05 … 0.2 takes 0.33 … 0.71 of it, most of them near a half (docs/kerne
 
 @dataclass(frozen=True)
 class ContactNumbers:
-    """What a case says of its contacts, of nominal discs.
+    """Contact numbers of a case, of nominal discs.
 
     Attributes
     ----------

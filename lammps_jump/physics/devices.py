@@ -111,7 +111,7 @@ RESET = 2.0
 
 
 class Holding(NamedTuple):
-    """What a tailgate measures and how it answers, as engines take it.
+    """Quantity that a tailgate measures and its answer, as engines take it.
 
     Attributes
     ----------
@@ -174,7 +174,7 @@ def gate_gains(response: float, travel: float, length: float, rise: float = 0.0)
 
 
 def gate_sees(holding: Holding, areas: np.ndarray) -> tuple[float, float]:
-    """What a gate holds, m, and the area of its stretch, m^2.
+    """Quantity that a gate holds, m, and the area of its stretch, m^2.
 
     It is the mean mass depth, or the place at which the depth first comes to the level along x: straight between the
     middles of parts, `low` where all is deeper, `high` where nothing is.

@@ -42,7 +42,7 @@ class Hydrograph:
 
     @property
     def changes(self) -> bool:
-        """Whether it is not the same at all times."""
+        """Tells whether it is not the same at all times."""
         return len(set(self.depths)) > 1 or len(set(self.speeds)) > 1
 
     def depth(self, time: ArrayLike) -> np.ndarray:
@@ -119,7 +119,7 @@ def _parabola(h0: np.ndarray, h1: np.ndarray, u0: np.ndarray, u1: np.ndarray) ->
 
 
 class RowEntries(NamedTuple):
-    """When the discs of a row enter (s), and their speeds over the mean speed of that time; shapes (discs,)."""
+    """Times at which the discs of a row enter (s), and speeds over the mean speed of that time; shapes (discs,)."""
 
     times: np.ndarray
     relative: np.ndarray

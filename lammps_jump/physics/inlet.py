@@ -99,7 +99,7 @@ def seeded_speeds(speeds: tuple[float, ...], seed: int) -> tuple[float, ...]:
 
 
 def seed_factors(rows: int, seed: int) -> tuple[float, ...]:
-    """What `seeded_speeds` multiplies the speed of each row by."""
+    """Factors by which `seeded_speeds` multiplies the speed of each row."""
     draws = np.random.default_rng(seed).uniform(-1.0, 1.0, rows) if seed else np.zeros(rows)
     return tuple(1.0 + SHIFT * float(draw) for draw in draws)
 

@@ -173,7 +173,7 @@ def channel_length(froude_1: float, depth_1: float) -> float:
 
 @dataclass(frozen=True)
 class Inflow:
-    """What hydraulics says of the inflow."""
+    """Hydraulics of the inflow."""
 
     depth: float = number("m", "depth of the inflow")
     velocity: float = number("m/s", "mean velocity of the inflow")
@@ -187,7 +187,7 @@ class Inflow:
 
 
 def inflow_theory(depth: float, velocity: float, gravity: float = GRAVITY) -> Inflow:
-    """What hydraulics says of an inflow of `depth` (m, > 0) and `velocity` (m/s): the jump that it would make."""
+    """Hydraulics of an inflow of `depth` (m, > 0) and `velocity` (m/s): the jump that it would make."""
     froude_1 = froude(abs(velocity), depth, gravity)
     y2 = depth * belanger(froude_1)
     return Inflow(

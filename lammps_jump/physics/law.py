@@ -108,12 +108,12 @@ def stored_energy(overlap: float, touch: float | None) -> float:
 
 
 def contact_energy(overlap: float, of: LawNumbers) -> float:
-    """What a contact has stored, J per m of width: that of its spring, less what the attraction has given."""
+    """Energy stored in a contact, J per m of width: that of its spring, less what the attraction has given."""
     return of.stiffness * stored_energy(overlap, of.touch or None) - of.cohesion * overlap
 
 
 def pressing(push: float, of: LawNumbers) -> float:
-    """What of a normal force presses the two together, N per m of width: it bounds friction.
+    """Part of a normal force that presses the two together, N per m of width: it bounds friction.
 
     The spring holds the attraction (Derjaguin, Muller & Toporov 1975).
     """

@@ -16,7 +16,7 @@ SIGN_RAMP = 0.01
 
 
 class FrictionLaw(NamedTuple):
-    """What distinguishes a friction law; `law.friction_force` is its formula.
+    """Traits of a friction law; `law.friction_force` is its formula.
 
     Attributes
     ----------

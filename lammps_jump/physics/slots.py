@@ -17,7 +17,7 @@ FULL = -1
 
 
 class Slots(NamedTuple):
-    """What discs remember, S contacts each.
+    """Contact history of discs, S contacts each.
 
     Attributes
     ----------

@@ -38,7 +38,7 @@ NOT_ANALYSED = "the run is not analysed yet: `lammps-jump analyze` on its folder
 
 
 class Made(NamedTuple):
-    """What was made of a run: its summary, and what the analysis could not do, in words."""
+    """Summary of a run, and what the analysis could not do, in words."""
 
     summary: dict[str, Any]
     trouble: str

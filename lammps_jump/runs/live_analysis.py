@@ -75,7 +75,7 @@ class Ahead:
                 self._gathered = runs.results.collect(self._case, flow, self._folder, self._dump, *watch)
 
     def result(self, outputs: Mapping[str, Mapping[str, int | str]], waiting: Callable[[int], None]) -> Gathered | None:
-        """What was gathered of a run that has ended; None where the dump among its `outputs` is still to be read.
+        """Gathered frames of a run that has ended; None where the dump among its `outputs` is still to be read.
 
         `waiting` is called with the number of frames read so far.
         """

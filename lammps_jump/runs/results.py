@@ -50,7 +50,7 @@ OF_A_DUMP = tuple(name for name, one in quantities.LISTED.items() if one.bare)
 
 @dataclass(frozen=True)
 class Given:
-    """What may be given with a bare dump; None, or nothing, where it is not.
+    """Inputs that may be given with a bare dump; None, or nothing, where they are not.
 
     Attributes
     ----------
@@ -89,7 +89,7 @@ class Given:
 
     @property
     def known(self) -> dict[str, Any]:
-        """What was given, as it stands in ``summary.json``."""
+        """Given inputs, as they stand in ``summary.json``."""
         return {name: value for name, value in vars(self).items() if value not in (None, ())}
 
     @classmethod
@@ -107,7 +107,7 @@ NOTHING_GIVEN = Given()
 
 @dataclass(frozen=True)
 class ResultsInMemory:
-    """What the analyses found, in memory.
+    """Results of the analyses, in memory.
 
     Attributes
     ----------
@@ -164,7 +164,7 @@ def _wanted(case: ReadCase) -> list[str]:
 
 
 def collect(case: ReadCase, flow: Flow, folder: Path, dump: Dump, *watch: Watcher) -> Gathered:
-    """What one pass over the dump of a run folder gives to the analyses that its case asks for."""
+    """Data that one pass over the dump of a run folder gives to the analyses that its case asks for."""
     return pipeline.collect(flow, dump, [folder], _wanted(case), watch)
 
 
@@ -286,7 +286,7 @@ def _flow(path: Path, case: ReadCase | None, given: Given = NOTHING_GIVEN) -> Fl
 
 
 def is_of_a_dump(folder: Path) -> bool:
-    """Whether a folder holds the results of a bare dump."""
+    """Tells whether a folder holds the results of a bare dump."""
     marker = folders.read_marker(folder)
     return marker is not None and marker.kind == "analysis"
 
@@ -414,17 +414,17 @@ def draw_all(found: ResultsInMemory, folder: Path, ending: str = "png") -> list[
 
 
 def has_page(case: ReadCase) -> bool:
-    """Whether a case asks for pictures and a report."""
+    """Tells whether a case asks for pictures and a report."""
     return case.fields.analysis.figures in ("default", "all")
 
 
 def has_player(case: ReadCase) -> bool:
-    """Whether a case asks for its frames, for the player of its report or of the page of its study."""
+    """Tells whether a case asks for its frames, for the player of its report or of the page of its study."""
     return case.fields.analysis.figures != "none"
 
 
 def packer_for(case: ReadCase, flow: Flow) -> FramePacker:
-    """What takes in the frames of a run for the player of its report, or of the page of its study."""
+    """Packer of the frames of a run for the player of its report, or of the page of its study."""
     scene = case.scene()
     return FramePacker(flow) if has_page(case) else member_packer(flow, scene.steps // scene.output_steps + 1)
 

@@ -106,7 +106,7 @@ def run(
 
 
 class BoundRun(NearestNames):
-    """What ``case.run`` is: a call runs the case, and a name is that of its field, such as ``case.run.duration``."""
+    """Method ``case.run``: a call runs the case, and a name is that of its field, such as ``case.run.duration``."""
 
     in_words = "the group 'run' of a case"
 
@@ -299,12 +299,12 @@ class Run(NearestNames):
 
     @cached_property
     def status(self) -> Status:
-        """What has become of the run; read again by another `open_run`."""
+        """Status of the run; read again by another `open_run`."""
         return "running" if holder(self.folder) else cast(Status, self.result.status)
 
     @cached_property
     def result(self) -> RunResult:
-        """What the engine did: steps, seconds (s), discs, energy ledger (J/m), versions."""
+        """Work of the engine: steps, seconds (s), discs, energy ledger (J/m), versions."""
         return result_of(self.case, self.folder, self._stored, self._setting, write=False)
 
     @property
@@ -333,7 +333,7 @@ class Run(NearestNames):
 
     @property
     def results(self) -> Mapping[str, Any]:
-        """What each analysis found, by its key in ``summary.json``; each is an attribute too, such as ``run.heap``."""
+        """Results of the analyses, by their keys in ``summary.json``; each is an attribute too, as ``run.heap``."""
         return MappingProxyType(dict(self._found.results))
 
     def __getattr__(self, name: str) -> Any:
@@ -501,7 +501,7 @@ class Run(NearestNames):
             return {}
 
     def _repr_html_(self) -> str:
-        """What the run found: a line, at most five numbers, a picture."""
+        """View of the run for notebooks: a line, at most five numbers, a picture."""
         lead = [f"<p><b>{html.escape(self.case.name)}</b>: {self.status}. {html.escape(self.result.message)}</p>"]
         asked = self.case.fields.analysis
         if asked.jump:

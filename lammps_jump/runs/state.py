@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a run folder holds for a case: nothing yet, this run, or another one."""
+"""State of a run folder for a case: nothing yet, this run, or another one."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def marker_of(case: ReadCase, setting: Setting) -> Marker:
 
 
 def left_to_do(case: ReadCase, folder: Path, setting: Setting, *, force: bool = False, resume: bool = False) -> ToDo:
-    """What is left to be done for a case in a folder. Nothing is written.
+    """Work that is left for a case in a folder. Nothing is written.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def left_to_do(case: ReadCase, folder: Path, setting: Setting, *, force: bool = 
 
 
 def _status(case: ReadCase, folder: Path, setting: Setting, stored: Mapping[str, Any]) -> str:
-    """What has become of the run in a folder; where it left no summary, what it wrote tells."""
+    """Status of the run in a folder; where it left no summary, what it wrote tells."""
     if stored.get("status"):
         return str(stored["status"])
     recorded = any(standing(folder, name) for name in ("forces.csv", "forces_*.raw"))
@@ -106,7 +106,7 @@ def _status(case: ReadCase, folder: Path, setting: Setting, stored: Mapping[str,
 
 
 def has_output(folder: Path) -> bool:
-    """Whether an engine has written to a folder."""
+    """Tells whether an engine has written to a folder."""
     return has_checkpoint(folder) or any(standing(folder, name) for name in (*OUTPUTS, "forces_*.raw"))
 
 
@@ -121,7 +121,7 @@ def without(sums: Mapping[str, Any], name: str) -> dict[str, Any]:
 
 
 def is_analysed(case: ReadCase, folder: Path, stored: Mapping[str, Any]) -> bool:
-    """Whether a complete run and its analysis stand in a folder as they were written, the analysis as now asked for."""
+    """Tells whether a complete run and its analysis stand in a folder as written, the analysis as now asked for."""
     outputs, block = stored.get("outputs"), stored.get("analysed")
     if stored.get("status") != "complete" or outputs is None or block is None:
         return False
@@ -138,7 +138,7 @@ def is_analysed(case: ReadCase, folder: Path, stored: Mapping[str, Any]) -> bool
 
 
 def difference(case: ReadCase, setting: Setting | None, marker: Marker) -> str:
-    """What differs between the run of a folder and a case (and its setting), in words; empty where nothing does."""
+    """Differences between the run of a folder and a case (and its setting), in words; empty where there is none."""
     there, here = dict(_leaves(marker.about.get("case"))), dict(_leaves(case.core))
     if setting is not None:
         there |= dict(_leaves(marker.about.get("program")))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Whether a flow has become statistically steady: the test behind ``run.stop_when_steady``, and its use on a dump.
+"""Test for a statistically steady flow, behind ``run.stop_when_steady``, and its use on a dump.
 
 Test: equivalence by two one-sided t tests (D. J. Schuirmann, J. Pharmacokinet. Biopharm. 15 (1987) 657) on the drift
 of a series over a window. A straight line is fitted to the means of equal batches; its drift over the window has a

@@ -73,7 +73,7 @@ class _Analysed(BaseModel, strict=True, extra="forbid"):
 
 
 class Stored(BaseModel, strict=True):
-    """What is read back of a summary."""
+    """Content of a summary as it is read back."""
 
     name: str = ""
     description: str = ""
@@ -107,7 +107,7 @@ class Stored(BaseModel, strict=True):
 
 @cache
 def stored_model(result: type) -> type[BaseModel]:
-    """What a result must be as it stands in a ``summary.json`` that was handed on; keys may be missing or more.
+    """Model of a result in a ``summary.json`` that was handed on; keys may be missing or more.
 
     Numbers and lists of numbers must be such, or null; texts must be texts.
     """
@@ -135,7 +135,7 @@ def _stored(kind: Any) -> Any:
 
 @cache
 def _adapter(kind: Any) -> TypeAdapter[Any]:
-    """What checks a stored value whose field in Python is of this type."""
+    """Checker of a stored value whose field in Python is of this type."""
     return TypeAdapter(_stored(kind))
 
 
@@ -222,7 +222,7 @@ class _Sums(BaseModel, strict=True):
 
 @dataclass(frozen=True)
 class Results:
-    """What a whole analysis has left in a folder, and the checksums that its summary has of it.
+    """Files that a whole analysis has left in a folder, and the checksums that its summary has of them.
 
     Attributes
     ----------
@@ -291,7 +291,7 @@ def results_of(folder: Path) -> Results:
 
 
 def status_of(folder: Path) -> str:
-    """What a summary says of its run; DumpError where it is none."""
+    """Status of a run by its summary; DumpError where it is none."""
     return _sums_of(folder).status or ""
 
 

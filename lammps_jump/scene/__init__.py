@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What is simulated, in SI numbers."""
+"""Scene that is simulated, in SI numbers."""
 
 import lazy_loader
 

@@ -375,7 +375,7 @@ def grounds(faces: Faces, x: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
 
 
 def _crossings(faces: Faces, x: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Where upright lines at x meet faces that look up, and such that look down: (index of x, height in m) of each."""
+    """Crossings of upright lines at x with faces that look up, and such that look down: (index of x, height, m)."""
     shape, arc = faces.shape, faces.codes[:, KIND] == ARC
     wide = 1.001 * abs(shape[:, RADIUS])  # round-off must leave no point out
     endless = faces.codes[:, AT_START] == ENDLESS
@@ -402,7 +402,7 @@ def _crossings(faces: Faces, x: np.ndarray) -> list[tuple[np.ndarray, np.ndarray
 
 
 def _on_arcs(row: np.ndarray, place: np.ndarray, up: bool) -> tuple[np.ndarray, np.ndarray]:
-    """Whether an upright line at each place meets the half of its arc that looks up, or down; at which height, m."""
+    """Tells whether an upright line at each place meets the half of its arc that looks up or down; its height, m."""
     out = place - row[CX]
     with np.errstate(invalid="ignore"):
         rise = np.sqrt(row[RADIUS] * row[RADIUS] - out * out)

@@ -65,7 +65,7 @@ Disc = tuple[float, float, float]
 
 
 def _ends(faces: Faces, f: int, px: float, py: float) -> tuple[bool, bool]:
-    """Whether the foot of a point lies at or before the start of a face, and at or behind its end."""
+    """Tells whether the foot of a point lies at or before the start of a face, and at or behind its end."""
     codes, shape = faces[:2]
     before = codes[f, AT_START] != ENDLESS
     if before:
@@ -92,7 +92,7 @@ def _at_joint(shape: np.ndarray, f: int, end: bool, front: bool, px: float, py: 
 
 
 def _in_front(shape: np.ndarray, f: int, end: bool, px: float, py: float) -> bool:
-    """Whether a point lies in front of the line that touches a face at one end."""
+    """Tells whether a point lies in front of the line that touches a face at one end."""
     if end:
         return shape[f, TX1] * (py - shape[f, Y1]) - shape[f, TY1] * (px - shape[f, X1]) >= 0.0
     return shape[f, TX0] * (py - shape[f, Y0]) - shape[f, TY0] * (px - shape[f, X0]) >= 0.0
@@ -149,7 +149,7 @@ def _tangent(faces: Faces, f: int, place: int, nx: float, ny: float) -> float:
 
 
 def _apart(faces: Faces, f: int, g: int, one: float, two: float) -> bool:
-    """Whether contacts of faces f and g, with these tangent angles, push each on its own."""
+    """Tells whether contacts of faces f and g, with these tangent angles, push each on its own."""
     codes = faces.codes
     if codes[f, RUN] != codes[g, RUN]:
         return True
@@ -228,7 +228,7 @@ def touching(faces: Faces, deep: int, near: np.ndarray, disc: Disc, found: np.nd
 
 
 def _out_of_reach(faces: Faces, f: int, px: float, py: float, front: float, behind: float) -> bool:
-    """Whether a point is further in front of or behind the line of a straight face than this (m): no contact then."""
+    """Tells whether a point is further in front of or behind the line of a straight face than this (m)."""
     codes, shape = faces[:2]
     if codes[f, KIND] != SEGMENT:
         return False

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""How a wall moves: its pose is a pure function of the step. A wall where it is at a step is a `Placed` one."""
+"""Motion of a wall: its pose is a pure function of the step. A wall where it is at a step is a `Placed` one."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ STILL = Pose()
 
 @dataclass(frozen=True)
 class Went:
-    """Where a wall whose pose is state of the run comes from, at the end of an earlier run.
+    """State of a wall whose pose is state of the run, at the end of an earlier run.
 
     All numbers are of its point of turning, in the order of `Pose`; None where they are not known.
 
@@ -66,7 +66,7 @@ class Went:
 
 @dataclass(frozen=True)
 class Motion:
-    """Where a wall is at each step; without fields it stands.
+    """Pose of a wall at each step; without fields it stands.
 
     Attributes
     ----------
@@ -99,7 +99,7 @@ class Motion:
 
     @property
     def is_state(self) -> bool:
-        """Whether the pose is state of the run, and no function of the step: of a load, a hold and a body."""
+        """Tells whether the pose is state of the run, and no function of the step: of a load, a hold and a body."""
         return isinstance(self.kind, (Loaded, Held, Free))
 
     @property
@@ -114,7 +114,7 @@ class Motion:
 
     @property
     def is_pushed(self) -> bool:
-        """Whether what touches it moves it: a load or a body."""
+        """Tells whether what touches it moves it: a load or a body."""
         return isinstance(self.kind, (Loaded, Free))
 
     @cached_property
@@ -246,7 +246,7 @@ class Placed(Wall):
         return low + shift, high + shift
 
     def outline(self, x: Interval, y: Interval) -> tuple[np.ndarray, ...]:
-        """Those of the body, moved."""
+        """Outlines of the body, moved."""
         return tuple(np.column_stack(self.outward(*corners.T)) for corners in self.body.outline(x, y))
 
 
@@ -280,7 +280,7 @@ def way(one: MovingWall, begin: float, end: float) -> tuple[Interval, Interval]:
 
 
 def at_seam(name: str, x: Interval, seam: Interval, margin: float) -> str:
-    """What is wrong with a moving wall that spans `x` (m) in a periodic channel; empty where it is off the seam.
+    """Sentence on a moving wall that spans `x` (m) in a periodic channel; empty where it is off the seam.
 
     Walls do not repeat with the period: beyond the seam discs would not feel it.
     """

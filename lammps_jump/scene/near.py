@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Which discs are near a wall, and which of its faces are near each: cells that list faces, and lists of discs.
+"""Discs near a wall, and faces of it near each: cells that list faces, and lists of discs.
 
 Plain loops; the core and the plugin hold their own copies (``near.h``, ``faces.h``).
 """
@@ -50,7 +50,7 @@ class FaceGrid(NamedTuple):
 
 
 def _plain(faces: Faces, f: int, px: float, py: float, margin: float) -> bool:
-    """Whether a point is beside a straight face and a margin (m) from its ends: its line is then enough."""
+    """Tells whether a point is beside a straight face and a margin (m) from its ends: its line is then enough."""
     codes, shape = faces[:2]
     if codes[f, KIND] != SEGMENT:
         return False

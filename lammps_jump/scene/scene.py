@@ -125,11 +125,11 @@ class Fixed:
 
     @property
     def count(self) -> int:
-        """How many there are."""
+        """Number of them."""
         return self.last - self.first + 1
 
     def holds(self, ids: ArrayLike) -> np.ndarray:
-        """Whether each id is that of a fixed disc; shape of `ids`."""
+        """Mask of the ids that are those of fixed discs; shape of `ids`."""
         ids = np.asarray(ids)
         return (ids >= self.first) & (ids <= self.last)
 
@@ -140,7 +140,7 @@ CONTACT = np.dtype([("disc", np.int64), ("partner", np.int64), *((name, float) f
 
 @dataclass(frozen=True, eq=False)
 class Earlier:
-    """What the n discs at the start have of an earlier run, beside place, velocity and diameter.
+    """State that the n discs at the start have of an earlier run, beside place, velocity and diameter.
 
     Attributes
     ----------
@@ -183,7 +183,7 @@ class Earlier:
         return f"Earlier({found.hexdigest()})"
 
     def slots(self, count: int) -> dict[str, np.ndarray]:
-        """What each disc remembers, arrays of shape (n, count) by the names of `lammps_jump.physics.slots.Slots`."""
+        """Contact history of each disc, arrays of shape (n, count), named as `lammps_jump.physics.slots.Slots`."""
         return _slots(self.contacts, len(self.spins), count)
 
     def corner_slots(self, count: int) -> dict[str, np.ndarray]:
@@ -257,7 +257,7 @@ class Measures:
 
 @dataclass(frozen=True)
 class Beginning(Measures):
-    """What a scene is made from: discs at the start, their contact, and steps; fields as of `Scene`."""
+    """Beginning of a scene: discs at the start, their contact, and steps; fields as of `Scene`."""
 
     diameter: float
     sizes: Sizes | None
@@ -418,7 +418,7 @@ class Scene(Measures):
         return self.domain[0][1] - self.domain[0][0] if self.periodic else None
 
     def crosses(self, wall: Wall) -> bool:
-        """Whether a wall goes across the seam of a periodic channel."""
+        """Tells whether a wall goes across the seam of a periodic channel."""
         (low, high), (left, right) = wall.extent[0], self.domain[0]
         return self.periodic and low <= left and right <= high
 
@@ -544,7 +544,7 @@ class Scene(Measures):
 
     @property
     def rubs(self) -> bool:
-        """Whether anything has friction."""
+        """Tells whether anything has friction."""
         return (
             self.springs is not None
             or self.coefficients.friction > 0
@@ -553,7 +553,7 @@ class Scene(Measures):
 
     @property
     def moves(self) -> bool:
-        """Whether any wall moves."""
+        """Tells whether any wall moves."""
         return any(motion.kind is not None for _, motion in self.walls)
 
     @property

@@ -279,7 +279,7 @@ def _along(face: Face, point: Point) -> float:
 
 
 def _holds(face: Face, point: Point, near: float) -> bool:
-    """Whether a point of the line or circle of a face lies on the face itself."""
+    """Tells whether a point of the line or circle of a face lies on the face itself."""
     (ax, ay), (bx, by) = face.start, face.end
     begun = (point[0] - ax) * face.first[0] + (point[1] - ay) * face.first[1]
     left = (bx - point[0]) * face.last[0] + (by - point[1]) * face.last[1]
@@ -446,7 +446,7 @@ def _turn_behind(faces: Faces, face: int) -> float:
 
 
 def thin(polygon: np.ndarray) -> bool:
-    """Whether a closed polygon has no area: an open chain of faces, or a sheet."""
+    """Tells whether a closed polygon has no area: an open chain of faces, or a sheet."""
     x, y = (polygon - polygon[0]).T
     area = 0.5 * abs(float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))))
     return area <= 1e-9 * float(np.ptp(x) ** 2 + np.ptp(y) ** 2)

@@ -56,7 +56,7 @@ class Sizes:
 
     @property
     def is_curve(self) -> bool:
-        """Whether they are a grading curve: several pieces with a width."""
+        """Tells whether they are a grading curve: several pieces with a width."""
         return len(self.shares) > 1 and all(high > low for low, high in zip(self.low, self.high, strict=True))
 
     @property
@@ -83,7 +83,7 @@ class Sizes:
 
     @property
     def shift(self) -> float:
-        """What the seed adds to an id."""
+        """Shift that the seed adds to an id."""
         return self.seed * SEED_STEP
 
     @cached_property

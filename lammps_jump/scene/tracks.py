@@ -67,7 +67,7 @@ class Wave(NamedTuple):
 
 @dataclass(frozen=True)
 class Kind:
-    """What motions of a case file have in common; `begin` is ``from`` there."""
+    """Fields that motions of a case file have in common; `begin` is ``from`` there."""
 
     __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid", serialize_by_alias=True)
     turns: ClassVar[bool] = False
@@ -176,7 +176,7 @@ class Oscillate(Kind):
 
     @property
     def turns(self) -> bool:  # type: ignore[override]  # depends on its fields
-        """Whether its angle oscillates."""
+        """Tells whether its angle oscillates."""
         return self.angle != 0
 
     def wave(self) -> Wave:
@@ -187,7 +187,7 @@ class Oscillate(Kind):
         return Wave((*self.amplitude, radians(self.angle)), (x, y, turn), phase, self.begin, self.end)
 
     def corners(self, ease: float) -> list[VelocityChange]:
-        """Where `ease` is given: take the sudden velocities of both ends away, and bring them in slowly."""
+        """Changes of velocity at both ends, where `ease` is given: sudden ones are taken away and come in slowly."""
         wave, found = self.wave(), []
         for time, sign in ((self.begin, 1.0), (self.end, -1.0)) if self.ease else ():
             if not isinf(time):
@@ -248,7 +248,7 @@ class TableMotion(Kind):
 
     @property
     def turns(self) -> bool:  # type: ignore[override]  # depends on its fields
-        """Whether an angle is not 0."""
+        """Tells whether an angle is not 0."""
         return any(row[3] for row in self.points)
 
     def corners(self, ease: float) -> list[VelocityChange]:

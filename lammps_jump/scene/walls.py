@@ -57,7 +57,7 @@ Motions = Annotated[KINDS_OF_MOTION, Field(discriminator="kind")]
 
 @dataclass(frozen=True, kw_only=True)
 class _Own:
-    """What any wall may have of its own: numbers of its contacts, and a motion."""
+    """Fields that any wall may have of its own: numbers of its contacts, and a motion."""
 
     friction: Annotated[
         units.Friction | None,
@@ -95,7 +95,7 @@ class _Own:
 
 
 class Wall(_Own):
-    """What every wall answers. A new wall is a frozen dataclass with `kind`, `name` and fields, and `chains`."""
+    """Answers of every wall. A new wall is a frozen dataclass with `kind`, `name` and fields, and `chains`."""
 
     __pydantic_config__ = ConfigDict(extra="forbid", serialize_by_alias=True, json_schema_extra=_in_a_file)
     kind: str
@@ -129,7 +129,7 @@ class Wall(_Own):
 
     @property
     def finite(self) -> bool:
-        """Whether the wall ends in every direction."""
+        """Tells whether the wall ends in every direction."""
         return bool(np.isfinite(self.extent).all())
 
     @property
@@ -175,7 +175,7 @@ class Wall(_Own):
 
 
 def parts_of(wall: Wall, x: Interval, y: Interval) -> tuple[list[np.ndarray], list[np.ndarray]]:
-    """What draws a wall: closed polygons (even-odd; sheets have no area), and open lines with the discs on their left.
+    """Drawing of a wall: closed polygons (even-odd; sheets have no area), and open lines with the discs on their left.
 
     Each of shape (corners, 2), m, within x and y where the wall has no end.
     """
@@ -278,7 +278,7 @@ class Block(Wall):
 
     @property
     def leaf(self) -> bool:
-        """Whether it has no thickness."""
+        """Tells whether it has no thickness."""
         return self.x[0] == self.x[1] or self.y[0] == self.y[1]
 
     @property
@@ -366,7 +366,7 @@ class Box(Wall):
 
 @dataclass(frozen=True)
 class _Drawn(Wall):
-    """What walls have in common that points draw."""
+    """Fields that walls drawn by points have in common."""
 
     kind: str = field(kw_only=True, repr=False)
     name: WallName
@@ -429,7 +429,7 @@ class Polygon(_Drawn):
 
     @property
     def hollow(self) -> bool:  # type: ignore[override]  # depends on its fields
-        """Whether the discs are inside."""
+        """Tells whether the discs are inside."""
         return self.discs == "inside"
 
     def chains(self) -> tuple[Chain]:
@@ -476,7 +476,7 @@ class Line(_Drawn):
 
     @property
     def hollow(self) -> bool:  # type: ignore[override]  # depends on its fields
-        """Whether it closes round the discs."""
+        """Tells whether it closes round the discs."""
         return self.path.closed and not self.sheet and self.path.area > 0
 
     @property
@@ -521,7 +521,7 @@ class Circle(Wall):
 
     @property
     def hollow(self) -> bool:  # type: ignore[override]  # depends on its fields
-        """Whether the discs are inside."""
+        """Tells whether the discs are inside."""
         return self.discs == "inside"
 
     @property

@@ -32,7 +32,7 @@ SCRIPTS = {"stock": "in.lammps", "compiled": "in.plugin.lammps"}
 
 @dataclass(frozen=True)
 class Options:
-    """How a scene is written.
+    """Options of a script.
 
     Attributes
     ----------

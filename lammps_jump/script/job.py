@@ -34,7 +34,7 @@ Option = Annotated[str, StringConstraints(pattern=r"^--[a-z-]+(=[\w.,:/+@=-]+)?$
 
 
 class Site(BaseModel, coerce_numbers_to_str=True, extra="forbid", frozen=True):
-    """What a cluster asks of a job.
+    """Demands of a cluster on a job.
 
     Attributes
     ----------

@@ -66,7 +66,7 @@ def inlets(scene: Scene) -> list[str]:
 
 
 def has_turns(scene: Scene) -> bool:
-    """Whether rows let discs in at steps of their own: an inflow against time."""
+    """Tells whether rows let discs in at steps of their own: an inflow against time."""
     return any(row.turns for row in scene.inlets)
 
 
@@ -159,5 +159,5 @@ def sizes(scene: Scene) -> list[str]:
 
 
 def guards(scene: Scene) -> list[str]:
-    """What ends a run that has gone wrong; the fix gives the largest overlap, and nothing moves in z."""
+    """Guards that end a run that has gone wrong; the fix gives the largest overlap, and nothing moves in z."""
     return stock.guards_of(scene, "f_motion")

@@ -41,7 +41,7 @@ FAR = 1e4
 
 
 class NotInStock(ValueError):
-    """What LAMMPS' own styles lack for a wall; the message names the wall and the field."""
+    """Lack of LAMMPS' own styles for a wall; the message names the wall and the field."""
 
 
 class LammpsRegion(NamedTuple):
@@ -78,7 +78,7 @@ def joints(wall: Wall) -> list[float]:
 
 
 def level(wall: Wall) -> bool:
-    """Whether every face of a wall is straight and along an axis."""
+    """Tells whether every face of a wall is straight and along an axis."""
     found = (face for chain in wall.chains() for face in faces_of_chain(chain))
     return all(face.kind != ARC and 0.0 in face.first for face in found)
 

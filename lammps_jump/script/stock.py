@@ -41,7 +41,7 @@ def more_numbers(scene: Scene) -> dict[str, float]:
 
 
 def lacking(scene: Scene) -> str:
-    """What the styles of LAMMPS lack of a scene, with the field that asks for it; empty where they write all of it.
+    """Features of a scene that LAMMPS' styles lack, with the field that asks for them; empty where they write all.
 
     The rolling spring of two discs changes its sign there when the two change their order in memory (measured: an error
     of 4e-8 d in that step, 2e-3 d after 1,600 more): discs are not sorted then, but those that go round or leave
@@ -258,7 +258,7 @@ def output(scene: Scene, dump_format: str) -> list[str]:
 
 
 def guards(scene: Scene) -> list[str]:
-    """What ends a run that has gone wrong: discs too deep in each other, lost to NaN, or out of the plane.
+    """Guards that end a run that has gone wrong: discs too deep in each other, lost to NaN, or out of the plane.
 
     No compute of LAMMPS gives the overlap of discs that are not equal: that of the smallest stands for all, so that
     larger ones overlap deeper before the run ends.
@@ -275,7 +275,7 @@ def guards(scene: Scene) -> list[str]:
 
 
 def guards_of(scene: Scene, overlap: str) -> list[str]:
-    """What ends a run whose largest overlap, given by a formula, is too large, or whose positions are no numbers."""
+    """Guards that end a run whose largest overlap, by a formula, is too large, or whose positions are no numbers."""
     every = _guard_steps(scene)
     return [
         f"variable        overlap equal {overlap}",

@@ -120,7 +120,7 @@ def stock_gates(scene: Scene) -> list[str]:
 
 
 def unwritten(scene: Scene) -> str:
-    """What the styles of LAMMPS lack of the walls, with wall and field; empty where they write all."""
+    """Walls that the styles of LAMMPS cannot write, with wall and field; empty where they write all."""
     try:
         for moving in scene.walls:
             stock_wall(moving, scene)

@@ -32,7 +32,7 @@ class OutOfDate(Exception):
 
 
 class PageWork(NamedTuple):
-    """What is to be done for a page.
+    """Work for a page.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class Bounded:
         self._at_work: tuple[str, Worker] | None = None
 
     def run(self, work: PageWork) -> Any:
-        """What the call returns.
+        """Result of the call.
 
         Raises
         ------
@@ -87,7 +87,7 @@ class Bounded:
                         del self._newest[work.page]
 
     def _outcome(self, work: PageWork, mine: object) -> CallOutcome:
-        """What becomes of the call."""
+        """Outcome of the call."""
         with self._lock:
             if work.page and self._newest.get(work.page) is not mine:
                 raise OutOfDate

@@ -47,7 +47,7 @@ class ServedChild:
 
     @property
     def lines(self) -> list[str]:
-        """What it has printed last."""
+        """Last lines that it has printed."""
         return list(self._lines)
 
     @property
@@ -57,7 +57,7 @@ class ServedChild:
 
     @property
     def farewell(self) -> str:
-        """What became of it, and the command that goes on with what was stopped."""
+        """Outcome, and the command that goes on with what was stopped."""
         if self.status == RunInterrupted.exit_status:
             return f"stopped, and can go on: {typed('run', self.folder, '--resume')}"
         return f"ended with status {self.status}: {self.command}"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What the page of a case shows of a text: errors at their lines, the drawing with its places, derived numbers.
+"""Look at the text of a case for its page: errors at their lines, the drawing with its places, derived numbers.
 
 Also the text with the walls of a drawing that is dropped on the page.
 """
@@ -39,7 +39,7 @@ class DroppedFile(NamedTuple):
 
 
 def look(text: str, file: Path, wide: int) -> dict[str, Any]:
-    """What `check` and `preview` find in the text of a case file, for a drawing of this width, pixels.
+    """Findings of `check` and `preview` in the text of a case file, for a drawing of this width, pixels.
 
     Of a case that cannot be used it is ``error`` alone: line (or None) and message.
     """

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Which pages there are for what was opened: a case file, a run or a study."""
+"""Pages of what was opened: a case file, a run or a study."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def pages_of(path: Path) -> Opened:
 
 
 class Opened(Pages):
-    """What was opened; see `Pages`.
+    """Target that was opened; see `Pages`.
 
     Attributes
     ----------
@@ -69,7 +69,7 @@ class Opened(Pages):
         return self.runs.get(path[4:], query) if path.startswith("run/") else asset(path)
 
     def post(self, path: str, asked: Mapping[str, Any]) -> Reply | None:
-        """What is to be done with a run."""
+        """Answer to a request about a run."""
         return self.runs.post(path[4:], asked) if path.startswith("run/") else None
 
     def prepare(self) -> None:
@@ -155,7 +155,7 @@ class CasePages(Opened):
         return super().close()
 
     def _look(self, asked: Mapping[str, Any]) -> Reply:
-        """What a text means; a look at an older text of the same page is left."""
+        """Look at a text; a look at an older text of the same page is left."""
         text, wide, page = text_of(asked, "text"), number_of(asked, "wide"), str(asked.get("page", ""))[:MOST_NAME]
         file = self.file.shown.absolute()  # the process that looks may stand elsewhere
         remedy = f"`{typed('check', self.file.shown)}` has no such limit"
@@ -183,7 +183,7 @@ class CasePages(Opened):
         return answer({**found, "command": typed("import", Path(name), *given, "--into", self.file.shown)})
 
     def _plan(self, text: str) -> dict[str, Any] | None:
-        """What the button does: the command, and the number of a run of this case that is there already."""
+        """Plan of the button: the command, and the number of a run of this case that is there already."""
         try:
             case, folder, there = self._folder(text)
         except JumpError:
@@ -235,7 +235,7 @@ class CasePages(Opened):
 
 
 def holds(folder: Path, case: ReadCase) -> bool:
-    """Whether a folder holds a run of this case."""
+    """Tells whether a folder holds a run of this case."""
     try:
         marker = read_marker(folder)
     except JumpError:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What of a case can be dragged: places of the drawing, and where their numbers stand in the text.
+"""Places of a case that can be dragged in the drawing, and where their numbers stand in the text.
 
 Places are found by how they are written: sides ``x: [a, b]`` and ``y: [c, d]``, points, a centre and its radius, one
 coordinate. So a new kind of wall that writes its place in such a way can be dragged too.

@@ -81,7 +81,7 @@ class RunPages:
         return (self._runs[int(number)] if known and int(number) < len(self._runs) else None), part
 
     def _state(self, run: Watched) -> dict[str, Any]:
-        """What the page of a run is to know."""
+        """State of a run for its page."""
         child = self.children.of(run.folder)
         found = run.update()
         own = child is not None and child.status is None

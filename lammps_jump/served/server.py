@@ -78,7 +78,7 @@ class Reply(NamedTuple):
 
 
 class Pages(Protocol):
-    """What is served, by the part of the address behind the token.
+    """Pages that are served, by the part of the address behind the token.
 
     Attributes
     ----------
@@ -95,7 +95,7 @@ class Pages(Protocol):
         """An answer to what is to be done; None where nothing is done there."""
 
     def alone(self, token: str) -> Reply | None:
-        """What stands at an address with a token of its own, which is good for nothing else."""
+        """Content at an address with a token of its own, which is good for nothing else."""
 
 
 class Refused(Exception):
@@ -149,7 +149,7 @@ class Server(ThreadingHTTPServer):
 
     @property
     def address(self) -> str:
-        """What a browser is to open."""
+        """Address for a browser."""
         return f"http://{HOME}:{self.server_address[1]}/{self.token}/{self.pages.start}"
 
     def ticket(self, used: Callable[[], None]) -> str:
@@ -161,7 +161,7 @@ class Server(ThreadingHTTPServer):
         return leading_to(f"http://{HOME}:{self.server_address[1]}/{self._ticket[0]}/")
 
     def redeem(self, token: str) -> Reply | None:
-        """What the page of a ticket leads to: another one of this server, which leads on; None for no ticket."""
+        """Page that a ticket leads to: another one of this server, which leads on; None for no ticket."""
         with self._lock:
             if self._ticket is None or not hmac.compare_digest(self._ticket[0].encode(), token.encode()):
                 return None
@@ -209,7 +209,7 @@ class Server(ThreadingHTTPServer):
 
 
 class _Until(io.RawIOBase):
-    """What a connection sends, up to a moment."""
+    """Bytes that a connection sends, up to a moment."""
 
     def __init__(self, line: socket.socket):
         self.line, self.end = line, time.monotonic() + HEAD_SECONDS

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What the page of a study shows: its table as it fills, and its runs."""
+"""Page of a study: its table as it fills, and its runs."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class StudyView:
         self._table: dict[str, Any] = {}
 
     def state(self) -> dict[str, Any]:
-        """What a page is to know; the table is made again where a run has ended."""
+        """State of a study for its page; the table is made again where a run has ended."""
         with self._lock:
             before, states = self._states, [state_of(member, self.folder) for member in self._held.members]
             if _over(states) != _over(before):

@@ -46,7 +46,7 @@ SHADES = 64
 
 
 class WatchedState(NamedTuple):
-    """What has become of a run.
+    """State of a run that is watched.
 
     Attributes
     ----------
@@ -70,7 +70,7 @@ class WatchedState(NamedTuple):
 
     @property
     def goes_on(self) -> bool:
-        """Whether the last frame may not be whole yet."""
+        """Tells whether the last frame may not be whole yet."""
         return self.cut_off or self.status in ("none", "running")
 
 
@@ -146,7 +146,7 @@ class Watched:
 
     @property
     def state(self) -> WatchedState:
-        """What has become of the run, by lock and summary."""
+        """State of the run, by lock and summary."""
         if writer := holder(self.folder):
             return WatchedState("running", writer)
         stored: Mapping[str, Any] = {}
@@ -232,7 +232,7 @@ class Watched:
             raise
 
     def _missing(self) -> str:
-        """What a complete run lacks of its schedule, in words; empty for nothing."""
+        """Lack of a complete run against its schedule, in words; empty for nothing."""
         with suppress(JumpError):
             stored = read_summary(self.folder)
             told = self._check.result(stored["steps"], stored["discs"]["present"] + stored["discs"].get("fixed", 0))

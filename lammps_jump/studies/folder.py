@@ -41,7 +41,7 @@ def held_folder(folder: Path, command: str) -> Iterator[Path]:
 
 
 def _is_of_before(folder: Path, command: str) -> bool:
-    """Whether results stand there that a study of this program has written."""
+    """Tells whether results stand there that a study of this program has written."""
     for name in study_files(command):
         if name.endswith(".json") and (folder / name).is_file():
             try:

@@ -32,7 +32,7 @@ Curves = list[tuple[np.ndarray, np.ndarray]]
 
 @dataclass(frozen=True)
 class Distance:
-    """How far the curve of a run is from measured points; units are those of the two columns.
+    """Distance of the curve of a run from measured points; units are those of the two columns.
 
     Attributes
     ----------

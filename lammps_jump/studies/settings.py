@@ -26,7 +26,7 @@ MEASURED_KERNELS = tuple(name for name in KERNELS if name != "twin")
 
 
 class Axes(NamedTuple):
-    """What a benchmark varies.
+    """Values that a benchmark varies.
 
     Attributes
     ----------
@@ -103,7 +103,7 @@ class StudySetting:
 
     @property
     def plain(self) -> bool:
-        """Whether nothing but kernel, touch and step is varied."""
+        """Tells whether nothing but kernel, touch and step is varied."""
         return self == StudySetting(self.kernel, self.fraction, self.touch)
 
     def changes(self, diameter: float) -> dict[str, object]:

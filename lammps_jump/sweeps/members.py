@@ -37,7 +37,7 @@ OVER = ("done", "failed")
 
 
 class Start(NamedTuple):
-    """What a member is made of: number of its point, values that the point changes, seed."""
+    """Recipe of a member: number of its point, values that the point changes, seed."""
 
     point: int
     changes: Mapping[str, object]
@@ -71,7 +71,7 @@ class Member:
 
 
 class MemberState(NamedTuple):
-    """What a run folder holds of a member, and why it failed where it has."""
+    """State of a member in its run folder, and why it failed where it has."""
 
     stage: Stage
     message: str = ""
@@ -253,7 +253,7 @@ def run_members(
 
 
 def state_of(member: Member, store: Path, *, named: bool = True) -> MemberState:
-    """What the run folder of a member holds; nothing is written. Without `named` any name and description will do."""
+    """State of a member by its run folder; nothing is written. Without `named` any name and description will do."""
     folder = member.folder(store)
     if holder(folder):
         return MemberState("running")
@@ -270,7 +270,7 @@ def state_of(member: Member, store: Path, *, named: bool = True) -> MemberState:
 
 
 def _is_analysed(case: Case, stored: Mapping[str, Any], named: bool) -> bool:
-    """Whether the results are of this analysis, with or without pictures; with a player where the study wants one."""
+    """Tells whether the results are of this analysis, with or without pictures; with a player where one is wanted."""
     if not stored.get("analysed"):
         return False
     words = ["player", "default", "all"] + (["none"] if case.fields.analysis.figures == "none" else [])

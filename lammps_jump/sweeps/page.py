@@ -209,7 +209,7 @@ def point_name(study: Study, index: int) -> str:
 
 
 def interval(found: StudyResults) -> str:
-    """What ± means."""
+    """Meaning of ±."""
     count = len(found.runs)
     over = f"{count} starts" if not found.study.axes else "the starts of a point"
     return f"± is the {100 * found.study.fields.confidence:zg} % interval of the mean over {over} (Student's t)"
@@ -265,7 +265,7 @@ def _own_errors(found: StudyResults) -> tuple[list[list[Any]], list[str]]:
 
 
 def repeating(command: str, study: str, *packages: str) -> Section:
-    """How a study is repeated: versions, also of more packages, its command and its file."""
+    """Means to repeat a study: versions, also of more packages, its command and its file."""
     found = ", ".join(f"{name} {text}" for name, text in versions(*packages).items())
     again = f"`lammps-jump {command}` goes on with this study, or does nothing where all is there."
     return Section("How to repeat it", [Table([("Versions", found)]), Text(again), Code(study, "study.yaml")])

@@ -27,7 +27,7 @@ ENDED = "the study was ended; what it had is kept, and the same command continue
 
 
 class CallOutcome(NamedTuple):
-    """What became of a call.
+    """Outcome of a call.
 
     Attributes
     ----------
@@ -191,7 +191,7 @@ class Pool:
         return [outcomes[number] for number in range(len(calls))]
 
     def _heard(self) -> list[tuple[Worker, str, Any]]:
-        """What the workers say, waited for; those that have ended, and those that are out of time."""
+        """News of the workers, waited for; those that have ended, and those that are out of time."""
         first = min(worker.deadline for worker in self._busy)
         ready = wait([worker.pipe for worker in self._busy], None if first == float("inf") else _until(first))
         heard = []

@@ -149,7 +149,7 @@ class Collected(NamedTuple):
 
     @property
     def heading(self) -> str:
-        """What it is, in words, and its unit; of a force also the structure."""
+        """Heading of a number, in words, and its unit; of a force also the structure."""
         unit = f"k{self.unit}" if self.unit.startswith("N") else self.unit
         name = self.path.split(".")[1] if self.path.startswith("force.") else ""
         return heading(f"{self.meaning}, {name}" if name else self.meaning, unit)
@@ -192,7 +192,7 @@ class Study:
 
     @property
     def analysis(self) -> dict[str, object]:
-        """What is made of each run: what the collected numbers need, a player, no pictures and no page."""
+        """Analysis of each run: what the collected numbers need, a player, no pictures and no page."""
         parts = {item.path.partition(".")[0] for item in self.collect}
         flags: dict[str, object] = {f"analysis.{name}": name in parts for name in ("jump", "front", "energy")}
         if any(item.path.startswith("front.martin_moyce.") for item in self.collect):

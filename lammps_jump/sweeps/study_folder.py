@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What the folder of a study holds: ``points.json`` with the run folder of every member, and the results of members."""
+"""Content of the folder of a study: ``points.json`` with the run folder of every member, and the results of members."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class ListedMember(BaseModel, strict=True):
 
 
 class Listed(BaseModel, strict=True):
-    """What ``points.json`` holds."""
+    """Content of ``points.json``."""
 
     points: list[dict[str, Any]] = Field(max_length=MOST_RUNS)
     members: list[ListedMember] = Field(max_length=MOST_RUNS)
@@ -90,7 +90,7 @@ class Failure(NamedTuple):
 
 
 class StudyResults:
-    """What the folder of a study holds of its members, and the statistics over them.
+    """Members in the folder of a study, and the statistics over them.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ class StudyResults:
 
     @cached_property
     def states(self) -> dict[str, MemberState]:
-        """What the folder holds of each member, by its key."""
+        """State of each member in the folder, by its key."""
         return {member.key: state_of(member, self.folder) for member in self.members}
 
     def left(self, retry: bool) -> list[int]:
@@ -132,7 +132,7 @@ class StudyResults:
 
     @cached_property
     def values(self) -> pd.DataFrame:
-        """What was collected of every run that is done: a row each, with ``point`` and ``seed``."""
+        """Collected values of every run that is done: a row each, with ``point`` and ``seed``."""
         import pandas as pd  # 0.3 s
 
         done = (member for member in self.members if self.states[member.key].stage == "done")

@@ -43,7 +43,7 @@ LOADED_ASIDE = ("lammps_jump.sweeps.page", "scipy.special")
 
 @dataclass(frozen=True)
 class SweepProgress:
-    """How far a study has come.
+    """Progress of a study.
 
     Attributes
     ----------
@@ -178,7 +178,7 @@ def held_study(folder: Path) -> AbstractContextManager[None]:
 
 
 def default_folder(study: str | Path | Mapping[str, Any] | ReadCase, case: Case) -> Path:
-    """Where a study is kept when no folder is named: ``runs/<stem of its file>``, of a case ``runs/<stem>_sweep``."""
+    """Folder of a study when none is named: ``runs/<stem of its file>``, of a case ``runs/<stem>_sweep``."""
     if not isinstance(study, str | Path):
         return Path("runs") / f"{case.name}_sweep"
     if Path(study).is_dir():

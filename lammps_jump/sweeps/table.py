@@ -39,7 +39,7 @@ def number_at(summary: Mapping[str, Any], path: str) -> float:
 
 
 def row_of(summary: Mapping[str, Any], study: Study) -> dict[str, float | str]:
-    """What is collected of a run: each number, its own error as ``<path>_error``, and the verdicts."""
+    """Collected numbers of a run, the error of each as ``<path>_error``, and the verdicts."""
     row: dict[str, float | str] = {}
     for item in study.collect:
         row |= {path: number_at(summary, path) for path in (item.path, f"{item.path}_error")}
@@ -122,7 +122,7 @@ def _coordinate(values: Sequence[Any]) -> list[Any]:
 
 
 def kinds(group: pd.DataFrame) -> str:
-    """What the members of a point found, with their number: ``jump 5, marginal jump 3``; empty without a verdict."""
+    """Kinds that the members of a point found, with their number: ``jump 5, marginal jump 3``; or empty."""
     said = []
     for name in (column for column in group if column.endswith(".verdict")):
         counts = group[name].fillna("none").value_counts()

@@ -12,7 +12,7 @@ NAMED = {"walls": "wall", "bodies": "body"}
 
 
 def words(path: str) -> str:
-    """What a field is, in a few words; the path where it has none."""
+    """Label of a field, in a few words; the path where it has none."""
     group, _, rest = path.partition(".")
     label = label_of(fields_at(CaseFields, path.split(".")))
     if not label:

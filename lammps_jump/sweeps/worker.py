@@ -31,7 +31,7 @@ def tell(news: object) -> None:
 
 
 def asked_to_stop() -> bool:
-    """Whether the parent wants the call at work to save what it has and stop, or is gone."""
+    """Tells whether the parent wants the call at work to save what it has and stop, or is gone."""
     return _pipe is not None and _pipe.poll()
 
 

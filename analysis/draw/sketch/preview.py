@@ -106,7 +106,7 @@ def _at(one: MovingWall, pose: Pose) -> Placed:
 def _shown(
     scene: Scene, walls: list[tuple[MovingWall, list[Pose]]], regions: Sequence[NamedRegion], sequent: float | None
 ) -> tuple[Interval, Interval]:
-    """What of the plane is shown, m: all that the case names within the domain, and little of solids below it."""
+    """Part of the plane that is shown, m: all that the case names within the domain, and little of solids below it."""
     half = 0.5 * scene.largest
     points = [scene.positions - half, scene.positions + half, [(row.x, row.y) for row in scene.inlets]]
     given = [(place.x, place.y) for place in regions] + [(pour.x, pour.y) for pour in scene.pours]
@@ -149,7 +149,7 @@ def _proportioned(x: Interval, y: Interval) -> tuple[Interval, Interval]:
 
 
 def _edge_seen(drawing: Drawing, scene: Scene) -> bool:
-    """Whether an edge of the domain lies within the picture."""
+    """Tells whether an edge of the domain lies within the picture."""
     views = zip((drawing.x, drawing.y), scene.domain, strict=True)
     return any(view[0] < end < view[1] for view, ends in views for end in ends)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What is looked at before bodies move: step, places, hinges, what they stand on and how hard they fall."""
+"""Checks before bodies move: step, places, hinges, what they stand on and how hard they fall."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def check_bodies(
 
 
 def _later(one: MovingWall, other: MovingWall, walls: Sequence[MovingWall]) -> bool:
-    """Whether a wall stands behind another in a list: each two bodies are looked at once."""
+    """Tells whether a wall stands behind another in a list: each two bodies are looked at once."""
     return walls.index(one) > walls.index(other)
 
 
@@ -158,7 +158,7 @@ def _check_free_of(begun: Beginning, one: MovingWall, others: Sequence[MovingWal
 
 
 def _depth(wall: Wall, points: np.ndarray, begun: Beginning) -> float:
-    """How deep the deepest of some points (m) lies in a wall, m; below 0 outside."""
+    """Depth of the deepest of some points (m) in a wall, m; below 0 outside."""
     gap = wall.distance(*points.T)
     if open_ends(wall.faces):  # it pushes nothing that is far behind it
         gap = np.where(gap < -begun.largest, inf, gap)

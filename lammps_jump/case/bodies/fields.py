@@ -29,7 +29,7 @@ def _each_once(value: tuple[Axis, ...]) -> tuple[Axis, ...]:
 
 
 class Body(Strict):
-    """What every body has: how heavy it is, how it moves, and its material."""
+    """Fields of every body: how heavy it is, how it moves, and its material."""
 
     model_config = ConfigDict(
         frozen=True, extra="forbid", validate_default=True, serialize_by_alias=True, validate_by_alias=True,

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What hydraulics says of a case before it is run, and where along the channel it holds."""
+"""Hydraulics of a case before it is run, and where along the channel it holds."""

@@ -44,7 +44,7 @@ def _holding(
     case: CaseFields, begun: Beginning, one: MovingWall, kind: Held, field: str,
     channel: tuple[float, Interval],
 ) -> Holding:  # fmt: skip
-    """What a gate measures, and its gains."""
+    """Quantity that a gate measures, and its gains."""
     left, domain = channel
     face = one.wall.extent[0][0]
     place, name = (kind.at, "at") if kind.front is None else (kind.front, "front")

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a case will lead to, told before it runs: speeds, overlaps, jumps, heaps, and what would end the run."""
+"""Foresight of a case before it runs: speeds, overlaps, jumps, heaps, and what would end the run."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a case asks for and cannot have: analyses without their subject, empty windows, angles like radians."""
+"""Requests that a case cannot have: analyses without their subject, empty windows, angles like radians."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ OTHER_ANGLE = 0.01
 
 
 def facts(case: CaseFields, walls: Sequence[MovingWall]) -> dict[str, tuple[bool, str]]:
-    """What a scene has that analyses need, by the names in `LISTED`, and how its lack is said."""
+    """Properties of a scene that analyses need, by the names in `LISTED`, and how their lack is said."""
     ends = [wall for wall in case.walls if not isinstance(wall, RoughBed) and wall.finite]
     rubs = case.contact.friction >= LEAST_FRICTION or any((wall.friction or 0) > 0 for wall in ends)
     return {
@@ -108,7 +108,7 @@ def _angles(case: CaseFields) -> Iterator[tuple[str, float]]:
 
 
 def _like_radians(value: float) -> bool:
-    """Whether a number is nearly a right angle in radians, or, with more digits, a multiple of 15 degrees."""
+    """Tells whether a number is nearly a right angle in radians, or, with more digits, a multiple of 15 degrees."""
     if not 0.2 < abs(value) < 6.5 or round(value, 1) == value:
         return False
     angle = abs(degrees(value))

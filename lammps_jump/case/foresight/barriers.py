@@ -76,14 +76,14 @@ def never_met(
 
 
 def _field(case: CaseFields, outlets: Sequence[Outlet], one: Outlet) -> str:
-    """How the case names an outlet."""
+    """Name of an outlet in the case."""
     index = list(outlets).index(one)
     ((name, at),) = case.outflow[index].model_dump(exclude_none=True).items()
     return f"outflow[{index}].{name}: {at:zg} m"
 
 
 def _beyond(one: Outlet, places: np.ndarray) -> np.ndarray:
-    """Whether places, shape (n, 2), lie where an outlet takes discs out."""
+    """Tells whether places, shape (n, 2), lie where an outlet takes discs out."""
     values = places[:, "xy".index(one.axis)]
     return values > one.at if one.side == "above" else values < one.at
 
@@ -130,12 +130,12 @@ def _barriers(walls: Sequence[MovingWall], begun: Beginning, ends: tuple[float, 
 
 
 def _stays(one: MovingWall) -> bool:
-    """Whether a wall stays where it is, but for a gate that holds a flow."""
+    """Tells whether a wall stays where it is, but for a gate that holds a flow."""
     return one.motion.kind is None or isinstance(one.motion.kind, Held)
 
 
 def _drains(one: Outlet, barrier: Barrier, begun: Beginning) -> bool:
-    """Whether an outlet lies in the flow before a wall: across its way, or above the ground there."""
+    """Tells whether an outlet lies in the flow before a wall: across its way, or above the ground there."""
     if one.axis == "x":
         room = barrier.side * (barrier.face - one.at)
         return (one.side == "above") == (barrier.side > 0) and room > begun.largest

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What will probably not come out as asked: the window, the stiffness, the channel of a jump and its sill."""
+"""Doubts about what a case asks for: the window, the stiffness, the channel of a jump and its sill."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def doubts(case: CaseFields, impact_speed: float, inlets: tuple[InletRow, ...]) 
 
 
 class JumpPlace(NamedTuple):
-    """Where a jump is to stand, and the stream there.
+    """Place of a jump, and the stream there.
 
     Attributes
     ----------
@@ -178,10 +178,10 @@ def _drowned(case: CaseFields, place: JumpPlace, sills: list[float]) -> list[str
 
 
 def _lies_behind(item: object, place: JumpPlace) -> TypeGuard[Column]:
-    """Whether an item of `initial` is water that reaches over the length of the jump."""
+    """Tells whether an item of `initial` is water that reaches over the length of the jump."""
     return isinstance(item, Column) and item.x[1] > place.x + place.stream.length
 
 
 def _stands(wall: Wall) -> bool:
-    """Whether a wall is a solid that may be a sill: it ends, discs are around it, and it does not find its height."""
+    """Tells whether a wall is a solid that may be a sill: it ends, discs are around it, and its height is given."""
     return wall.finite and not wall.hollow and not open_ends(wall.faces) and not isinstance(wall.motion, Held)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a curve of sizes will not be in so many discs."""
+"""Limits of a curve of sizes in so few discs."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a contact law cannot do for grains that are to rest."""
+"""Limits of a contact law for grains that are to rest."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ LEAST_FRICTION = 0.05
 
 
 def makes_heap(case: CaseFields, diameter: float, walls: Iterable[MovingWall]) -> bool:
-    """Whether the discs of a case end as a heap: a column falls, or discs are poured, and nothing takes them away.
+    """Tells whether the discs of a case end as a heap: a column falls, or discs are poured; nothing takes them away.
 
     Parameters
     ----------

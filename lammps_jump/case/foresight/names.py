@@ -22,7 +22,7 @@ WRITTEN = frozenset(
 
 
 def is_written(name: str) -> bool:
-    """Whether a layer or wall is named like what is written on a drawing."""
+    """Tells whether a layer or wall is named like what is written on a drawing."""
     words = re.findall(r"[^\W\d_]+", re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name))
     return any(word.lower() in WRITTEN for word in (*words, "".join(words)))
 

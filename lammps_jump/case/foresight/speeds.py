@@ -47,7 +47,7 @@ class DiscsAtStart(NamedTuple):
 
 
 def starts(case: CaseFields) -> Iterator[DiscsAtStart]:
-    """Where the discs of a case come from."""
+    """Origin of the discs of a case."""
     for item in case.initial:
         if isinstance(item, Column):
             yield DiscsAtStart(item.x, item.y[1], float(np.hypot(*item.velocity)), "start")

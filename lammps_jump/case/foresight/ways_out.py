@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Where discs may leave the domain and end the run: edges that neither a wall nor an outlet guards; walls without use.
+"""Ways out of the domain that end the run: edges that neither a wall nor an outlet guards; walls without use.
 
 Cells that a disc can come to are filled from the discs at the start and the inlets on, up to the height that their
 energy allows and as far as they run in the time. Each choice errs towards silence: half the fastest speed, heaps with
@@ -103,7 +103,7 @@ def _spans(places: np.ndarray) -> str:
 
 
 def _loose(begun: Beginning) -> int:
-    """How many of the discs at the start are not fixed."""
+    """Number of discs at the start that are not fixed."""
     return len(begun.positions) if begun.fixed is None else begun.fixed.first - 1
 
 
@@ -182,7 +182,7 @@ def _edges(
 
 @lru_cache(maxsize=32)  # of a case that changes most walls stay
 def _free_of(wall: Wall, grid: tuple[float, float, float, float, float], near: float) -> np.ndarray:
-    """Whether each cell of a grid (left, right, bottom, top, width of a cell, m) is so far from a wall; read-only."""
+    """Mask of the cells of a grid (left, right, bottom, top, width of a cell, m) so far from a wall; read-only."""
     left, right, bottom, top, cell = grid
     across, up = np.meshgrid(np.arange(left + 0.5 * cell, right, cell), np.arange(bottom + 0.5 * cell, top, cell))
     gap = wall.distance(across.ravel(), up.ravel())
@@ -192,7 +192,7 @@ def _free_of(wall: Wall, grid: tuple[float, float, float, float, float], near: f
 
 
 def _carried(solid: np.ndarray, free: np.ndarray) -> np.ndarray:
-    """Whether a wall lies below each cell of a column, upwards from the lowest, with nothing but free cells between."""
+    """Tells whether a wall lies below each cell of a column, upwards from the lowest, with only free cells between."""
     found, ground = np.zeros_like(free), False
     for i in range(len(free)):
         ground = bool(solid[i]) or (ground and bool(free[i]))

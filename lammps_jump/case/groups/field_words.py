@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What the fields of a case tell of themselves: meaning, short label, unit and range, read from the models."""
+"""Words of the fields of a case: meaning, short label, unit and range, read from the models."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def models_in(annotation: object) -> list[type]:
 
 
 def kind_of(model: type) -> str | None:
-    """What ``kind`` says where a case means this model."""
+    """Value of ``kind`` by which a case means this model."""
     kind = fields_of(model).get("kind")
     return get_args(kind.annotation)[0] if kind else None
 
@@ -79,7 +79,7 @@ def fields_at(model: type, location: Iterable[str | int]) -> list[FieldInfo]:
 
 
 def _below(field: FieldInfo, part: str) -> list[FieldInfo]:
-    """What a part of a location may mean below a field."""
+    """Fields that a part of a location may mean below a field."""
     if part.startswith("<"):
         return [field]
     origin, parts = get_origin(field.annotation), get_args(field.annotation)
@@ -103,7 +103,7 @@ def _field(annotation: Any) -> FieldInfo:
 
 
 def notes_of(field: FieldInfo) -> Iterator[object]:
-    """What annotates a field, its alternatives and its items, groups of fields left out."""
+    """Annotations of a field, its alternatives and its items, groups of fields left out."""
     yield from field.metadata
     waiting = [field.annotation]
     while waiting:
@@ -154,7 +154,7 @@ def label_of(found: Iterable[FieldInfo]) -> str:
 
 
 def range_of(found: Iterable[FieldInfo]) -> str:
-    """What numbers are allowed, with their unit; empty where there are no bounds."""
+    """Range of a number, with its unit; empty where there are no bounds."""
     found = list(found)
     bounds = (
         (sign, getattr(note, key, None)) for field in found for note in notes_of(field) for key, sign in SIGNS.items()
@@ -165,7 +165,7 @@ def range_of(found: Iterable[FieldInfo]) -> str:
 
 
 def briefly(found: Iterable[FieldInfo]) -> str:
-    """What a field is, on a line: its label, or the begin of its meaning; and its unit."""
+    """Label of a field, or the begin of its meaning; and its unit."""
     found = list(found)
     meanings = dict.fromkeys(re.split(r"[;.] | \(\w+\.md", field.description or "")[0] for field in found)
     said = label_of(found) or " or ".join(filter(None, meanings))

@@ -50,7 +50,7 @@ class FacePressure(Strict):
 
 
 class Probes(Strict):
-    """What is recorded at every step: forces on walls, and the energy between two stations."""
+    """Records of every step: forces on walls, and the energy between two stations."""
 
     forces: tuple[Name, ...] = Field(default=(), description="names of the walls; their forces are recorded")
     interval: units.Duration = Field(
@@ -103,7 +103,7 @@ class Probes(Strict):
 
 
 class Layers(Strict):
-    """Where profiles over y are made."""
+    """Place of the profiles over y."""
 
     x: units.Extent | None = Field(
         default=None, description="from and to: the stretch; without it, the middle half of the channel"
@@ -116,7 +116,7 @@ def _layers(value: Any) -> str:
 
 
 class Means(Strict):
-    """Where and when means are taken."""
+    """Place and time of means."""
 
     bin_width: units.Length | None = Field(
         default=None,
@@ -159,5 +159,5 @@ class Analysis(asked_for(Means, LISTED)):  # type: ignore[misc]
 
     @property
     def looks_at_contacts(self) -> bool:
-        """Whether an analysis needs the forces of contacts."""
+        """Tells whether an analysis needs the forces of contacts."""
         return self.fields or any(one.contacts and getattr(self, name) for name, one in LISTED.items())

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What all models of a case share: limits of numbers, and the model that refuses unknown keys."""
+"""Base of all models of a case: limits of numbers, and the model that refuses unknown keys."""
 
 from __future__ import annotations
 

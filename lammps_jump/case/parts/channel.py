@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a periodic channel cannot have, each refused with the place in the file and the remedy."""
+"""Limits of a periodic channel, each refused with the place in the file and the remedy."""
 
 from __future__ import annotations
 

@@ -193,7 +193,7 @@ class Contact(Strict):
 
     @property
     def stiffer(self) -> str:
-        """What makes the contacts stiffer in this case, as an advice."""
+        """Advice on what makes the contacts stiffer in this case."""
         if self.from_material is not None:
             return "raise contact.from_material.young"
         if self.stiffness is not None:

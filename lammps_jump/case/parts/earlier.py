@@ -24,7 +24,7 @@ class Region(Strict):
 
 
 class EarlierDiscs(NamedTuple):
-    """What the run holds of the discs that the case takes: number, ends along x, top (m), largest speed (m/s)."""
+    """Discs of an earlier run that the case takes: number, ends along x, top (m), largest speed (m/s)."""
 
     count: int  # type: ignore[assignment]  # nobody counts in this tuple
     x: tuple[float, float]
@@ -65,7 +65,7 @@ class EarlierRun(Strict):
 
     @property
     def found(self) -> EarlierDiscs:
-        """What the run holds of its discs, once it has been read."""
+        """Discs of the earlier run, once it has been read."""
         return self._found
 
     def read(self, found: EarlierDiscs) -> EarlierRun:

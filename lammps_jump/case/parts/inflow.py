@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Where discs come from while a case runs: rows of a jet, steady or against time, or a pour."""
+"""Inflow of discs while a case runs: rows of a jet, steady or against time, or a pour."""
 
 from __future__ import annotations
 

@@ -164,7 +164,7 @@ def _check_discs_free_of(
 
 
 def depths(wall: Wall, positions: np.ndarray, diameters: np.ndarray) -> np.ndarray:
-    """How deep discs lie in a wall, m, shape (n,): below 0 beside it, minus infinity where it does not push them."""
+    """Depth of discs in a wall, m, shape (n,): below 0 beside it, minus infinity where it does not push them."""
     gap = wall.distance(positions[:, 0], positions[:, 1])
     if open_ends(wall.faces):  # it pushes nothing that is a radius behind it
         gap = np.where(gap < -diameters / 2, np.inf, gap)

@@ -38,7 +38,7 @@ class Pushable(NamedTuple):
 
 @dataclass(frozen=True)
 class GoingOn:
-    """What walls of a case have of earlier runs.
+    """State of the walls of a case from earlier runs.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class GoingOn:
 
 
 def going_on(case: CaseFields, runs: Runs, pushed: Sequence[Pushable]) -> GoingOn:
-    """Which walls of a case go on from the runs that its discs come from: those of the same name, motion and outline.
+    """Walls of a case that go on from the runs that its discs come from: those of the same name, motion and outline.
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ def _centre(row: np.void) -> tuple[float, float]:
 
 
 def _went(one: Pushable, item: EarlierRun, state: PushedWalls) -> Went:
-    """What a wall that goes on has of its run."""
+    """State of a wall that goes on, from its run."""
     row = state.row(one.wall.name)
     dx, dy = (outline_of(one.wall) - state.outline(one.wall.name))[0, :2].tolist()
     way = item.shift[0] - dx, item.shift[1] - dy

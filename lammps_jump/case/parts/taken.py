@@ -110,7 +110,7 @@ def _of_folder(source: CaseSource, path: PathKey, name: str, time: object) -> En
 
 
 def _how_to_make(base: Path, folder: Path) -> str:
-    """What to do where a run is missing: the command that makes it, where a case of its name is there."""
+    """Advice where a run is missing: the command that makes it, where a case of its name is there."""
     case = base / f"{folder.name}.yaml"
     if not case.is_file():
         return "name the folder of a run that has ended"
@@ -322,7 +322,7 @@ def _free(
     item: EarlierRun, index: int, discs: tuple[np.ndarray, np.ndarray],
     walls: Sequence[tuple[str, Wall]], allowed: float,
 ) -> np.ndarray:  # fmt: skip
-    """Whether each disc, of places and diameters, is free of walls; refused where the case does not drop the others."""
+    """Mask of the discs, by places and diameters, that are free of walls; refused where the case drops no others."""
     free = np.ones(len(discs[0]), bool)
     for field, wall in walls:
         depth = depths(wall, *discs)
@@ -372,7 +372,7 @@ def renamed(earlier: Earlier, chains: Sequence[str]) -> np.ndarray:
 
 
 def of_corners(earlier: Earlier, corners: Sequence[str], chains: Sequence[str]) -> np.ndarray:
-    """What corners remember, by these names of corners and chains; contacts of others are left out."""
+    """Contact history of corners, by these names of corners and chains; contacts of others are left out."""
     found = renumbered(earlier.corners, "disc", earlier.corner_names, corners)
     return renumbered(found, "partner", earlier.chains, chains)
 
@@ -398,7 +398,7 @@ def with_given(sizes: Sizes | None, diameter: float, taken: Taken | None) -> Siz
 
 
 def padded(taken: Taken | None, count: int, fixed: Fixed | None) -> Earlier | None:
-    """What so many discs at the start have of earlier runs; those that come after have nothing of them.
+    """State of so many discs at the start from earlier runs; those that come after have none of it.
 
     The fixed discs of this case stand for those of the earlier run, one for one: no slot outlives a contact that is not
     there.
@@ -425,7 +425,7 @@ def padded(taken: Taken | None, count: int, fixed: Fixed | None) -> Earlier | No
 
 
 def for_walls(earlier: Earlier | None, walls: Iterable[MovingWall], *, remembers: bool) -> Earlier | None:
-    """What discs have of an earlier run, for a scene of these walls; it says how much memory finds no partner."""
+    """State of discs from an earlier run, for a scene of these walls; it says how much memory finds no partner."""
     if earlier is None:
         return None
     walls = tuple(walls)

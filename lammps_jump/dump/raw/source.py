@@ -82,7 +82,7 @@ class Lines(Source):
         return got > 0
 
     def place(self) -> str:
-        """Where the next line stands in the file."""
+        """Place of the next line in the file."""
         return f"line {self.line_number + 1}"
 
     def line(self) -> str | None:
@@ -115,7 +115,7 @@ class Bytes(Source):
     """A binary dump, one number or block after the other."""
 
     def place(self) -> str:
-        """Where the next byte stands in the file."""
+        """Place of the next byte in the file."""
         return f"byte {self.taken}"
 
     def take(self, size: int) -> bytearray:

@@ -86,7 +86,7 @@ class ContactFile:
         return rows
 
     def _wrong(self, rows: np.ndarray, count: int) -> str:
-        """What no run writes in the rows of a frame; empty where all is well."""
+        """Fault of the rows of a frame, which no run writes; empty where all is well."""
         if len(rows) < count:
             return "the frame is cut off"
         walls = len(self.scene.walls) if self.scene is not None else np.iinfo(np.int32).max

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What ``end.npz`` keeps of the native engine alone, held against the discs before anything of it becomes an index.
+"""Lists of ``end.npz`` for the native engine alone, held against the discs before any of it becomes an index.
 
 Lists come from the file of a run that may have been handed on. The engine does not look at them again: an index beyond
 the discs would end it, and a pair that is missing would change the run in silence.
@@ -128,7 +128,7 @@ def check_list(
 
 
 def _is_whole(kept: Mapping[str, np.ndarray], disc: tuple[np.ndarray, np.ndarray], skin: float, period: float) -> bool:
-    """Whether the list holds all pairs whose surfaces were closer than the skin, of places (m) and radii (m)."""
+    """Tells whether the list holds all pairs whose surfaces were closer than the skin, of places (m) and radii (m)."""
     from scipy.spatial import cKDTree  # 0.1 s, which a case without an earlier run need not wait for
 
     places, radii = disc

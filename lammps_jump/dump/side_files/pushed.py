@@ -72,7 +72,7 @@ class PushedWalls:
 
     @property
     def arrays(self) -> dict[str, np.ndarray]:
-        """What lies in the file, by name."""
+        """Arrays of the file, by name."""
         if not self.names:
             return {"walls": self.rows} if self.known else {}  # each array costs time in the file
         texts = {name: np.array(getattr(self, name), str) for name in ("names", "kinds", "corner_names")}
@@ -80,7 +80,7 @@ class PushedWalls:
 
     @classmethod
     def of(cls, stored: Mapping[str, np.ndarray], chains: int) -> PushedWalls:
-        """Those of such arrays, in a run with so many chains; ValueError or LookupError where they are none."""
+        """Walls of such arrays, in a run with so many chains; ValueError or LookupError where they are none."""
         if not len(stored["walls"]):
             return cls()
         texts = [stored[name] for name in ("names", "kinds", "corner_names")]
@@ -128,7 +128,7 @@ class PushedWalls:
         return PushedWalls(self.names, self.kinds, rows, self.outlines, np.empty(0, CONTACT), self.corner_names)
 
     def __bool__(self) -> bool:
-        """Whether there are any."""
+        """Tells whether there are any."""
         return bool(self.names)
 
 
@@ -197,14 +197,14 @@ def pushed_walls(
 
 
 def kind_of(one: MovingWall) -> str:
-    """How such a wall moves."""
+    """Kind of motion of such a wall."""
     kind = one.motion.kind
     assert kind is not None
     return str(kind.kind)
 
 
 def outline_of(wall: Wall) -> np.ndarray:
-    """What draws a wall where the case has it: points (m) and radius of the arc to the next (m; 0: straight)."""
+    """Outline of a wall where the case has it: points (m) and radius of the arc to the next (m; 0: straight)."""
     rows: list[tuple[float, float, float]] = []
     for chain in wall.chains():
         bends = (*chain.bends, *[0.0] * (len(chain.points) - len(chain.bends)))
@@ -213,7 +213,7 @@ def outline_of(wall: Wall) -> np.ndarray:
 
 
 def went_of(row: np.void, pose: Pose) -> Went:
-    """What a wall has of an earlier run, by its row there; it begins at a pose."""
+    """State of a wall from an earlier run, by its row there; it begins at a pose."""
     values: dict[str, Any] = {
         name: None if np.isnan(row[name]).any() else Pose(*row[name].tolist()) for name in STATE[1:]
     }

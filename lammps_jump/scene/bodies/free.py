@@ -64,7 +64,7 @@ class Free(Kind):
 
     @property
     def freedom(self) -> tuple[bool, bool, bool]:
-        """Whether that point moves along x and y, and the body turns about it."""
+        """Tells whether that point moves along x and y, and the body turns about it."""
         return self.axes if self.hinge is None else (False, False, self.axes[2])
 
     @property
@@ -73,7 +73,7 @@ class Free(Kind):
         return about_point(self.mass, self.inertia, hypot(*self.arm))
 
     def ways(self, arms: np.ndarray, directions: np.ndarray) -> np.ndarray:
-        """What forces on the body move: ``ways @ ways.T`` are the velocities along them that impulses of 1 N s give.
+        """Motion by forces on the body: ``ways @ ways.T`` are the velocities along them that impulses of 1 N s give.
 
         The square of a row is what the body gives way to a force of 1 N there, 1/kg.
 
@@ -94,7 +94,7 @@ class Free(Kind):
         return np.column_stack([directions, lever]) * scale * np.array(self.freedom)
 
     def gives_way(self, arms: np.ndarray, directions: np.ndarray) -> np.ndarray:
-        """What the body gives way to forces of 1 N, each alone, 1/kg, shape (n,); parameters as of `ways`."""
+        """Compliance of the body to forces of 1 N, each alone, 1/kg, shape (n,); parameters as of `ways`."""
         return np.sum(self.ways(arms, directions) ** 2, axis=1)
 
     def yielding(self, point: Point) -> float:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Which corners meet which faces, and the numbers of the contact: what engines take of bodies and walls."""
+"""Corners that meet faces, and the numbers of the contact: input of engines on bodies and walls."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def corner_names(walls: Sequence[MovingWall]) -> tuple[str, ...]:
 
 
 def meets(there: Sequence[MovingWall]) -> np.ndarray:
-    """Whether corners of the first wall meet faces of the second, shape (walls, walls).
+    """Tells whether corners of the first wall meet faces of the second, shape (walls, walls).
 
     A circle is a disc that meets the faces of others: their corners do not meet it again, and of two circles one does.
     """

@@ -173,7 +173,7 @@ class Comparison:
 
     @property
     def agrees(self) -> bool:
-        """Whether no quantity differs."""
+        """Tells whether no quantity differs."""
         return all(row["verdict"] != "differ" for row in self.quantities)
 
     def find(self, name: str) -> Results | None:

@@ -200,7 +200,7 @@ class DeterministicCheck:
 
     @property
     def passed(self) -> bool:
-        """Whether it agrees or its difference is expected."""
+        """Tells whether it agrees or its difference is expected."""
         return self.agrees or self.expected_difference is not None
 
     def explain(self, own: Callable[[], float]) -> DeterministicCheck:

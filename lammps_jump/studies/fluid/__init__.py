@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What fluid the discs of a case are: viscosity, yield, speed of sound, packing."""
+"""Fluid that the discs of a case are: viscosity, yield, speed of sound, packing."""
 
 import lazy_loader
 

@@ -21,7 +21,7 @@ from lammps_jump.scene.sizes import Sizes
 
 @dataclass(frozen=True)
 class FluidDiscs:
-    """What the discs of a case are, without the flow they are in.
+    """Discs of a case, without the flow they are in.
 
     Attributes
     ----------

@@ -47,7 +47,7 @@ class Swarm(NamedTuple):
 
 
 class Control(NamedTuple):
-    """What is imposed and what does not change in a run.
+    """Settings that are imposed and do not change in a run.
 
     Attributes
     ----------

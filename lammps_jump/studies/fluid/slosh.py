@@ -28,7 +28,7 @@ SAMPLES = 160
 
 
 class Slosh(NamedTuple):
-    """What a box of sloshing discs shows; NaN where the surface does not swing.
+    """Result of a box of sloshing discs; NaN where the surface does not swing.
 
     Attributes
     ----------

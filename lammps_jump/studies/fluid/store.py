@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What has been measured of discs, by their key in the cache, and the numbers of a flow that follow from it."""
+"""Store of what has been measured of discs, by their key in the cache, and the numbers of a flow that follow."""
 
 from __future__ import annotations
 

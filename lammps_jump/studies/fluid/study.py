@@ -80,7 +80,7 @@ def _number(value: float | None) -> float:
 
 
 def warnings_of(discs: FluidDiscs, flow: FlowScales, at: Numbers) -> list[str]:
-    """What these discs cannot say of water, in sentences."""
+    """Sentences on what these discs cannot say of water."""
     found, mu = [], discs.coefficients.friction
     if at["mach"] > COMPRESSIBLE:
         softer = at["mach"] / COMPRESSIBLE
@@ -172,7 +172,7 @@ def fluid(
 
 
 def _told(piece: Any) -> str:
-    """What a piece has found, in a line."""
+    """Line on the result of a piece."""
     if isinstance(piece, list):
         return "shear: " + ", ".join(f"mu {one['friction']:z.3f} at I {one['inertial']:z.2g}" for one in piece)
     if "swing" in piece:

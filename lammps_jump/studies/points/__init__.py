@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a study is: points that are run or computed, results and pages that are made of what was found."""
+"""Parts of a study: points that are run or computed, results and pages that are made of what was found."""
 
 import lazy_loader
 

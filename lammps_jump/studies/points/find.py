@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Where laws and studies stand that the wheel does not carry, a folder each, and how a module of one is loaded."""
+"""Folders of laws and studies that the wheel does not carry, and how a module of one is loaded."""
 
 from __future__ import annotations
 

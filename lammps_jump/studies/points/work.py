@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a worker process does: it runs one start of a point and measures it, or calls a function."""
+"""Work of a process: it runs one start of a point and measures it, or calls a function."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a law is: points that are run or computed, rows that hold them against published values, a figure."""
+"""Parts of a law: points that are run or computed, rows that hold them against published values, a figure."""
 
 from __future__ import annotations
 

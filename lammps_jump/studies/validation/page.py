@@ -94,7 +94,7 @@ HEADER = ("quantity", "published", "ours, 95 % interval", "distance", "accepted"
 
 
 def verdicts(report: Data) -> str:
-    """How many rows have which verdict."""
+    """Number of rows with each verdict."""
     count = Counter(row["verdict"] for law in report["laws"].values() for row in law["rows"])
     return ", ".join(f"{count[word]} {word}" for word in ("met", "near", "not met", "fit") if count[word])
 
@@ -142,7 +142,7 @@ def section_of(law: Data, folder: Path) -> Section:
 
 
 def explained(rows: Sequence[Data]) -> list[str]:
-    """What is not in the table: source and reason of the rows, one sentence for those that share them, and why."""
+    """Text beside the table: source and reason of the rows, one sentence for those that share them, and why."""
     alike: dict[tuple[str, ...], list[str]] = {}
     for row in rows:
         alike.setdefault((row["source"] if row["published"] is not None else "", row["reason"]), []).append(

@@ -28,7 +28,7 @@ log = logging.getLogger("lammps_jump")
 
 
 class PlayerPoint(NamedTuple):
-    """What the page shows of a point: its number, a run of it, and the player of that run."""
+    """Point on the page: its number, a run of it, and the player of that run."""
 
     number: int
     run: Run
