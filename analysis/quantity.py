@@ -28,7 +28,7 @@ NONE: Mapping[str, Any] = MappingProxyType({})
 Need = Literal["contacts", "thrust", "slope", "forces"]
 
 
-class Wanted(NamedTuple):
+class HeadlineNumber(NamedTuple):
     """A number for the top of page and screen, and that of theory which it is held against.
 
     Attributes
@@ -140,17 +140,17 @@ class Quantity:
     summary, reads : callable
         A result as it stands in ``summary.json``, and the result that stands there; of walls by their names, where it
         is `named`.
-    headline : tuple of Wanted
+    headline : tuple of HeadlineNumber
         Numbers for the top of page and screen.
     rank : int
         Place of these among those of other quantities; small ones come first.
-    goes : callable(Wanted, summary) -> bool
+    is_shown : callable(HeadlineNumber, summary) -> bool
         Whether such a number is shown.
-    words : callable(summary) -> mapping
+    label_values : callable(summary) -> mapping
         What the blanks of their labels are filled with.
     structures : callable(key, summary) -> mapping
         Names that stand for ``*``, with the component of the force there.
-    belongs : callable(key, result) -> bool
+    applies : callable(key, result) -> bool
         Whether a number goes with what was found: no length of a jump where there is none.
     shown : callable(summary) -> bool
         Whether page and screen show the quantity.
@@ -191,12 +191,12 @@ class Quantity:
     notes: Callable[[Any], Sequence[str]] = lambda _: ()
     summary: Callable[[Any], dict[str, object]] = as_summary
     reads: Callable[[Mapping[str, Any]], Any] | None = None
-    headline: tuple[Wanted, ...] = ()
+    headline: tuple[HeadlineNumber, ...] = ()
     rank: int = 1000
-    goes: Callable[[Wanted, Mapping[str, Any]], bool] = lambda *_: True
-    words: Callable[[Mapping[str, Any]], Mapping[str, str]] = lambda _: NONE
+    is_shown: Callable[[HeadlineNumber, Mapping[str, Any]], bool] = lambda *_: True
+    label_values: Callable[[Mapping[str, Any]], Mapping[str, str]] = lambda _: NONE
     structures: Callable[[str, Mapping[str, Any]], Mapping[str, str]] = lambda *_: NONE
-    belongs: Callable[[str, Any], bool] = lambda *_: True
+    applies: Callable[[str, Any], bool] = lambda *_: True
     shown: Callable[[Mapping[str, Any]], bool] = lambda _: True
     defined: Callable[[Mapping[str, Any]], str] = lambda _: ""
     line: Callable[[Mapping[str, Any]], str] = lambda _: ""
@@ -219,7 +219,7 @@ class Quantity:
         parts = {name: one for name, one in found.items() if isinstance(one, Mapping) and name not in self.parts}
         return {name: from_summary(self.result, one) for name, one in parts.items()}
 
-    def meaning(self, wanted: Wanted) -> tuple[str, str]:
+    def meaning(self, wanted: HeadlineNumber) -> tuple[str, str]:
         """Meaning and unit of a number for the top of the page."""
         number = numbers_of(wanted.result or self.result)[wanted.key.rpartition(".")[2]]
         return wanted.label or number.meaning, number.unit if wanted.unit is None else wanted.unit

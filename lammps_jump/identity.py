@@ -40,8 +40,11 @@ if TYPE_CHECKING:
 
 NO_NUMBERS = ("name", "description", "skipped", "warnings", "adapted", "stiffer", "stability", "stability_mean")
 """Fields of a scene that change no trajectory."""
-LATER, LATER_TEXTS = {"earlier": None, "cohesion": 0.0, "pressure": ()}, (", holding=None", ", went=None", ", given=()")
-"""Fields that scenes, and what stands in them, have got since keys were stored, as they are in those of before."""
+DEFAULTS_SINCE_V1, TEXTS_SINCE_V1 = (
+    {"earlier": None, "cohesion": 0.0, "pressure": ()},
+    (", holding=None", ", went=None", ", given=()"),
+)
+"""Fields that were added after keys were stored: left out of the hash at their default, and so in texts."""
 Plain = Mapping[str, object]
 
 
@@ -84,7 +87,9 @@ def scene_key(scene: DataclassInstance) -> str:
     found = hashlib.sha256()
     for field in fields(scene):
         value = getattr(scene, field.name)
-        if field.name not in NO_NUMBERS and not (field.name in LATER and value == LATER[field.name]):
+        if field.name not in NO_NUMBERS and not (
+            field.name in DEFAULTS_SINCE_V1 and value == DEFAULTS_SINCE_V1[field.name]
+        ):
             found.update(field.name.encode())
             found.update(value.tobytes() if isinstance(value, np.ndarray) else _text(value).encode())
     return found.hexdigest()
@@ -92,7 +97,7 @@ def scene_key(scene: DataclassInstance) -> str:
 
 def _text(value: object) -> str:
     text = repr(value)
-    for later in LATER_TEXTS:
+    for later in TEXTS_SINCE_V1:
         text = text.replace(later, "")
     return text
 

@@ -52,7 +52,7 @@ class FieldUnit:
 
     @property
     def expected(self) -> str:
-        """What is allowed, for a message."""
+        """Allowed values, for a message."""
         if self.slope:
             return "a plain number, or an angle from 0 to below 90 degree, whose tangent is taken"
         if not self.unit:
@@ -108,7 +108,7 @@ def whole(value: Any) -> Any:
 
 
 def is_quantity(text: str) -> bool:
-    """Whether a text is one number, with or without what may be a unit."""
+    """Tells whether a text is one number, with or without what may be a unit."""
     return _QUANTITY.fullmatch(text) is not None
 
 
@@ -231,7 +231,7 @@ _POWER_OF_TEN = re.compile(rf"({NUMBER})\s*(?:[x\u00d7*·⋅]\s*10\s*(?:\^|\*\*)
 
 
 def problem_of(text: str) -> str:
-    """What is wrong with a text that is to be a number, and what to write; empty where nothing is seen.
+    """Problem of a text that is to be a number, and what to write; empty where nothing is seen.
 
     It knows decimal commas, grouped digits, digits and signs of other scripts, letters that cannot be seen, and powers
     of ten.
@@ -249,7 +249,7 @@ def problem_of(text: str) -> str:
 
 
 def _is_strange(letter: str) -> bool:
-    """Whether a letter looks like part of a number and is none, or cannot be seen."""
+    """Tells whether a letter looks like part of a number and is none, or cannot be seen."""
     other_digit = letter.isdecimal() and not letter.isascii()
     return other_digit or letter in "\u2212\u2013\u2014\uff0b\uff0d" or (is_hidden(letter) and letter != "\t")
 

@@ -12,7 +12,7 @@ import numpy as np
 from lammps_jump.analysis.draw.chart import TIME, Chart, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered
-from lammps_jump.analysis.quantity import Quantity, Wanted
+from lammps_jump.analysis.quantity import HeadlineNumber, Quantity
 from lammps_jump.analysis.report.page import Section, Table, described
 from lammps_jump.analysis.statistics import Mean, as_fields, mean_of
 from lammps_jump.dump.frame import Frame
@@ -61,6 +61,6 @@ QUANTITY = Quantity(
     tables=lambda spread: {"spread.csv": spread.tables},
     figures=lambda spread, _: {"spread": Chart("spread", TIME, [Panel("m", [Trace("", *spread.tables.values())])])},
     section=lambda spread: Section("Spread", [Table(described(spread, "height"))]),
-    headline=(Wanted("height", "asked", rank=1),),
+    headline=(HeadlineNumber("height", "asked", rank=1),),
     errors=lambda spread: [("", spread)],
 )

@@ -567,6 +567,24 @@ def test_names_that_texts_tell_are_there():
     assert not gone
 
 
+OPENS_ILL = re.compile(r"(?:What|Whether|Where|Those|How|Which|Who|When)\b")
+NOT_YET = ("lammps_jump/core/", "lammps_jump/engines/")
+"""Folders whose docstrings may still begin so."""
+
+
+def test_docstrings_begin_with_a_noun_or_a_verb():
+    """A question word or "those" makes the reader wait for what is meant."""
+    ill = [
+        f"{file}: {text.partition(chr(10))[0]}"
+        for file, tree in trees().items()
+        if not file.startswith(NOT_YET)
+        for node in walked(tree)
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef)
+        if OPENS_ILL.match(text := ast.get_docstring(node) or "")
+    ]
+    assert not ill
+
+
 @pytest.mark.parametrize(("text", "lines"), [('"""Doc."""\n\nx = (\n    1,\n)\n# note\n"""About x."""\n', 3), ("", 0)])
 def test_how_lines_are_counted(text, lines):
     assert lines_of_code(text) == lines

@@ -15,7 +15,7 @@ import numpy as np
 
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered
-from lammps_jump.analysis.quantity import Quantity, Wanted
+from lammps_jump.analysis.quantity import HeadlineNumber, Quantity
 from lammps_jump.analysis.report.page import Section, Table, Text, described
 from lammps_jump.errors import DumpError
 from lammps_jump.units import known, number, shown
@@ -98,6 +98,6 @@ over          touching discs have 0.8 to 1.2; a dump beyond 1.5 is refused: its 
 """,
     analyse=analyse,
     section=section,
-    headline=(Wanted("mass", "surface", "surface"),),
+    headline=(HeadlineNumber("mass", "surface", "surface"),),
     rank=140,
 )

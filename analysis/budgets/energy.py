@@ -16,7 +16,7 @@ from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.forces.impulse import window_lengths
 from lammps_jump.analysis.passes import Gathered, Tables
-from lammps_jump.analysis.quantity import Quantity, Wanted
+from lammps_jump.analysis.quantity import HeadlineNumber, Quantity
 from lammps_jump.analysis.report.page import Section, Table, described, percent
 from lammps_jump.analysis.verdicts.kinds import part
 from lammps_jump.dump.find import ForceHistory
@@ -258,13 +258,13 @@ deviation     largest |E − E₀|/|E₀|, exact for this run; it judges the eng
     linked="energy",
     section=section,
     headline=(
-        Wanted("max_deviation", "exact: 0", label="largest change of the energy", scale=0.01, unit="%"),
-        Wanted("drift", "exact: 0", label="drift of the energy", scale=0.01, unit="%"),
-        Wanted("final", "at the start", "initial"),
-        Wanted("kinetic"),
-        Wanted("potential"),
+        HeadlineNumber("max_deviation", "exact: 0", label="largest change of the energy", scale=0.01, unit="%"),
+        HeadlineNumber("drift", "exact: 0", label="drift of the energy", scale=0.01, unit="%"),
+        HeadlineNumber("final", "at the start", "initial"),
+        HeadlineNumber("kinetic"),
+        HeadlineNumber("potential"),
     ),
     rank=120,
-    goes=lambda _, summary: bool(part(summary, "energy").get("conservative")),
-    belongs=lambda key, energy: key not in OF_A_CLOSED_BOX or energy.conservative is not False,
+    is_shown=lambda _, summary: bool(part(summary, "energy").get("conservative")),
+    applies=lambda key, energy: key not in OF_A_CLOSED_BOX or energy.conservative is not False,
 )

@@ -20,7 +20,7 @@ from lammps_jump.analysis.draw.chart import PLACE, Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.profiles import window_of, within
-from lammps_jump.analysis.quantity import Quantity, Wanted
+from lammps_jump.analysis.quantity import HeadlineNumber, Quantity
 from lammps_jump.analysis.report.page import Section, Table, Text, cells, cut, heading
 from lammps_jump.analysis.statistics import as_fields, mean_of
 from lammps_jump.analysis.verdicts.kinds import part
@@ -265,7 +265,7 @@ error       standard error within this run, from eight pieces of the window
     figures=figures,
     marked="energy_head",
     section=section,
-    headline=(Wanted("lost", label="head lost from {stations}"),),
+    headline=(HeadlineNumber("lost", label="head lost from {stations}"),),
     rank=100,
-    words=_ends,
+    label_values=_ends,
 )

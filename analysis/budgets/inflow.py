@@ -14,7 +14,7 @@ import numpy as np
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered
 from lammps_jump.analysis.profiles import window_of, within
-from lammps_jump.analysis.quantity import Quantity, Wanted
+from lammps_jump.analysis.quantity import HeadlineNumber, Quantity
 from lammps_jump.analysis.report.page import Section, Table, Text, Value, cells, cut
 from lammps_jump.analysis.statistics import Mean, as_fields, mean_of, propagated
 from lammps_jump.dump.frame import Frame
@@ -361,8 +361,8 @@ Froude      u/√(g s) of these, and Bélanger's depth of this stream, in the la
     section=section,
     notes=lambda found: found.notes,
     headline=(
-        Wanted("delivered", "asked", "asked", holds="of an inlet that nothing holds up"),
-        Wanted("froude"),
+        HeadlineNumber("delivered", "asked", "asked", holds="of an inlet that nothing holds up"),
+        HeadlineNumber("froude"),
     ),
     rank=130,
     errors=lambda found: [("", found)],

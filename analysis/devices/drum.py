@@ -17,7 +17,7 @@ from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.profiles import window_of, within
-from lammps_jump.analysis.quantity import Quantity, Wanted
+from lammps_jump.analysis.quantity import HeadlineNumber, Quantity
 from lammps_jump.analysis.report.page import Section, Table, described
 from lammps_jump.analysis.statistics import as_fields, mean_of
 from lammps_jump.dump.frame import Frame
@@ -159,6 +159,6 @@ scatter       standard deviation of the angle from frame to frame;  Froude numbe
     tables=tables,
     figures=figures,
     section=section,
-    headline=(Wanted("angle"), Wanted("scatter"), Wanted("froude")),
+    headline=(HeadlineNumber("angle"), HeadlineNumber("scatter"), HeadlineNumber("froude")),
     rank=40,
 )

@@ -13,7 +13,7 @@ import numpy as np
 from lammps_jump.analysis.draw.chart import Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
-from lammps_jump.analysis.quantity import Quantity, Wanted
+from lammps_jump.analysis.quantity import HeadlineNumber, Quantity
 from lammps_jump.analysis.report.headline import A_JUMP, against_water
 from lammps_jump.analysis.report.page import Section, Table, Text, described, percent
 from lammps_jump.analysis.verdicts.kinds import at, part
@@ -118,7 +118,7 @@ dZ/dT         slope of the bulk front over T, from Martin & Moyce's table beside
 """What its numbers mean where it is compared with water."""
 
 
-def _goes(wanted: Wanted, summary: Mapping[str, Any]) -> bool:
+def _goes(wanted: HeadlineNumber, summary: Mapping[str, Any]) -> bool:
     front = part(summary, "front")
     if wanted.key == "speed" and (wanted.other == RITTER) != against_water(front):
         return False
@@ -156,10 +156,10 @@ errors        none: one run cannot tell; repeat it from other starts
     linked="front",
     section=section,
     headline=(
-        Wanted("position", label="front after {time}"),
-        Wanted("speed", "Ritter", RITTER, holds="of a wave of water on a dry, level bed without friction"),
-        Wanted("speed"),
-        Wanted(
+        HeadlineNumber("position", label="front after {time}"),
+        HeadlineNumber("speed", "Ritter", RITTER, holds="of a wave of water on a dry, level bed without friction"),
+        HeadlineNumber("speed"),
+        HeadlineNumber(
             "martin_moyce.mean_bulk",
             "discs: −20 to 0 %",
             label="off Martin & Moyce’s water",
@@ -167,13 +167,13 @@ errors        none: one run cannot tell; repeat it from other starts
             unit="%",
             result=MartinMoyce,
         ),
-        Wanted("arrival_time", rank=115),
-        Wanted("column_height", label="column at the back wall", rank=115),
-        Wanted("position_99", rank=115),
+        HeadlineNumber("arrival_time", rank=115),
+        HeadlineNumber("column_height", label="column at the back wall", rank=115),
+        HeadlineNumber("position_99", rank=115),
     ),
     rank=90,
-    goes=_goes,
-    words=_time,
+    is_shown=_goes,
+    label_values=_time,
     shown=_is_shown,
     defined=lambda summary: WATER if against_water(part(summary, "front")) else "",
 )

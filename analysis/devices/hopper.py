@@ -20,7 +20,7 @@ import numpy as np
 from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
-from lammps_jump.analysis.quantity import Quantity, Wanted
+from lammps_jump.analysis.quantity import HeadlineNumber, Quantity
 from lammps_jump.analysis.report.page import Section, Table, Text, described, percent
 from lammps_jump.analysis.statistics import piece_bounds, piece_error
 from lammps_jump.physics import devices
@@ -287,11 +287,13 @@ Beverloo      W/(ρ √g (D − 1.4 d)^1.5), ρ and d of a disc, for one gap fro
     figures=figures,
     section=section,
     headline=(
-        Wanted("discharge", label="discharge, per metre"),
-        Wanted("beverloo"),
-        Wanted("slot", label="width of the gap"),
-        Wanted("slot_in_diameters", label="width of the gap over the diameter", rank=78),
-        Wanted("change", label="discharge, second half of the window over the first", scale=0.01, unit="%", rank=78),
+        HeadlineNumber("discharge", label="discharge, per metre"),
+        HeadlineNumber("beverloo"),
+        HeadlineNumber("slot", label="width of the gap"),
+        HeadlineNumber("slot_in_diameters", label="width of the gap over the diameter", rank=78),
+        HeadlineNumber(
+            "change", label="discharge, second half of the window over the first", scale=0.01, unit="%", rank=78
+        ),
     ),
     rank=50,
 )

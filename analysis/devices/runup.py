@@ -24,7 +24,7 @@ from lammps_jump.analysis.devices.front import bulk_front, stack_top
 from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
-from lammps_jump.analysis.quantity import Quantity, Wanted
+from lammps_jump.analysis.quantity import HeadlineNumber, Quantity
 from lammps_jump.analysis.report.page import Section, Table, Text, described
 from lammps_jump.dump.frame import Frame, make_frame
 from lammps_jump.physics import jump
@@ -475,11 +475,11 @@ depth         mass of the discs on the crest over ρ and its width, which is two
     figures=figures,
     section=section,
     headline=(
-        Wanted("highest", label="highest water, y"),
-        Wanted("run_up", label="run-up over still water"),
-        Wanted("discharge", "critical flow", "critical_discharge", "discharge over the crest", holds=OF_WATER),
-        Wanted("head", label="head over the crest"),
-        Wanted("over", label="volume over the crest"),
+        HeadlineNumber("highest", label="highest water, y"),
+        HeadlineNumber("run_up", label="run-up over still water"),
+        HeadlineNumber("discharge", "critical flow", "critical_discharge", "discharge over the crest", holds=OF_WATER),
+        HeadlineNumber("head", label="head over the crest"),
+        HeadlineNumber("over", label="volume over the crest"),
     ),
     rank=30,
 )

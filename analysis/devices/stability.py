@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Whether structures hold: limits of sliding and tipping against time, and factors of safety.
+"""Stability of structures: limits of sliding and tipping against time, and factors of safety.
 
 A body that stands on something is looked at by what ``bodies.csv`` has of it, a wall that is given a weight by its
 force record. Forces are those of the discs. A body that another body touches has no factor, as no record has that
@@ -21,7 +21,7 @@ from lammps_jump.analysis.forces.history import moving_mean
 from lammps_jump.analysis.forces.impulse import window_lengths
 from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.profiles import window_of
-from lammps_jump.analysis.quantity import Named, Quantity, Wanted
+from lammps_jump.analysis.quantity import HeadlineNumber, Named, Quantity
 from lammps_jump.analysis.report.page import Section, Table, Text, described
 from lammps_jump.analysis.verdicts.kinds import part
 from lammps_jump.dump.find import ForceHistory
@@ -57,7 +57,7 @@ NEAR = 0.25
 
 @dataclass(frozen=True)
 class Stability:
-    """Whether one structure holds; factors of safety are what is borne over what drives.
+    """Stability of one structure; factors of safety are what is borne over what drives.
 
     `toe` is the end of the base about which the least factor of tipping is, and moments are about it. `state` is that
     of a body at the end. `reason` says why numbers are absent. `table` holds the columns of ``stability.csv``.
@@ -100,7 +100,7 @@ class Stability:
 
 
 class Loads(NamedTuple):
-    """What acts on a structure that stands, a row a window of the record.
+    """Loads on a structure that stands, a row a window of the record.
 
     Attributes
     ----------
@@ -135,7 +135,7 @@ class Loads(NamedTuple):
 
     @property
     def rubs(self) -> bool:
-        """Whether friction is known."""
+        """Tells whether friction is known."""
         return isfinite(self.friction)
 
     @property
@@ -352,7 +352,7 @@ def _histories(flow: Flow) -> tuple[dict[str, BodyHistory], str]:
 
 
 def body_loads(flow: Flow, one: MovingWall, histories: Mapping[str, BodyHistory]) -> tuple[Loads | None, str]:
-    """What acts on a body from its release on; and why it has no factors, or only up to some time."""
+    """Loads on a body from its release on; and why it has no factors, or only up to some time."""
     kind, history = one.motion.kind, histories[one.wall.name]
     assert isinstance(kind, Free)
     standing = standing_of(flow, one, history)
@@ -390,7 +390,7 @@ def body_loads(flow: Flow, one: MovingWall, histories: Mapping[str, BodyHistory]
 
 
 def wall_loads(flow: Flow, name: str, weighed: Weighed, record: ForceHistory) -> tuple[Loads | None, str]:
-    """What acts on a wall that stands and is given a weight; and why it has no factors."""
+    """Loads on a wall that stands and is given a weight; and why it has no factors."""
     one = next(one for one in flow.scene.walls if one.wall.name == name)
     base = base_at(one, np.array(flow.scene.gravity), 0.0) if flow.g else None
     if base is None:
@@ -579,8 +579,8 @@ time          only as long as the structure stands on its base: turned by less t
     section=section,
     summary=summary,
     headline=(
-        Wanted("*.sliding_factor_least", label="{name}, least factor against sliding"),
-        Wanted("*.tipping_factor_least", label="{name}, least factor against tipping"),
+        HeadlineNumber("*.sliding_factor_least", label="{name}, least factor against sliding"),
+        HeadlineNumber("*.tipping_factor_least", label="{name}, least factor against tipping"),
     ),
     rank=105,
     structures=_told,

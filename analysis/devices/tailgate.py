@@ -20,7 +20,7 @@ from lammps_jump.analysis.contacts import ContactCollector
 from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
-from lammps_jump.analysis.quantity import Named, Quantity, Wanted
+from lammps_jump.analysis.quantity import HeadlineNumber, Named, Quantity
 from lammps_jump.analysis.report.page import Section, Table, Text, described
 from lammps_jump.analysis.statistics import STUDENT, Mean, mean_of
 from lammps_jump.analysis.verdicts.kinds import part
@@ -320,8 +320,8 @@ water         y of the crest with water, by energy without loss over a broad cre
     section=section,
     summary=summary,
     headline=(
-        Wanted("*.height", "water, by energy", "*.water", "crest of {name}, y", plain=True),
-        Wanted("*.held", "asked", "*.target", "{name} holds", plain=True),
+        HeadlineNumber("*.height", "water, by energy", "*.water", "crest of {name}, y", plain=True),
+        HeadlineNumber("*.held", "asked", "*.target", "{name} holds", plain=True),
     ),
     rank=5,
     structures=lambda _, summary: {

@@ -19,7 +19,7 @@ from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.profiles import window_of, within
-from lammps_jump.analysis.quantity import Quantity, Wanted
+from lammps_jump.analysis.quantity import HeadlineNumber, Quantity
 from lammps_jump.analysis.report import Block
 from lammps_jump.analysis.report.page import Section, Table, Text, described
 from lammps_jump.analysis.verdicts.kinds import part
@@ -158,9 +158,9 @@ gauges        mean: depth over the window; lowest, largest: of all frames
     figures=figures,
     section=section,
     headline=(
-        Wanted("height", "piston, small waves", "height_piston", holds="of small waves of a piston"),
-        Wanted("height_last"),
-        Wanted("depth"),
+        HeadlineNumber("height", "piston, small waves", "height_piston", holds="of small waves of a piston"),
+        HeadlineNumber("height_last"),
+        HeadlineNumber("depth"),
     ),
     rank=20,
     line=line,

@@ -14,7 +14,7 @@ from lammps_jump.analysis.budgets.inflow import Arrivals
 from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Map, Panel, Trace
 from lammps_jump.analysis.draw.depths import xt_map
 from lammps_jump.analysis.passes import Gathered
-from lammps_jump.analysis.quantity import Named, Quantity, Wanted
+from lammps_jump.analysis.quantity import HeadlineNumber, Named, Quantity
 from lammps_jump.analysis.report import Block
 from lammps_jump.analysis.report.page import Section, Table, Text, cut, heading
 from lammps_jump.analysis.verdicts.kinds import part
@@ -258,9 +258,13 @@ oncoming      largest ρsu² + ρgs²/2 two bins in front
     summary=Forces.summary,
     reads=Forces.of,
     headline=(
-        Wanted("*.mean_fx", "hydrostatic", "*.mean_hydrostatic", "mean Fx, {name}", KILO, KILO_NEWTON, holds=AT_REST),
-        Wanted("*.mean_fy", label="mean Fy, {name}", scale=KILO, unit=KILO_NEWTON),
-        Wanted("*.peak", "hydrostatic", "*.hydrostatic", "peak {component}, {name}", KILO, KILO_NEWTON, holds=AT_REST),
+        HeadlineNumber(
+            "*.mean_fx", "hydrostatic", "*.mean_hydrostatic", "mean Fx, {name}", KILO, KILO_NEWTON, holds=AT_REST
+        ),
+        HeadlineNumber("*.mean_fy", label="mean Fy, {name}", scale=KILO, unit=KILO_NEWTON),
+        HeadlineNumber(
+            "*.peak", "hydrostatic", "*.hydrostatic", "peak {component}, {name}", KILO, KILO_NEWTON, holds=AT_REST
+        ),
     ),
     rank=110,
     structures=_touched,

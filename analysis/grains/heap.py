@@ -22,7 +22,7 @@ from lammps_jump.analysis.draw.chart import PLACE, Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.profiles import bin_frames
-from lammps_jump.analysis.quantity import Quantity, Wanted
+from lammps_jump.analysis.quantity import HeadlineNumber, Quantity
 from lammps_jump.analysis.report.page import Section, Table, Text, described
 from lammps_jump.analysis.statistics import student
 from lammps_jump.analysis.verdicts.kinds import part
@@ -422,12 +422,12 @@ discs, rods, sand   published, for the same a = H₀/L₀; they are of other gra
     figures=figures,
     section=section,
     headline=(
-        Wanted("run_out_over_base", "rods", "rods", holds=FALLEN.format("rods")),
-        Wanted("run_out_over_base", "sand", "sand", holds=FALLEN.format("sand")),
-        Wanted("height_over_base", "rods", "height_rods", holds=FALLEN.format("rods")),
-        Wanted("angle"),
-        Wanted("height", rank=75),
+        HeadlineNumber("run_out_over_base", "rods", "rods", holds=FALLEN.format("rods")),
+        HeadlineNumber("run_out_over_base", "sand", "sand", holds=FALLEN.format("sand")),
+        HeadlineNumber("height_over_base", "rods", "height_rods", holds=FALLEN.format("rods")),
+        HeadlineNumber("angle"),
+        HeadlineNumber("height", rank=75),
     ),
     rank=60,
-    goes=lambda wanted, summary: not wanted.other or part(summary, "heap").get(wanted.other) is not None,
+    is_shown=lambda wanted, summary: not wanted.other or part(summary, "heap").get(wanted.other) is not None,
 )

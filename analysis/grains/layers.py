@@ -20,7 +20,7 @@ from lammps_jump.analysis.draw.chart import Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.profiles import FrameDiscs, shares, window_of, within
-from lammps_jump.analysis.quantity import Quantity, Wanted
+from lammps_jump.analysis.quantity import HeadlineNumber, Quantity
 from lammps_jump.analysis.report.page import Section, Table, described
 from lammps_jump.core.library import INTEGER, INTEGERS, REALS, core, entry
 from lammps_jump.dump.frame import Frame
@@ -358,6 +358,11 @@ I, μ          γ̇ √(m/P) = γ̇ d √(ρ/P) and |τ|/P, with P = σ_yy
     tables=tables,
     figures=figures,
     section=section,
-    headline=(Wanted("inertial_number"), Wanted("friction"), Wanted("packing"), Wanted("velocity")),
+    headline=(
+        HeadlineNumber("inertial_number"),
+        HeadlineNumber("friction"),
+        HeadlineNumber("packing"),
+        HeadlineNumber("velocity"),
+    ),
     rank=80,
 )

@@ -17,7 +17,7 @@ from lammps_jump.analysis.contacts import ContactCollector
 from lammps_jump.analysis.draw.chart import Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
-from lammps_jump.analysis.quantity import Quantity, Wanted
+from lammps_jump.analysis.quantity import HeadlineNumber, Quantity
 from lammps_jump.analysis.report.page import Section, Table, Text, described
 from lammps_jump.dump.frame import Frame
 from lammps_jump.scene.scene import Scene
@@ -275,6 +275,6 @@ sinking       fall of the highest edge over the last 20 √(d/g)
     tables=tables,
     figures=figures,
     section=section,
-    headline=(Wanted("time"),),
+    headline=(HeadlineNumber("time"),),
     rank=70,
 )

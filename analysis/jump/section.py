@@ -17,8 +17,8 @@ from lammps_jump.analysis.budgets.head import EnergyFluxes, energy_budget, why_n
 from lammps_jump.analysis.draw.chart import Drawings
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
-from lammps_jump.analysis.quantity import Marks, Quantity, Wanted
-from lammps_jump.analysis.report.headline import A_JUMP, AT_SILL, belongs
+from lammps_jump.analysis.quantity import HeadlineNumber, Marks, Quantity
+from lammps_jump.analysis.report.headline import A_JUMP, AT_SILL, applies
 from lammps_jump.analysis.report.page import Beside, Section, Table, Text, cut, described, heading, percent_of
 from lammps_jump.analysis.statistics import Mean, as_fields, propagated
 from lammps_jump.analysis.verdicts.jump import is_asked
@@ -124,12 +124,12 @@ def figures(jump: TrackedJump, gathered: Gathered) -> Drawings:
 def section(jump: Jump) -> Section:
     """Verdict, streams, states, balances, lengths."""
     verdict, local = Text(jump.reason, "verdict" if jump.verdict == "jump" else "warn", jump.verdict), jump.local
-    if local is None or not known(jump.y1) or not belongs("y1", jump.verdict):
+    if local is None or not known(jump.y1) or not applies("y1", jump.verdict):
         return Section("Hydraulic jump", [verdict, _streams(jump)])
     if not known(jump.speed):
         lengths = Table(described(jump, "length", "length_mass"))
         return Section("Hydraulic jump", [verdict, _states(local), Table(described(local, "sequent_ratio")), lengths])
-    steady = belongs("length", jump.verdict)
+    steady = applies("length", jump.verdict)
     budget = _budget(jump.budget if steady else None)
     tables = [_streams(jump), _states(local), _momentum_table(local), _balances(jump), budget]
     return Section(
@@ -147,9 +147,9 @@ def section(jump: Jump) -> Section:
 def _streams(jump: Jump) -> Table:
     """Every state that is compared with theory: state, frame, Froude number, sequent depth by Bélanger."""
     asked, local, rows = jump.inflow, jump.local, []
-    if known(jump.froude) and belongs("froude", jump.verdict) and jump.of != BEFORE:
+    if known(jump.froude) and applies("froude", jump.verdict) and jump.of != BEFORE:
         rows.append((f"{jump.of}: the comparison at the top", "front", *_pair(jump)))
-    if local and known(local.froude) and belongs("local.froude", jump.verdict):
+    if local and known(local.froude) and applies("local.froude", jump.verdict):
         above = ": the comparison at the top" if jump.of == BEFORE else ""
         rows.append((f"{BEFORE}{above}", "front", *_pair(local)))
         rows.append((BEFORE, "laboratory", cut(local, "froude_lab"), ABSENT))
@@ -287,12 +287,12 @@ SHORT = (
 """Said beside the length."""
 
 
-def _jump_is_shown(wanted: Wanted, summary: Mapping[str, Any]) -> bool:
-    return is_asked(summary) and belongs(wanted.key, part(summary, "jump").get("verdict", "jump"))
+def _jump_is_shown(wanted: HeadlineNumber, summary: Mapping[str, Any]) -> bool:
+    return is_asked(summary) and applies(wanted.key, part(summary, "jump").get("verdict", "jump"))
 
 
 def _with_errors(jump: Jump) -> list[tuple[str, object]]:
-    shown = belongs("local.y1", jump.verdict)
+    shown = applies("local.y1", jump.verdict)
     return [("", one) for one in (jump, jump.local, jump.budget, jump.tail)] if shown else []
 
 
@@ -345,8 +345,8 @@ tail water  from 1.2 y₂ behind the front to 0.5 y₂ before the sill
     marks=marks,
     notes=lambda jump: jump.notes,
     headline=(
-        Wanted("y2", "Bélanger", "belanger_y2", "sequent depth", holds=LEVEL_BED, source=BELANGER),
-        Wanted(
+        HeadlineNumber("y2", "Bélanger", "belanger_y2", "sequent depth", holds=LEVEL_BED, source=BELANGER),
+        HeadlineNumber(
             "speed",
             "by continuity",
             "mass.speed_from_mass",
@@ -354,14 +354,18 @@ tail water  from 1.2 y₂ behind the front to 0.5 y₂ before the sill
             plain=True,
             source="(s₂u₂ − s₁u₁)/(s₂ − s₁), s the mass depth, u the mean velocity",
         ),
-        Wanted("length", "water", "length_theory", "jump length", source="9.75 (Fr₁ − 1)^1.01 y₁, thesis (4.27)"),
-        Wanted("length", "USBR", "length_usbr", "jump length", source="USBR, Engineering Monograph 25"),
-        Wanted("head_lost", "Bélanger", "head_lost_theory", "head lost in the jump", holds=LEVEL_BED, source=BELANGER),
-        Wanted("froude"),
+        HeadlineNumber(
+            "length", "water", "length_theory", "jump length", source="9.75 (Fr₁ − 1)^1.01 y₁, thesis (4.27)"
+        ),
+        HeadlineNumber("length", "USBR", "length_usbr", "jump length", source="USBR, Engineering Monograph 25"),
+        HeadlineNumber(
+            "head_lost", "Bélanger", "head_lost_theory", "head lost in the jump", holds=LEVEL_BED, source=BELANGER
+        ),
+        HeadlineNumber("froude"),
     ),
     rank=10,
-    goes=_jump_is_shown,
-    belongs=lambda key, jump: belongs(key, jump.verdict),
+    is_shown=_jump_is_shown,
+    applies=lambda key, jump: applies(key, jump.verdict),
     certainty=certainty,
     shown=is_asked,
     errors=_with_errors,

@@ -64,7 +64,7 @@ def _rows(left: Mapping[str, Any], right: Mapping[str, Any]) -> Iterator[tuple[s
             sides = first.get(part), second.get(part)
             for number in numbers_of(quantity.result).values():
                 told = any(
-                    known(getattr(side, number.key, None)) and quantity.belongs(number.key, side) for side in sides
+                    known(getattr(side, number.key, None)) and quantity.applies(number.key, side) for side in sides
                 )
                 if number.label != number.meaning and told:
                     yield _row(part, number, *sides)

@@ -36,7 +36,7 @@ OF_A_JUMP = (*OF_A_STEADY_JUMP, "belanger_y2", "belanger_deviation", "froude", "
 """Numbers that mean nothing where there is no jump."""
 
 
-def belongs(key: str, verdict: str) -> bool:
+def applies(key: str, verdict: str) -> bool:
     """Tells whether a number of a jump goes with what was found: no length of a jump where there is none."""
     if verdict in ("marginal jump", "jump not developed"):
         return key not in OF_A_STEADY_JUMP

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 from lammps_jump.analysis.budgets import stations
 from lammps_jump.analysis.quantities import QUANTITIES
-from lammps_jump.analysis.quantity import Quantity, Wanted
+from lammps_jump.analysis.quantity import HeadlineNumber, Quantity
 from lammps_jump.analysis.report.page import NumberBox, heading
 from lammps_jump.analysis.statistics import Mean
 from lammps_jump.analysis.verdicts import doubts, headline
@@ -107,14 +107,17 @@ def rows_of(
     return [row for row, _ in zip(found, range(most), strict=False)]
 
 
-def _ranked() -> list[tuple[Quantity, Wanted]]:
+def _ranked() -> list[tuple[Quantity, HeadlineNumber]]:
     """All numbers that may stand at the top, with their quantities, in the order of the page."""
     found = [(quantity, wanted) for quantity in QUANTITIES.values() for wanted in quantity.headline]
     return sorted(found, key=lambda pair: pair[0].rank if pair[1].rank is None else pair[1].rank)
 
 
 def _rows(
-    quantity: Quantity, wanted: Wanted, summaries: Sequence[Mapping[str, Any]], mean: Callable[[Sequence[float]], Mean]
+    quantity: Quantity,
+    wanted: HeadlineNumber,
+    summaries: Sequence[Mapping[str, Any]],
+    mean: Callable[[Sequence[float]], Mean],
 ) -> Iterator[MeasuredRow]:
     first = summaries[0] if summaries else {}
     meaning, unit = quantity.meaning(wanted)
@@ -123,7 +126,7 @@ def _rows(
         path = f"{quantity.name}.{wanted.key}".replace("*", name)
         held = wanted.other and component != "fy"  # water at rest pushes along x
         other = f"{quantity.name}.{wanted.other}".replace("*", name) if held else ""
-        pairs = [(_at(one, path), _at(one, other)) for one in summaries if quantity.goes(wanted, one)]
+        pairs = [(_at(one, path), _at(one, other)) for one in summaries if quantity.is_shown(wanted, one)]
         known = [(value / wanted.scale, theory) for value, theory in pairs if isinstance(value, int | float)]
         if not known:
             continue
@@ -133,7 +136,7 @@ def _rows(
         yield MeasuredRow(
             path,
             other,
-            meaning.format(**words, **quantity.words(first)),
+            meaning.format(**words, **quantity.label_values(first)),
             unit,
             mean([value for value, _ in known]),
             wanted.words if both or not wanted.other else "",
@@ -253,7 +256,7 @@ def _alike(found: Sequence[Mapping[str, Any]], kind: str, mean: Callable[[Sequen
 
 
 def _means(found: Sequence[Mapping[str, Any]], mean: Callable[[Sequence[float]], Mean]) -> dict[str, Any]:
-    """What some results say together: means of the numbers that half of them know, of other values the commonest.
+    """Common values of some results: means of the numbers that half of them know, of other values the commonest.
 
     What holds (a field that is true or false) holds where it does in all of them.
     """
@@ -277,7 +280,7 @@ def _means(found: Sequence[Mapping[str, Any]], mean: Callable[[Sequence[float]],
 
 
 def _commonest(values: Sequence[Any]) -> Any:
-    """What most of some values are, the first of them where several are as common; None of none."""
+    """Commonest of some values, the first of them where several are as common; None of none."""
     if values and all(isinstance(value, bool) for value in values):
         return all(values)
     same = [sum(one == value for one in values) for value in values]
@@ -302,7 +305,7 @@ def _labelled(quantity: Quantity, found: Mapping[str, Any]) -> list[str]:
     for result in quantity.walls(found).values() if quantity.named is None else ():
         for number in numbers_of(result).values():
             value = getattr(result, number.key)
-            if number.label != number.meaning and known(value) and quantity.belongs(number.key, result):
+            if number.label != number.meaning and known(value) and quantity.applies(number.key, result):
                 error, bound = sure_of(result, number.key)
                 texts.append(f"{number.label} {shown(value, number.unit, error, bound=bound)}")
     return texts

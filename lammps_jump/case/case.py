@@ -25,7 +25,7 @@ from .angles import slopes_of_angles
 from .derived import Derived
 from .explain import explain
 from .fields import CaseFields
-from .parts.taken import from_run, read_runs, with_found
+from .parts.taken import from_run, read_runs, with_restart
 from .tables import read_tables
 from .templates import described, of_another_case
 from .text import CaseSource, override, parse_source, read_source, value_at
@@ -295,7 +295,7 @@ def _validated(source: CaseSource, changes: Changes, default_name: str) -> CaseF
     except ValidationError as error:
         raise explain(error, source, CaseFields) from None
     fields = fields.model_copy(
-        update={"description": described(fields.description, source), "initial": with_found(fields.initial, source)}
+        update={"description": described(fields.description, source), "initial": with_restart(fields.initial, source)}
     )
     try:
         _check(fields)

@@ -123,7 +123,7 @@ NUMBER_WORDS = {2: "two", 3: "three", 4: "four"}
 
 
 def _vector(problem: ErrorDetails, path: PathKey, model: type[BaseModel]) -> str:
-    """What a vector, an interval or a row of numbers lacks or has too many of; empty where the problem is another."""
+    """Lack or surplus of a vector, an interval or a row of numbers; empty where the problem is another."""
     kind, location, value = problem["type"], problem["loc"], problem.get("input")
     if kind == "missing" and isinstance(location[-1], int):
         location = location[:-1]

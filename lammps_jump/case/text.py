@@ -61,7 +61,7 @@ class FileTable(NamedTuple):
     lines: list[int]
 
 
-class Begun(NamedTuple):
+class StartState(NamedTuple):
     """Discs of an earlier run, with folder and time as a case has them."""
 
     folder: str
@@ -69,7 +69,7 @@ class Begun(NamedTuple):
     state: Ended
 
 
-Runs = Mapping[PathKey, Begun]
+Runs = Mapping[PathKey, StartState]
 """Path of an item of ``initial`` -> the discs of the run that it names."""
 
 
@@ -114,7 +114,7 @@ class CaseSource:
     left_out: str = ""
     folder: Path | None = None
     tables: dict[PathKey, FileTable] = field(default_factory=dict)
-    begun: dict[PathKey, Begun] = field(default_factory=dict)
+    begun: dict[PathKey, StartState] = field(default_factory=dict)
     options: dict[str, str] = field(default_factory=dict)
     octals: dict[PathKey, str] = field(default_factory=dict)
 

@@ -49,7 +49,7 @@ from .parts.earlier import EarlierRun
 from .parts.inflow import PourInflow, RowsInflow
 from .parts.pushed import going_on
 from .parts.rows import Inlet, inlet_back, inlet_of
-from .parts.taken import Taken, for_walls, padded, take, with_given
+from .parts.taken import RestartDiscs, for_walls, load_restart, restart_state, with_given
 from .text import Runs
 
 INTEGRATORS = {"lammps": "velocity_verlet"} | dict.fromkeys(("native", "twin"), "leapfrog_extrapolated")
@@ -126,15 +126,15 @@ def build_scene(case: CaseFields, runs: Runs) -> Scene:
 def _scene(case: CaseFields, runs: Runs) -> Scene:
     """`build_scene`, without the notes that need the whole scene."""
     begun, warnings = _beginning(case, runs)
-    around = _around(case, begun)
-    notes = around.notes + _check_together(case, begun, around)
-    seen = _seen(case, begun, around)
-    notes += _foreseen(case, begun, around, seen.reached)
-    touch = _touch(case, begun, around.laws)
-    standing = (*seen.kept, *around.gates)
+    geometry = _geometry(case, begun)
+    notes = geometry.notes + _check_together(case, begun, geometry)
+    seen = _active_walls(case, begun, geometry)
+    notes += _foreseen(case, begun, geometry, seen.reached)
+    laws, touch = geometry.laws, _touch(case, begun, geometry.laws)
+    standing = (*seen.kept, *geometry.gates)
     pour = case.inflow if isinstance(case.inflow, PourInflow) else None
     changed = {
-        "overlap_limit": begun.overlap_limit * walls.own_overlap(begun, around.laws),
+        "overlap_limit": begun.overlap_limit * walls.own_overlap(begun, laws),
         "earlier": for_walls(begun.earlier, standing, remembers=touch["springs"] is not None),
     }
     scene = Scene(
@@ -144,38 +144,38 @@ def _scene(case: CaseFields, runs: Runs) -> Scene:
         density=case.discs.density,
         gravity=case.acceleration,
         integrator=_integrator(case),
-        domain=around.domain,
+        domain=geometry.domain,
         walls=standing,
-        own_laws=around.laws,
-        inlets=around.inlet.rows,
-        hydrograph=around.inlet.hydrograph,
+        own_laws=laws,
+        inlets=geometry.inlet.rows,
+        hydrograph=geometry.inlet.hydrograph,
         pours=(Pour(**pour.model_dump(exclude={"kind"})),) if pour else (),
-        outlets=around.outlets,
+        outlets=geometry.outlets,
         probes=seen.probes,
         groups=seen.groups,
         stability=seen.weighed,
         pressure=seen.pressed,
         stability_mean=case.probes.stability_mean or STABILITY_MEAN,
-        stations=_stations(case, begun, around.inlet.rows, around.outlets),
-        gauges=places.gauges(case, around.domain[0]),
+        stations=_stations(case, begun, geometry.inlet.rows, geometry.outlets),
+        gauges=places.gauges(case, geometry.domain[0]),
         seed=case.run.seed,
         skin=case.engine.skin or 0.3 * begun.diameter,
         periodic=case.seam is not None,
-        size_steps=around.inlet.raster if around.inlet.rows else POUR_RASTER,
+        size_steps=geometry.inlet.raster if geometry.inlet.rows else POUR_RASTER,
         skipped=skipped(
-            case, tuple(wall for wall, _ in around.walls), [wall for wall, _ in seen.kept], begun, around.laws.values()
+            case, tuple(one.wall for one in geometry.walls), [one.wall for one in seen.kept], begun, laws.values()
         ),
         warnings=(
-            *warnings, *checks.check_stop(case), *doubts(case, _stiffness(case)[1], around.inlet.rows), *notes,
+            *warnings, *checks.check_stop(case), *doubts(case, _stiffness(case)[1], geometry.inlet.rows), *notes,
         ),
-        adapted=checks.adapted(case, begun, around.inlet.rows),
+        adapted=checks.adapted(case, begun, geometry.inlet.rows),
     )  # fmt: skip
     checks.check_time(case, scene)
     told = held_deep(scene) + curve_doubts(case, scene)
     return replace(scene, warnings=(*scene.warnings, *told)) if told else scene
 
 
-class _Around(NamedTuple):
+class _Geometry(NamedTuple):
     """Geometry around the discs of a scene, and warnings about it.
 
     Attributes
@@ -201,7 +201,7 @@ class _Around(NamedTuple):
     notes: list[str]
 
 
-def _around(case: CaseFields, begun: Beginning) -> _Around:
+def _geometry(case: CaseFields, begun: Beginning) -> _Geometry:
     """Inlet, walls with their contacts and motions, domain and outlets; each is checked by itself."""
     rows = case.inflow if isinstance(case.inflow, RowsInflow) else None
     inlet = inlet_of(rows, begun, case.run.seed) if rows else Inlet()
@@ -221,27 +221,27 @@ def _around(case: CaseFields, begun: Beginning) -> _Around:
     gates = walls.shut_gates(case, begun, domain)
     moving += map(MovingWall, inlet_back(case.inflow, begun.largest))
     names = checks.check_names(case, [wall for wall, _ in (*moving[len(theirs) :], *gates)])
-    return _Around(inlet, laws, moving, gates, domain, outlets, fields, names, notes)
+    return _Geometry(inlet, laws, moving, gates, domain, outlets, fields, names, notes)
 
 
-def _check_together(case: CaseFields, begun: Beginning, around: _Around) -> list[str]:
+def _check_together(case: CaseFields, begun: Beginning, geometry: _Geometry) -> list[str]:
     """Refuse what does not go together: discs, inlets and walls in each other's place; what to beware of there."""
-    standing, rows, notes = (*around.walls, *around.gates), around.inlet.rows, []
-    places.check_in_domain(case, begun.positions, rows, around.domain)
-    places.check_places(case, begun, rows, standing, around.fields, case.seam)
+    standing, rows, notes = (*geometry.walls, *geometry.gates), geometry.inlet.rows, []
+    places.check_in_domain(case, begun.positions, rows, geometry.domain)
+    places.check_places(case, begun, rows, standing, geometry.fields, case.seam)
     if case.seam:
-        channel.check_walls(begun, around.walls, around.fields, around.domain)
-        notes += channel.lid_doubts(around.walls, around.domain, begun.largest)
+        channel.check_walls(begun, geometry.walls, geometry.fields, geometry.domain)
+        notes += channel.lid_doubts(geometry.walls, geometry.domain, begun.largest)
     notes += check_bodies(
-        begun, standing, around.fields, around.laws, _integrator(case),
+        begun, standing, geometry.fields, geometry.laws, _integrator(case),
         unstable=case.run.allow_unstable, ground=speeds.lowest_ground(case) if case.bodies else math.inf,
     )  # fmt: skip
-    notes += places.check_bodies_in_domain(standing, around.fields, around.domain)
-    checks.check_pour(case, around.domain, begun.largest)
+    notes += places.check_bodies_in_domain(standing, geometry.fields, geometry.domain)
+    checks.check_pour(case, geometry.domain, begun.largest)
     return notes
 
 
-class _Seen(NamedTuple):
+class _ActiveWalls(NamedTuple):
     """Walls that the scene keeps: those that discs reach, and those whose forces are asked for."""
 
     reached: list[MovingWall]
@@ -252,30 +252,33 @@ class _Seen(NamedTuple):
     pressed: tuple[FaceStretch, ...]
 
 
-def _foreseen(case: CaseFields, begun: Beginning, around: _Around, reached: Sequence[MovingWall]) -> list[str]:
+def _foreseen(case: CaseFields, begun: Beginning, geometry: _Geometry, reached: Sequence[MovingWall]) -> list[str]:
     """Warnings on walls (`reached` by discs), outlets, times and analyses."""
-    rows, own = around.inlet.rows, list(around.fields)
-    notes = ways_out.unguarded(case, begun, rows, around.walls, around.domain, around.outlets)
-    notes += ways_out.unused(around.walls, reached, own) + written_walls(around.walls, own)
-    notes += never_met(case, begun, rows, around.walls, around.outlets)
+    rows, own = geometry.inlet.rows, list(geometry.fields)
+    notes = ways_out.unguarded(case, begun, rows, geometry.walls, geometry.domain, geometry.outlets)
+    notes += ways_out.unused(geometry.walls, reached, own) + written_walls(geometry.walls, own)
+    notes += never_met(case, begun, rows, geometry.walls, geometry.outlets)
     if case.probes.pressure and case.engine.name == "lammps":
         notes.append("probes.pressure: the native engine alone records it; use engine.name: native")
-    notes += in_vain(case, around.walls) + radians_given(case) + light(case)
+    notes += in_vain(case, geometry.walls) + radians_given(case) + light(case)
     return notes + behind_the_end(case) + small_bins(case, begun.largest)
 
 
-def _seen(case: CaseFields, begun: Beginning, around: _Around) -> _Seen:
+def _active_walls(case: CaseFields, begun: Beginning, geometry: _Geometry) -> _ActiveWalls:
     """The walls that matter, and the forces that are asked for."""
-    probes = _probes(case, [wall.name for wall, _ in around.walls])
-    groups = walls.groups(case, around.walls, around.names)
-    weighed = walls.weighed(case, around.walls)
+    probes = _probes(case, [wall.name for wall, _ in geometry.walls])
+    groups = walls.groups(case, geometry.walls, geometry.names)
+    weighed = walls.weighed(case, geometry.walls)
     asked = {*probes, *(name for _, members in groups for name in members), *(name for name, _ in weighed)}
     reached = [
-        one for one in around.walls if walls.reachable(one, begun, around.domain) or is_live(case, one.wall.name)
+        one for one in geometry.walls if walls.reachable(one, begun, geometry.domain) or is_live(case, one.wall.name)
     ]
-    kept = [one for one in around.walls if one in reached or one.wall.name in asked]
-    there = (*kept, *(one for one in around.walls if one not in kept and one.wall.name in (case.probes.pressure or {})))
-    return _Seen(reached, list(there), probes, groups, weighed, walls.pressed(case, there, around.domain))
+    kept = [one for one in geometry.walls if one in reached or one.wall.name in asked]
+    there = (
+        *kept,
+        *(one for one in geometry.walls if one not in kept and one.wall.name in (case.probes.pressure or {})),
+    )
+    return _ActiveWalls(reached, list(there), probes, groups, weighed, walls.pressed(case, there, geometry.domain))
 
 
 def _touch(case: CaseFields, begun: Beginning, laws: dict[str, contact.WallLaw]) -> dict[str, Any]:
@@ -312,7 +315,7 @@ def _beginning(case: CaseFields, runs: Runs) -> tuple[Beginning, list[str]]:
     pushed = walls.pushed(case)
     going, about = going_on(case, runs, pushed), {one.wall.name: one.about for one in pushed}
     standing = [(item.field, going.placed(item.wall, about)) for item in (*walls.joined(case), *walls.lifted(case))]
-    taken = take(case, runs, standing, case.discs.diameter / softness, random, going)
+    taken = load_restart(case, runs, standing, case.discs.diameter / softness, random, going)
     integrator, sizes = _integrator(case), with_given(disc_sizes(case), case.discs.diameter, taken)
     coefficients = _coefficients(case, integrator, sizes)
     warnings = checks.check_stability(case, coefficients, integrator, sizes)
@@ -336,7 +339,7 @@ def _beginning(case: CaseFields, runs: Runs) -> tuple[Beginning, list[str]]:
         settle_steps=settle,
         output_steps=steps.output,
         probe_steps=steps.probe,
-        earlier=padded(taken, len(positions), beds.fixed),
+        earlier=restart_state(taken, len(positions), beds.fixed),
     ), warnings
 
 
@@ -369,7 +372,7 @@ def _steps(case: CaseFields, dt: float, sizes: Sizes | None) -> tuple[Schedule, 
 
 def _discs(
     case: CaseFields, coefficients: contact.Coefficients, sizes: Sizes | None,
-    random: np.random.Generator, taken: Taken | None,
+    random: np.random.Generator, taken: RestartDiscs | None,
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Positions and velocities at the start, each of shape (n, 2), m and m/s; those of earlier runs come first."""
     positions = [np.empty((0, 2)) if taken is None else taken.positions]

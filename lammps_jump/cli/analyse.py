@@ -132,7 +132,9 @@ def analyze(
     loaded = None if case is None else lj.load_case(case, set_ or [])
     with log_printed(quiet):
         path = dump.find_dump(*targets)
-        given = runs.results.Given(diameter, density, time_step, bin_width, bodies, analyses, stations or (), gravity)
+        given = runs.results.AnalysisInputs(
+            diameter, density, time_step, bin_width, bodies, analyses, stations or (), gravity
+        )
         summary, folder = runs.results.analyse_dump(path, loaded, given, out)
     if not quiet:
         print_summary(summary, folder, verbose=verbose)

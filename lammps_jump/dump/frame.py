@@ -206,7 +206,7 @@ class DumpFile:
 
     @property
     def is_whole(self) -> bool:
-        """Whether the bytes of `most_bytes` are there, so that a frame may ask for their room before it is read."""
+        """Tells whether the bytes of `most_bytes` are there, so that a frame may ask for room before it is read."""
         return not self.compressed
 
     def warn(self, message: str) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Whether a structure on a plane base holds: sliding, tipping about both ends of the base, pressure below it.
+"""Stability of a structure on a plane base: sliding, tipping about both ends of the base, pressure below it.
 
 The checks of a gravity structure, per metre of width: Y. Goda, "Random Seas and Design of Maritime Structures" (2010),
 section 4.3. t is the unit vector along the base from its left to its right end, n = (-t_y, t_x) points up from it, and

@@ -49,7 +49,7 @@ OF_A_DUMP = tuple(name for name, one in quantities.LISTED.items() if one.bare)
 
 
 @dataclass(frozen=True)
-class Given:
+class AnalysisInputs:
     """Inputs that may be given with a bare dump; None, or nothing, where they are not.
 
     Attributes
@@ -89,11 +89,11 @@ class Given:
 
     @property
     def known(self) -> dict[str, Any]:
-        """Given inputs, as they stand in ``summary.json``."""
+        """AnalysisInputs inputs, as they stand in ``summary.json``."""
         return {name: value for name, value in vars(self).items() if value not in (None, ())}
 
     @classmethod
-    def of(cls, summary: Mapping[str, Any]) -> Given:
+    def of(cls, summary: Mapping[str, Any]) -> AnalysisInputs:
         """That of a summary."""
         names = {field.name for field in fields(cls)}
         given = {key: value for key, value in (summary.get("given") or {}).items() if key in names}
@@ -102,7 +102,7 @@ class Given:
         return cls(**given | {name: tuple(given.get(name, ())) for name in ("analyses", "stations")})
 
 
-NOTHING_GIVEN = Given()
+NO_INPUTS = AnalysisInputs()
 
 
 @dataclass(frozen=True)
@@ -215,7 +215,7 @@ def analyse_in_memory(case: ReadCase, folder: Path) -> ResultsInMemory:
 
 
 def analyse_dump(
-    target: Path, case: ReadCase | None, given: Given = NOTHING_GIVEN, out: Path | None = None
+    target: Path, case: ReadCase | None, given: AnalysisInputs = NO_INPUTS, out: Path | None = None
 ) -> tuple[dict[str, Any], Path]:
     """Analyse a dump that is no run's; its summary, and the folder that holds the results.
 
@@ -225,7 +225,7 @@ def analyse_dump(
         The dump, a folder that holds one, or the pattern of its files.
     case : ReadCase, optional
         The case that belongs to it.
-    given : Given
+    given : AnalysisInputs
     out : Path, optional
         Folder of the results; default beside the dump.
 
@@ -267,7 +267,7 @@ def analyse_dump(
     return summary, folder
 
 
-def _flow(path: Path, case: ReadCase | None, given: Given = NOTHING_GIVEN) -> Flow:
+def _flow(path: Path, case: ReadCase | None, given: AnalysisInputs = NO_INPUTS) -> Flow:
     """The flow of a dump: that of its case, else what can be guessed."""
     if case is not None:
         water = case.fields.analysis.front == "water"
@@ -315,13 +315,13 @@ def flow_of_dump(folder: Path) -> Flow:
     """
     summary = summary_of_dump(folder)
     case = ReadCase.parse(summary["case_yaml"]) if "case_yaml" in summary else None
-    return _flow(find_dump(folder), case, Given.of(summary))
+    return _flow(find_dump(folder), case, AnalysisInputs.of(summary))
 
 
 def draw_dump(folder: Path, ending: str = "png") -> list[Path]:
     """Draw every figure of a folder of results of a bare dump into its ``figures``; the paths."""
     with folders.locked(folder):
-        names = Given.of(summary_of_dump(folder)).wanted
+        names = AnalysisInputs.of(summary_of_dump(folder)).wanted
         wanted = {name: one for name, one in quantities.QUANTITIES.items() if name in names}
         gathered = pipeline.collect(flow_of_dump(folder), read_dump(folder), [folder], names)
         results = {name: result for name, one in wanted.items() if (result := one.analyse(gathered)) is not None}

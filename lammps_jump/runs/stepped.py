@@ -428,7 +428,7 @@ def _positive(path: str, value: object) -> float:
 
 
 def _of_another_past(old: Scene, new: Scene, step: int) -> str:
-    """What a scene would have done otherwise up to a step than another one; empty where nothing."""
+    """Differences of a scene from another one up to a step; empty where there is none."""
     if len(old.walls) != len(new.walls) or len(old.inlets) != len(new.inlets):
         return "it would change how many walls or rows of the inflow there are"
     for one, other in zip(old.walls, new.walls, strict=True):
@@ -447,7 +447,7 @@ def _of_another_past(old: Scene, new: Scene, step: int) -> str:
 
 
 def _same_way(one: MovingWall, other: MovingWall, time: float) -> bool:
-    """Whether two motions by a table are the same up to a time, s, to the last bit."""
+    """Tells whether two motions by a table are the same up to a time, s, to the last bit."""
     if not isinstance(one.motion.kind, TableMotion) or not isinstance(other.motion.kind, TableMotion):
         return False
     first, second = (motion.track[motion.track[:, BEGIN] <= time] for motion in (one.motion, other.motion))

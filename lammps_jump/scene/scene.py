@@ -110,7 +110,7 @@ class Stations:
 
 @dataclass(frozen=True, slots=True)
 class Weighed:
-    """What a wall that stands would weigh and bear: density over its outline (kg/m^3), friction of its base."""
+    """Weight and strength of a wall that stands: density over its outline (kg/m^3), friction of its base."""
 
     density: float
     friction: float

@@ -86,7 +86,7 @@ class Times(NamedTuple):
 
 
 def reached(state: WatchedState, times: Times, *, whole: bool) -> str:
-    """How far a run has come, behind the words of its status; empty where nothing is known.
+    """Text on how far a run has come, behind the words of its status; empty where nothing is known.
 
     Parameters
     ----------
@@ -241,7 +241,7 @@ class Watched:
 
     @property
     def _is_read(self) -> bool:
-        """Whether all frames that are there have been looked at."""
+        """Tells whether all frames that are there have been looked at."""
         return self._tail.at_end and not self._trouble
 
     @property

@@ -34,7 +34,7 @@ def number_at(summary: Mapping[str, Any], path: str) -> float:
         parent, found = found, found.get(part) if isinstance(found, Mapping) else None
     quantity, key = QUANTITIES.get(path.partition(".")[0]), path.rpartition(".")[2]
     judged = isinstance(parent, Mapping) and "verdict" in parent
-    meant = quantity is None or not judged or quantity.belongs(key, quantity.read(parent))
+    meant = quantity is None or not judged or quantity.applies(key, quantity.read(parent))
     return float(found) if isinstance(found, int | float) and meant else nan
 
 

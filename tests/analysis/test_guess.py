@@ -20,7 +20,7 @@ from lammps_jump.dump.frame import make_frame
 from lammps_jump.dump.read import open_dump
 from lammps_jump.dump.write import DumpWriter
 from lammps_jump.errors import DumpError
-from lammps_jump.runs.results import Given, analyse_dump
+from lammps_jump.runs.results import AnalysisInputs, analyse_dump
 
 pytestmark = pytest.mark.usefixtures("blank_pictures")
 
@@ -40,7 +40,7 @@ def bore(folder, columns=COLUMNS, *, timed=False, name="flow_7.lammpstrj", frame
 
 
 def analysed(path, **given):
-    folder = analyse_dump(path, None, Given(D, **given))[1]
+    folder = analyse_dump(path, None, AnalysisInputs(D, **given))[1]
     return json.loads((folder / "summary.json").read_text()), folder
 
 
@@ -267,7 +267,7 @@ def test_results_of_a_dump_open_in_the_other_commands(tmp_path, monkeypatch, cap
     monkeypatch.setattr(film, "animate", lambda dump, flow, path, **_: path.write_text(f"{flow.bin_width} {len(dump)}"))
     monkeypatch.setattr(film, "has_ffmpeg", lambda: True)
     monkeypatch.chdir(tmp_path)
-    analyse_dump(bore(tmp_path, timed=True, frames=9), None, Given(D, bin_width=0.5))
+    analyse_dump(bore(tmp_path, timed=True, frames=9), None, AnalysisInputs(D, bin_width=0.5))
     made, drawn = "flow_7_analysis", "0.5 9"  # the flow as it was analysed
     for arguments, file, said in (
         (("export", made, "--csv", "--vtk", "--pictures"), f"{made}/picture8.dat", ""),

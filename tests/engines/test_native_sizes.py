@@ -28,7 +28,7 @@ FREE = dict(gravity=(0.0, 0.0))
 
 
 @dataclass(frozen=True)
-class Given(Sizes):
+class AnalysisInputs(Sizes):
     """Diameters of discs 1, 2, … as given."""
 
     def diameters(self, ids):
@@ -37,7 +37,7 @@ class Given(Sizes):
 
 def given(diameters):
     diameters = tuple(float(d) for d in diameters)
-    return Given((1 / len(diameters),) * len(diameters), diameters, diameters)
+    return AnalysisInputs((1 / len(diameters),) * len(diameters), diameters, diameters)
 
 
 def collide(ratio, wall, **kw):

@@ -46,7 +46,7 @@ def outcome(data: bytes, folder, *, figures: str = "none", **given) -> str:
             warnings.simplefilter("ignore", RuntimeWarning)
             with pytest.MonkeyPatch.context() as patch:
                 patch.setattr(pipeline, "analyse", partial(ANALYSE, pictures=pipeline.Pictures(figures)))
-                results.analyse_dump(path, None, results.Given(**given), folder / "out")
+                results.analyse_dump(path, None, results.AnalysisInputs(**given), folder / "out")
     except DumpError as error:
         assert "\n" not in str(error) and len(str(error)) < 600
         return str(error)

@@ -258,7 +258,7 @@ def test_an_attack_in_a_file_name_makes_no_file(tmp_path, monkeypatch):
             for step in range(4):
                 frame = disc_frame(x + 0.01 * step, 0 * x + 0.1, 1.0, box=[(0, 3), (0, 1)], step=step, time=0.1 * step)
                 out.write_frame(frame)
-        results.analyse_dump(path, None, results.Given(0.2), folder / "out")
+        results.analyse_dump(path, None, results.AnalysisInputs(0.2), folder / "out")
         assert (folder / "out" / "summary.json").is_file()
     assert not list(tmp_path.rglob("PWNED"))
 

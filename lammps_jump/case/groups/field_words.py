@@ -118,14 +118,14 @@ def _is_number(kind: Any) -> bool:
 
 
 class Vector(NamedTuple):
-    """How many numbers a field has, and whether they must rise."""
+    """Number of values of a field, and whether they must rise."""
 
     length: int
     rises: bool
 
 
 def vector_in(found: Iterable[FieldInfo]) -> Vector | None:
-    """What vector a field is: a list of so many numbers, or one of its alternatives is; None where there is none."""
+    """Vector that a field is: a list of so many numbers, or one of its alternatives is; None where there is none."""
     for field in found:
         rises = any(
             isinstance(note, AfterValidator) and note.func in (ordered, not_backwards) for note in notes_of(field)

@@ -25,7 +25,7 @@ class StationPair(Strict):
 
 
 class WeightOfWall(Strict):
-    """What a wall that stands would weigh and bear if it were a body."""
+    """Weight and strength of a wall that stands, as if it were a body."""
 
     density: Annotated[units.Density, Field(ge=1e-3, le=1e6)] = Field(
         description="of the material of the wall, over the area of its outline"

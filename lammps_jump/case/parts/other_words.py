@@ -66,7 +66,7 @@ MEANT = (
     ("analysis.window", "time interval average averaging from", ""),
     ("analysis.bin_width", "bins bin dx", ""),
 )  # fmt: skip
-"""Fields with the words that are written for them, and what such a word needs to be told beside what the field is."""
+"""Synonyms of fields, with a hint where the meaning differs."""
 KINDS = {
     "rectangle rect solid obstacle sill step structure": "block",
     "floor ground bottom side flat infinite": "plane",

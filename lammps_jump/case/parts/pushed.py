@@ -66,7 +66,7 @@ def going_on(case: CaseFields, runs: Runs, pushed: Sequence[Pushable]) -> GoingO
     Parameters
     ----------
     case : CaseFields
-    runs : mapping of tuple to Begun
+    runs : mapping of tuple to StartState
         `CaseSource.begun`.
     pushed : sequence of Pushable
         Of the case.

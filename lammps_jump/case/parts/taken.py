@@ -15,7 +15,7 @@ from weakref import WeakValueDictionary
 import numpy as np
 
 from lammps_jump.case.fields import CaseFields
-from lammps_jump.case.text import Begun, CaseSource, PathKey, Runs, parse_source, read_text
+from lammps_jump.case.text import CaseSource, PathKey, Runs, StartState, parse_source, read_text
 from lammps_jump.dump.side_files.ended import DISC, STOPPED, Ended, at_frame, read_ended
 from lammps_jump.errors import CaseError, DumpError, FieldError
 from lammps_jump.files import END_FILE, START_FILE, SUMMARY_FILE, checksum, read_json
@@ -56,7 +56,7 @@ def read_runs(source: CaseSource) -> None:
         path, name, time, key = ("initial", index), item["folder"], item.get("time", "last"), item.get("key")
         old = next((one for one in known.values() if (one.folder, one.time) == (name, time)), None)
         if old is None:
-            old = Begun(name, time, _own(source, key) or _of_folder(source, path, name, time))
+            old = StartState(name, time, _own(source, key) or _of_folder(source, path, name, time))
         if key is not None and key != old.state.key:
             raise FieldError(
                 f"initial.{index}.key",
@@ -189,13 +189,13 @@ def from_run(source: CaseSource, folder: Path, time: object) -> dict[str, object
         moment = inf if time == "last" else float(time)  # type: ignore[arg-type]
         if not (folder / "case.yaml").is_file():
             raise DumpError("holds no run; name the folder of a run that has ended")
-        source.begun = {("initial", 0): Begun(str(folder), time, read_state(folder, moment))}
+        source.begun = {("initial", 0): StartState(str(folder), time, read_state(folder, moment))}
     except (DumpError, TypeError, ValueError) as error:
         raise CaseError(f"{folder}: {error}") from None
     return {"kind": "run", "folder": str(folder), "time": time}
 
 
-def with_found(initial: Sequence[object], source: CaseSource) -> tuple[object, ...]:
+def with_restart(initial: Sequence[object], source: CaseSource) -> tuple[object, ...]:
     """The items of ``initial``, those of earlier runs with what their runs hold."""
     found = []
     for index, item in enumerate(initial):
@@ -218,7 +218,7 @@ def _chosen(item: EarlierRun, state: Ended) -> np.ndarray:
     return discs[kept]
 
 
-class Taken(NamedTuple):
+class RestartDiscs(NamedTuple):
     """Discs of earlier runs: places (m), velocities (m/s), diameters (m), and what else they have."""
 
     positions: np.ndarray
@@ -227,16 +227,16 @@ class Taken(NamedTuple):
     earlier: Earlier
 
 
-def take(
+def load_restart(
     case: CaseFields, runs: Runs, walls: Iterable[tuple[str, Wall]], allowed: float,
     random: np.random.Generator, going: GoingOn,
-) -> Taken | None:  # fmt: skip
+) -> RestartDiscs | None:  # fmt: skip
     """The discs of all earlier runs of a case, with ids from 1 on; None where it names none.
 
     Parameters
     ----------
     case : CaseFields
-    runs : mapping of tuple to Begun
+    runs : mapping of tuple to StartState
         `CaseSource.begun`.
     walls : iterable of (str, Wall)
         Walls that stand there at the start, with their fields.
@@ -276,13 +276,13 @@ def take(
         corners,
     )
     positions, velocities, sizes = (np.concatenate([part[k] for part in parts]) for k in range(3))
-    return Taken(positions, velocities, sizes, earlier)
+    return RestartDiscs(positions, velocities, sizes, earlier)
 
 
 def _one(
     case: CaseFields, index: int, state: Ended, walls: Sequence[tuple[str, Wall]], allowed: float,
     first: int, random: np.random.Generator,
-) -> Taken:  # fmt: skip
+) -> RestartDiscs:  # fmt: skip
     """The discs of one item, with ids from `first` on."""
     item: EarlierRun = case.initial[index]  # type: ignore[assignment]
     if abs(case.discs.density / state.density - 1) > SAME_DENSITY:
@@ -315,7 +315,7 @@ def _one(
         moves[:, 2], np.full_like(half, np.nan) if rest else half, contacts, state.chains,
         state.exact if unmoved else {}, (said,), {}, state.walls.corners, state.walls.corner_names,
     )  # fmt: skip
-    return Taken(places, moves[:, :2], discs["diameter"].copy(), origin)
+    return RestartDiscs(places, moves[:, :2], discs["diameter"].copy(), origin)
 
 
 def _free(
@@ -345,7 +345,7 @@ def _free(
 def _contacts(state: Ended, ids: np.ndarray, first: int) -> tuple[np.ndarray, int]:
     """Contacts between these discs, or of one and a wall, with ids from `first` on; how many lack a disc.
 
-    The k-th fixed disc of the run is `FIXED` + k, until its id is known (`padded`).
+    The k-th fixed disc of the run is `FIXED` + k, until its id is known (`restart_state`).
     """
     held, one, last = state.contacts, *state.fixed
     new = {name: np.where(held[name] < 0, held[name], 0) for name in ("disc", "partner")}
@@ -386,7 +386,7 @@ def _without_memory_of(earlier: Earlier, walls: frozenset[str]) -> Earlier:
     return replace(earlier, chains=chains, corner_names=corners)
 
 
-def with_given(sizes: Sizes | None, diameter: float, taken: Taken | None) -> Sizes | None:
+def with_given(sizes: Sizes | None, diameter: float, taken: RestartDiscs | None) -> Sizes | None:
     """Sizes of all discs: those of earlier runs as they are, the others as drawn, equal ones of this diameter (m)."""
     if taken is None:
         return sizes
@@ -397,7 +397,7 @@ def with_given(sizes: Sizes | None, diameter: float, taken: Taken | None) -> Siz
     return replace(sizes or Sizes((1.0,), (diameter,), (diameter,)), given=tuple(taken.diameters.tolist()))
 
 
-def padded(taken: Taken | None, count: int, fixed: Fixed | None) -> Earlier | None:
+def restart_state(taken: RestartDiscs | None, count: int, fixed: Fixed | None) -> Earlier | None:
     """State of so many discs at the start from earlier runs; those that come after have none of it.
 
     The fixed discs of this case stand for those of the earlier run, one for one: no slot outlives a contact that is not

@@ -13,7 +13,7 @@ from lammps_jump.compiling.cache import usual_folder
 from lammps_jump.errors import CaseError, DumpError
 from lammps_jump.files import plain, read_json
 from lammps_jump.foreign import foreign
-from lammps_jump.identity import LATER, short_hash
+from lammps_jump.identity import DEFAULTS_SINCE_V1, short_hash
 
 from .discs import FluidDiscs, discs_of
 from .flow import FlowScales, flow_of
@@ -30,7 +30,11 @@ def measured_key(discs: FluidDiscs, flow: FlowScales) -> str:
     """Key of what is measured: the discs, and pressure and depth in three digits."""
     scales = [f"{value:z.3g}" for value in (flow.pressure(discs.density), slosh_depth(discs, flow), flow.gravity)]
     numbers = plain(discs)
-    numbers |= {name: value for name, value in numbers.pop("law").items() if name not in LATER or value != LATER[name]}
+    numbers |= {
+        name: value
+        for name, value in numbers.pop("law").items()
+        if name not in DEFAULTS_SINCE_V1 or value != DEFAULTS_SINCE_V1[name]
+    }
     return short_hash({"method": METHOD, "discs": numbers, "scales": scales})
 
 
