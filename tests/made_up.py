@@ -62,6 +62,12 @@ STUDY = {
 """Four points of two members."""
 
 
+def some_long(value, long=True):
+    """A parameter, or a tuple of several, left out of the default run where it is `long`: others are its kind."""
+    values = value if isinstance(value, tuple) else (value,)
+    return pytest.param(*values, marks=pytest.mark.long) if long else pytest.param(*values)
+
+
 def examples(number: int) -> settings:
     """Random examples of a test that wants another number than most; a third in the default run, as of the others."""
     return settings(max_examples=number // 3 if settings.default.derandomize else number)

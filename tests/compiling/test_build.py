@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 import typer
 from children import run_child
+from made_up import some_long
 
 from lammps_jump.cli import tools
 from lammps_jump.compiling import build, compiler, product, trust
@@ -369,8 +370,14 @@ def test_a_compiler_that_makes_garbage_is_named(make_believe):
         plugin_path()
 
 
-@pytest.mark.parametrize("which", ["library", "record", "folder", "kernels", "root", "above"])
-@pytest.mark.parametrize("how", ["owner", "group", "everybody"])
+@pytest.mark.parametrize(
+    ("how", "which"),
+    [
+        some_long((how, which), (number + turn) % 3 > 0)
+        for turn, how in enumerate(("owner", "group", "everybody"))
+        for number, which in enumerate(("library", "record", "folder", "kernels", "root", "above"))
+    ],
+)
 @pytest.mark.fault("surroundings")
 def test_what_others_own_or_may_change_is_not_loaded(make_believe, monkeypatch, which, how):
     make_believe()

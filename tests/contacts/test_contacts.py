@@ -205,11 +205,13 @@ MODELS = {
 
 
 def table():
-    for name, case in CASES.items():
-        for engine in ENGINES:
+    """Every case on every engine; the default run has each on the native engine, and on the others in turn."""
+    for number, (name, case) in enumerate(CASES.items()):
+        for place, engine in enumerate(ENGINES):
             smooth_twin = engine in SIGN and not case["friction"]  # no friction, no law of friction
             if not smooth_twin and engine not in case.get("skip", {}):
                 marks = [] if engine.startswith("native") else [pytest.mark.lammps]
+                marks += [] if engine == "native_verlet" or (number + place) % 2 == 0 else [pytest.mark.long]
                 yield pytest.param(name, engine, id=f"{name}-{engine}", marks=marks)
 
 

@@ -41,7 +41,7 @@ def signalled(folder, engine: str, number: int, who: str = "first") -> str:
     [
         (signal.SIGHUP, "native"),
         pytest.param(signal.SIGXCPU, "native", marks=pytest.mark.long),
-        (signal.SIGUSR1, "stock"),
+        pytest.param(signal.SIGUSR1, "stock", marks=pytest.mark.long),
         pytest.param(signal.SIGQUIT, "compiled", marks=pytest.mark.long),
         pytest.param(signal.SIGUSR2, "ranks", marks=pytest.mark.long),
     ],

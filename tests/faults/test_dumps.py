@@ -22,7 +22,7 @@ from lammps_jump.runs import results
 pytestmark = pytest.mark.fault("mutants of dumps")
 
 ANALYSE = pipeline.analyse
-MUTANTS = many(30, 500)
+MUTANTS = many(16, 500)
 
 
 @pytest.fixture(scope="module")

@@ -277,7 +277,7 @@ def test_mutants_of_end_states_are_taken_or_refused(states, tmp_path, monkeypatc
     monkeypatch.chdir(tmp_path)
     (tmp_path / "run").mkdir()
     (tmp_path / "run" / "case.yaml").write_text("name: run\n")
-    path, times, refused = tmp_path / "run" / END_FILE, many(60, 1000), 0
+    path, times, refused = tmp_path / "run" / END_FILE, many(30, 1000), 0
     for seed in range(times):
         print(f"seed {seed}")
         dice = random.Random(seed)
@@ -303,7 +303,7 @@ def test_mutants_of_end_states_are_taken_or_refused(states, tmp_path, monkeypatc
 def test_mutants_of_saved_states_are_taken_or_refused(feature, tmp_path, tried):
     """Checkpoints whose checksums somebody made to fit: what is taken goes on for some steps."""
     save_state(simulation := stepped(feature), path := tmp_path / "state.npz")
-    stored, times, refused = dict(read_arrays(path)), many(40, 400), 0
+    stored, times, refused = dict(read_arrays(path)), many(20, 400), 0
     for seed in range(times):
         print(f"seed {seed}")
         write_arrays(path, **mutant(stored, random.Random(f"{feature} {seed}")))

@@ -158,7 +158,7 @@ def said_truth(folder: Path, dump: bytes) -> None:
     ("code", "persistent"),
     [
         pytest.param(errno.ENOSPC, True, id="no space from then on"),
-        pytest.param(errno.EIO, False, id="bad disk once"),
+        pytest.param(errno.EIO, False, id="bad disk once", marks=pytest.mark.long),
         pytest.param(errno.ENOSPC, False, id="no space once", marks=pytest.mark.long),
         pytest.param(errno.EIO, True, id="bad disk from then on", marks=pytest.mark.long),
     ],
@@ -222,10 +222,10 @@ def test_a_cut_dump_is_found_at_every_byte(finished, tmp_path, tried):
     start_of_two = data.rfind(b"ITEM: TIME\n", 0, data.rfind(b"ITEM: TIME\n"))
     shutil.copy(finished.folder / FORCES, tmp_path)
     places = range(start_of_two, len(data) - 1)
-    for place in random.Random(1).sample(places, many(60, len(places) // 2)):
+    for place in random.Random(1).sample(places, many(30, len(places) // 2)):
         (tmp_path / DUMP).write_bytes(data[:place])
         assert troubles(tmp_path, finished), place
-    tried(many(60, len(places) // 2))
+    tried(many(30, len(places) // 2))
 
 
 @pytest.mark.fault("cut files")

@@ -23,7 +23,7 @@ from lammps_jump.files import checksum
 
 pytestmark = [pytest.mark.usefixtures("blank_pictures"), pytest.mark.fault("mutants of run folders")]
 
-PART, PARTS = many(28, 200), many(1, 10)
+PART, PARTS = many(18, 200), many(1, 10)
 """Mutants of a part, and parts: the long form of 2,000 is spread over workers."""
 SEED = 20_000
 LIMIT = 300

@@ -177,7 +177,7 @@ KINDS = [
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_mutant_is_read_or_refused(samples, kind, tried):
     path, read = samples[kind]
-    whole, times, refused = path.read_bytes(), many(15, 400), 0
+    whole, times, refused = path.read_bytes(), many(8, 400), 0
     read(path)  # as it is
     before = files(path.parent)
     try:

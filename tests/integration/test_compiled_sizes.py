@@ -275,6 +275,7 @@ def test_a_disc_of_another_size_or_mass_is_refused(run):
             run(case, more=(f"set atom 1 {change}", "run 1"))
 
 
+@pytest.mark.long  # test_ranks.py has two ranks in the default run
 def test_two_ranks_equal_one(plugin, tmp_path):
     mpiexec, lmp = program("mpiexec"), program("lmp")
     if mpiexec is None or lmp is None:

@@ -214,7 +214,7 @@ def test_a_gate_before_inlets_goes_on_closed_or_open(kernel, stop, tmp_path):
 @pytest.mark.parametrize(
     ("kernel", "ranks", "name", "changes"),
     [
-        ("stock", 1, "quick_jump", (*JUMP, *RUB, "run.duration=0.4")),
+        pytest.param("stock", 1, "quick_jump", (*JUMP, *RUB, "run.duration=0.4"), marks=LONG),
         pytest.param("stock", 1, "quick_jump", (*JUMP, *RUB), marks=LONG),
         pytest.param("compiled", 1, "quick_jump", (*JUMP, "contact.friction=0.1"), marks=LONG),
         pytest.param("stock", 1, "wave_structure", FRICTION, marks=LONG),

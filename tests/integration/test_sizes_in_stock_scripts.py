@@ -36,8 +36,15 @@ SIZES = {
 }
 
 
-@pytest.mark.parametrize("sizes", SIZES.values(), ids=SIZES)
-@pytest.mark.parametrize("discs", [JET, POUR, COLUMN], ids=["jet", "pour", "column"])
+@pytest.mark.parametrize(
+    ("sizes", "discs"),
+    [
+        pytest.param(text, discs, id=f"{kind}-{name}", marks=() if alone else pytest.mark.long)
+        for name, discs, of in (("jet", JET, "sieve"), ("pour", POUR, "list"), ("column", COLUMN, "uniform bidisperse"))
+        for kind, text in SIZES.items()
+        for alone in [kind in of.split()]
+    ],
+)
 def test_every_disc_has_the_size_of_its_id(sizes, discs, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     scene = parse_case(CASE.replace("SIZES", sizes) + discs).scene()

@@ -27,7 +27,10 @@ def stops(random, *, drift, correlation, size, windows=3.0):
     return any(detector.feed(t, value, 1.0, 5.0) for t, value in zip(time, depth, strict=True))
 
 
-@pytest.mark.parametrize(("correlation", "size"), [(0.0, 0.03), (0.8, 0.01), (0.95, 0.006)])
+@pytest.mark.parametrize(
+    ("correlation", "size"),
+    [pytest.param(0.0, 0.03, marks=pytest.mark.long), pytest.param(0.8, 0.01, marks=pytest.mark.long), (0.95, 0.006)],
+)
 def test_false_stop_rate(correlation, size):
     random = np.random.default_rng(20261121)
     runs = 400

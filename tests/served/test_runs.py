@@ -340,7 +340,9 @@ def test_a_run_that_was_cut_off_is_called_so(finished, tmp_path):
     ("status", "said"),
     [
         (75, "stopped, and can go on: lammps-jump run './a run' --resume"),
-        (0, "ended with status 0: lammps-jump build-and-run ./--help.yaml --out 'a run'"),
+        pytest.param(
+            0, "ended with status 0: lammps-jump build-and-run ./--help.yaml --out 'a run'", marks=pytest.mark.long
+        ),
         (1, "ended with status 1: lammps-jump build-and-run ./--help.yaml --out 'a run'"),
     ],
 )

@@ -20,7 +20,9 @@ def standing_names(command):
     return [name.replace("*", "one") for name in study_files(command)]
 
 
-@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize(
+    "command", [name if name in ("bench", "fluid") else pytest.param(name, marks=pytest.mark.long) for name in COMMANDS]
+)
 def test_a_study_starts_in_no_folder_with_files_of_a_person(command, tmp_path, monkeypatch, capsys):
     given = [INPUTS / "quick_jump.yaml"] if command in OF_A_CASE else OF_A_STUDY.get(command, [])
     words = [command, *given, "--out", tmp_path / "out"]

@@ -149,6 +149,7 @@ def test_another_run_in_the_place_of_a_member_stays(prepared, other_run, tmp_pat
     assert files(tmp_path) == before
 
 
+@pytest.mark.long  # engines that are killed: engines/test_child.py and faults/test_killed.py
 @pytest.mark.fault("killed")
 def test_a_member_whose_engine_is_killed_is_run_by_the_same_command(prepared, monkeypatch):
     (member,), real = prepared.members, Child.run
