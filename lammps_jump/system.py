@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What differs between operating systems; no other module asks which one this is.
+"""Differences between operating systems; no other module asks which one this is.
 
 Linux has the first branch of each function, and runs in the tests. The other one is that of macOS, which has POSIX and
 `psutil` for the rest: tests run it on Linux, with what macOS lacks taken away. Nobody ran it on macOS. Windows has
@@ -48,7 +48,7 @@ def told(path: str | Path) -> str:
 
 
 def processor_lines() -> list[str]:
-    """What Linux tells of the processors, line by line; nothing on other systems."""
+    """Lines of Linux on the processors; nothing on other systems."""
     return told("/proc/cpuinfo").splitlines()
 
 
@@ -90,7 +90,7 @@ def control_group() -> str:
 
 
 def boot() -> str:
-    """What this boot of the machine is called."""
+    """Name of this boot of the machine."""
     if LINUX:
         return told("/proc/sys/kernel/random/boot_id").strip()
     import psutil
@@ -99,7 +99,7 @@ def boot() -> str:
 
 
 def started(pid: int) -> int:
-    """When a process began, in ticks of 10 ms; 0 where there is none: a pid is given again."""
+    """Start of a process, in ticks of 10 ms; 0 where there is none: a pid is given again."""
     if LINUX:
         return int([*told(f"/proc/{pid}/stat").rpartition(")")[2].split(), *20 * "0"][19])
     import psutil
@@ -163,7 +163,7 @@ def libraries_version() -> str:
 
 
 def forbids_programs(folder: Path) -> bool:
-    """Whether no program or library may be loaded from the file system of a folder; False where it does not tell."""
+    """Tells whether no program may be loaded from the file system of a folder; False where it does not tell."""
     return bool(os.statvfs(folder).f_flag & getattr(os, "ST_NOEXEC", 0))
 
 
@@ -181,7 +181,7 @@ def lock(place: int, *, shared: bool = False, wait: bool = False) -> None:
 
 
 def lent(place: int, *, whole: bool = False) -> bool:
-    """Whether no other program has an open file open for writing, or, `whole`, at all.
+    """Tells whether no other program has an open file open for writing, or, `whole`, at all.
 
     With `whole` programs that would open it wait until it is closed here, or `taken_back`. True where the system does
     not know.

@@ -19,7 +19,8 @@ from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered
 from lammps_jump.analysis.statistics import known_mean
 from lammps_jump.dump.frame import Frame, make_frame
-from lammps_jump.physics import measured, waves
+from lammps_jump.physics import jump as waves
+from lammps_jump.physics import measured
 from lammps_jump.units import number
 
 ASPECT = 2

@@ -18,7 +18,8 @@ from lammps_jump.analysis.report.headline import A_JUMP, against_water
 from lammps_jump.analysis.report.page import Section, Table, Text, described, percent
 from lammps_jump.analysis.verdicts.kinds import at, part
 from lammps_jump.analysis.verdicts.water import has_front
-from lammps_jump.physics import measured, waves
+from lammps_jump.physics import jump as waves
+from lammps_jump.physics import measured
 from lammps_jump.units import known, shown
 
 from .front import ASPECT, Front, FrontHistory, FrontTracker, MartinMoyce, analyse, dimensionless, way

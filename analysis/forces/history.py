@@ -22,7 +22,7 @@ from lammps_jump.dump.find import ForceHistory
 from lammps_jump.dump.side_files.bodies import BodyHistory, read_bodies
 from lammps_jump.errors import DumpError
 from lammps_jump.files import BODIES
-from lammps_jump.physics import waves
+from lammps_jump.physics import jump as waves
 from lammps_jump.scene.walls import Wall
 from lammps_jump.units import Estimates, as_summary, estimate, from_summary, number
 

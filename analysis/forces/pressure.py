@@ -213,7 +213,7 @@ LOOKS = ("first", "second", "third", "sum")
 
 
 def _abscissa(one: Pressure) -> tuple[str, np.ndarray]:
-    """What the pressure is drawn over: y or x of a straight wall, else the place along the outline."""
+    """Abscissa of the pressure: y or x of a straight wall, else the place along the outline."""
     along = np.array([stretch.along for stretch in one.stretches])
     places = np.array([stretch.place for stretch in one.stretches])
     if np.ptp(along, axis=0).max() < SAME:

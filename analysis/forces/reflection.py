@@ -11,7 +11,7 @@ import numpy as np
 
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.jump.track import straight_motion
-from lammps_jump.physics import waves
+from lammps_jump.physics import jump as waves
 from lammps_jump.scene.walls import Wall
 from lammps_jump.units import Estimates, estimate, number, shown
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from lammps_jump.analysis.statistics import Mean, as_fields, known_mean, mean_of
 from lammps_jump.physics import jump as theory
-from lammps_jump.physics import waves
+from lammps_jump.physics import jump as waves
 from lammps_jump.units import number
 
 if TYPE_CHECKING:

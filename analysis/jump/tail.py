@@ -12,7 +12,7 @@ import numpy as np
 
 from lammps_jump.analysis.statistics import Mean, as_fields, mean_of, propagated
 from lammps_jump.physics import jump as theory
-from lammps_jump.physics import waves
+from lammps_jump.physics import jump as waves
 from lammps_jump.units import Estimates, estimate, number
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ import numpy as np
 from lammps_jump.analysis.contacts import find_contacts
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.dump.frame import Frame
-from lammps_jump.physics.waves import GRAVITY
+from lammps_jump.physics.jump import GRAVITY
 
 CELL = 4
 """Diameters of a cell: a mean over some 14 discs, in which a single collision does not stand out."""

@@ -10,7 +10,7 @@ from typing import Any
 
 from lammps_jump.analysis.report.headline import DISCS, against_water
 from lammps_jump.analysis.report.page import percent
-from lammps_jump.physics.waves import GRAVITY
+from lammps_jump.physics.jump import GRAVITY
 
 from .kinds import Doubt, Verdict, asked_of_a_dump, at, below, part, place, shown
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a case allows for because sliders of a live page may change it: ways of walls, speeds, and what is refused.
+"""Allowance of a case for the sliders of a live page: ways of walls, speeds, and what is refused.
 
 The moves of a live page become tables of the case. So that a run of that case has the numbers of the page to the last
 bit, domain and outlets must not depend on which moves were made: they allow for all that the sliders may do.
@@ -58,7 +58,7 @@ def _require_rows(case: CaseFields, field: str) -> None:
 
 
 def is_live(case: CaseFields, name: str) -> bool:
-    """Whether a slider moves a wall."""
+    """Tells whether a slider moves a wall."""
     return any(one.wall == name for one in (case.live or {}).values())
 
 

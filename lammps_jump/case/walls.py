@@ -14,8 +14,8 @@ from lammps_jump.errors import FieldError
 from lammps_jump.physics import contact
 from lammps_jump.physics.bodies import section_of_polygon
 from lammps_jump.scene import Beginning, Block, InletRow, Interval, MovingWall, Plane, Scene, Wall, gate
-from lammps_jump.scene.bodies.meeting import stiffness_between
 from lammps_jump.scene.chains import TX0, TY0, Point, boxes
+from lammps_jump.scene.meeting import stiffness_between
 from lammps_jump.scene.motion import Motion, arms, largest_speed, way
 from lammps_jump.scene.pressed import MOST_INTERVALS, FaceStretch, bins_of, gauge_of
 from lammps_jump.scene.scene import Weighed
@@ -340,7 +340,7 @@ def pressed(
 
 
 def _room_along(wall: Wall, walls: Sequence[Wall], domain: tuple[Interval, Interval]) -> Interval | None:
-    """Where an endless wall is looked at along its outline, m: in the domain, between planes; None of others."""
+    """Stretch of an endless wall along its outline, m: in the domain, between planes; None of others."""
     if not isinstance(wall, Plane):
         return None
     other = "y" if wall.axis == "x" else "x"

@@ -17,8 +17,7 @@ from lammps_jump.errors import JumpError, SetupError
 
 from . import analyse, run, studies, tools
 from .options import Commands
-from .prestart import start_early
-from .streams import patient_output
+from .startup import patient_output, start_early
 
 app = typer.Typer(
     name="lammps-jump",

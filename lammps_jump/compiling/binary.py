@@ -18,7 +18,7 @@ cputype, PE Machine)."""
 
 
 def is_code(data: bytes) -> bool:
-    """Whether a file begins as an object or library does."""
+    """Tells whether a file begins as an object or library does."""
     return data.startswith((ELF, MACH, DOS))
 
 

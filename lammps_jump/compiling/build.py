@@ -84,7 +84,7 @@ class _Recipe:
 
 
 def _recipe(product: Product, platform: Platform | None = None, level: str = "") -> _Recipe:
-    """How the product is built here, for this very processor, or for a level of a platform.
+    """Recipe of the product for this very processor, or for a level of a platform.
 
     Raises
     ------

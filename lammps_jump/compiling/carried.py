@@ -64,7 +64,7 @@ def carried_folder(product: Product) -> Path:
 
 
 def needs(product: Product, built_for: Platform | None = None) -> dict[str, str]:
-    """What a library must have been built from and for to run here, or on another platform."""
+    """Requirements of a library: what it must have been built from and for to run here, or on another platform."""
     system, machine = (built_for.system, built_for.machine) if built_for else (platform.system(), platform.machine())
     return {**product.versions(), "system": system, "machine": machine, "sources": product.sources()}
 

@@ -39,7 +39,7 @@ class Platform:
 
     @property
     def is_here(self) -> bool:
-        """Whether this machine is one."""
+        """Tells whether this machine is one."""
         return (self.system, self.machine) == (platform.system(), platform.machine())
 
 

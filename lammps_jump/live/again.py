@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a page needs to compute a finished run again and to hold it against what was stored: its start, and hashes.
+"""Data by which a page computes a finished run again and holds it against what was stored: its start, and hashes.
 
 Ten frames of the dump are compared to the digits that it has, the end to the last bit. Only the native engine repeats
 its runs on every system; LAMMPS sums in another order.

@@ -106,7 +106,7 @@ def live_page(flow: LiveFlow, again: RunAgain | str = "") -> str:
 
 
 def _about_again(again: RunAgain | str) -> dict[str, str] | None:
-    """What the template is told of a run that is computed again."""
+    """Facts of a run that is computed again, for the template."""
     if isinstance(again, RunAgain):
         return {"image": _packed(again.image), "reason": ""}
     return {"image": "", "reason": again} if again else None
@@ -146,7 +146,7 @@ def _template() -> Template:
 
 
 def head_of(flow: LiveFlow, core: BrowserCore) -> dict[str, Any]:
-    """What the scripts of a page know of its flow."""
+    """Facts of the flow for the scripts of a page."""
     scene, case = flow.simulation.scene, flow.case
     tick = max(TICK, float(f"{STEPS_A_TICK * scene.time_step:.2g}"))
     return {
@@ -204,7 +204,7 @@ def _slider(flow: LiveFlow, name: str, one: LiveSlider) -> dict[str, Any]:
 
 
 def _inflow(flow: LiveFlow) -> dict[str, Any] | None:
-    """What scripts need to let discs in against time: see `physics.hydrograph.entries_of_rows`."""
+    """Numbers by which scripts let discs in against time: see `physics.hydrograph.entries_of_rows`."""
     scene, inflow = flow.simulation.scene, flow.case.fields.inflow
     if not isinstance(inflow, RowsInflow) or not any(one.path == "inflow" for one in flow.sliders.values()):
         return None
@@ -229,7 +229,7 @@ def _felt(flow: LiveFlow) -> list[int]:
 
 
 def _front(flow: LiveFlow) -> dict[str, Any]:
-    """What the front is: of a jump where the mass depth comes to a level, m; else that of the discs."""
+    """Front: of a jump where the mass depth comes to a level, m; else that of the discs."""
     inflow, g = flow.case.fields.inflow, float(np.hypot(*flow.simulation.scene.gravity))
     if isinstance(inflow, RowsInflow) and g > 0 and flow.case.fields.analysis.jump:
         depth, speed = inflow.over(0.0, 0.0)
@@ -240,7 +240,7 @@ def _front(flow: LiveFlow) -> dict[str, Any]:
 
 
 def about(flow: LiveFlow) -> dict[str, Any]:
-    """What the drawing modules know of the run."""
+    """Facts of the run for the drawing modules."""
     scene, asked = flow.simulation.scene, flow_of(flow.case)
     packer = FramePacker(asked, maps=False)
     frame = take_frame(flow.simulation)

@@ -67,7 +67,7 @@ class NumberStop:
 
 @dataclass(frozen=True)
 class LiveFlow:
-    """What a live page is made of.
+    """Parts of a live page.
 
     Attributes
     ----------

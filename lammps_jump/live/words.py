@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What another value of a number of the case is in the image of a scene: the words of law and weight that differ.
+"""Words of law and weight that differ in the image of a scene where a number of the case has another value.
 
 Two simulations of one scene are set up, with the two values. What the core takes of them is compared, number by number.
 """
@@ -79,7 +79,7 @@ def _bits(number: float) -> bytes:
 
 
 def _begin(image: bytes) -> int:
-    """Where the memory of an image begins in its file."""
+    """Begin of the memory of an image in its file."""
     pointers = int.from_bytes(image[24:32], "little")
     return 48 + 8 * pointers
 

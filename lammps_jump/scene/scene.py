@@ -162,7 +162,7 @@ class Earlier:
         Contacts of corners of walls with faces, which go on: `disc` counts `corner_names` from 1, `partner` is as
         above.
     corner_names : tuple of str
-        As `lammps_jump.scene.bodies.meeting.corner_names`.
+        As `lammps_jump.scene.meeting.corner_names`.
     """
 
     spins: np.ndarray
@@ -409,7 +409,7 @@ class Scene(Measures):
 
     @property
     def has_windows(self) -> bool:
-        """Whether forces are recorded over windows of steps: of walls, of bodies, or along outlines."""
+        """Tells whether forces are recorded over windows of steps: of walls, of bodies, or along outlines."""
         return bool(self.probes or self.bodies or self.pressure)
 
     @property

@@ -15,8 +15,8 @@ from lammps_jump.core.law import LawNumbers
 from lammps_jump.files import BODIES
 from lammps_jump.physics.contact import WallLaw, restitution_of
 from lammps_jump.scene import Block, Box, Interval, MovingWall, Plane, Scene, Wall
-from lammps_jump.scene.bodies.meeting import LARGEST_OVERLAP, corners, laws_between, meets
 from lammps_jump.scene.chains import WALL
+from lammps_jump.scene.meeting import LARGEST_OVERLAP, corners, laws_between, meets
 
 from .numbers import number as number
 from .numbers import numbers as numbers

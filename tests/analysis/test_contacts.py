@@ -12,8 +12,14 @@ from made_up import disc_frame, examples, flow_context
 
 import lammps_jump as lj
 from lammps_jump.analysis import contacts
-from lammps_jump.analysis.cell_grid import close_pairs
-from lammps_jump.analysis.contacts import find_contacts, pair_sums, touching_pairs, wall_contacts, wall_sums
+from lammps_jump.analysis.contacts import (
+    close_pairs,
+    find_contacts,
+    pair_sums,
+    touching_pairs,
+    wall_contacts,
+    wall_sums,
+)
 from lammps_jump.analysis.flow import from_scene
 from lammps_jump.core.columns import PushedColumns
 from lammps_jump.engines.native import NativeSimulation

@@ -20,7 +20,7 @@ from lammps_jump.analysis.profiles import add_means, compute_profiles
 from lammps_jump.dump.find import ForceHistory
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.files import plain
-from lammps_jump.physics import waves
+from lammps_jump.physics import jump as waves
 from lammps_jump.scene.motion import gate
 from lammps_jump.scene.scene import InletRow
 from lammps_jump.scene.walls import Block, Plane

@@ -24,8 +24,8 @@ from lammps_jump.analysis.passes import Gathered
 from lammps_jump.analysis.tables.rows import rows_of, tiles
 from lammps_jump.analysis.verdicts import headline, verdict
 from lammps_jump.dump.frame import make_frame
+from lammps_jump.physics import jump as waves
 from lammps_jump.physics import measured as reference_data
-from lammps_jump.physics import waves
 from lammps_jump.scene.walls import Block, Box, Line, Plane
 
 D, G = 0.2, 9.81

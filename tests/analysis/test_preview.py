@@ -11,8 +11,7 @@ import yaml
 from made_up import call
 
 import lammps_jump as lj
-from lammps_jump.analysis.draw.sketch.drawing import Area
-from lammps_jump.analysis.draw.sketch.labels import ROOM, Label, place_labels
+from lammps_jump.analysis.draw.sketch.drawing import ROOM, Area, Label, place_labels
 from lammps_jump.analysis.draw.sketch.picture import figure
 from lammps_jump.analysis.draw.sketch.preview import NamedRegion, scene_drawing
 from lammps_jump.analysis.draw.sketch.svg import svg_text

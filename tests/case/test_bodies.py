@@ -17,7 +17,7 @@ from lammps_jump.engines.checkpoint import read_checkpoint
 from lammps_jump.engines.choice import choose
 from lammps_jump.engines.native import NativeSimulation, run_native
 from lammps_jump.errors import CaseError, DumpError, RunError, SetupError
-from lammps_jump.scene.bodies.meeting import corners, stiffness_between
+from lammps_jump.scene.meeting import corners, stiffness_between
 from lammps_jump.scene.motion import STILL, Pose, Went
 from lammps_jump.script.stock import lacking
 

@@ -14,7 +14,7 @@ import pytest
 
 from lammps_jump.calibration import SearchProgress as CalibrationProgress
 from lammps_jump.cli.progress import CalibrationLine, ProgressLine, StudyLine
-from lammps_jump.cli.streams import PatientStream
+from lammps_jump.cli.startup import PatientStream
 from lammps_jump.engines.result import Progress
 from lammps_jump.sweeps import SweepProgress
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from made_up import coreless
 
 from lammps_jump.analysis import fields
-from lammps_jump.analysis.cell_grid import close_pairs
+from lammps_jump.analysis.contacts import close_pairs
 from lammps_jump.analysis.draw.painter import View, blank, paint_discs
 from lammps_jump.analysis.grains.layers import add_discs
 from lammps_jump.analysis.inlet_rows import OpenEnds

@@ -13,7 +13,7 @@ from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.errors import RunError
 from lammps_jump.physics.bodies import tipping_speed
 from lammps_jump.physics.slip import Springs
-from lammps_jump.scene.bodies.meeting import laws_between, stiffness_between
+from lammps_jump.scene.meeting import laws_between, stiffness_between
 from lammps_jump.scene.walls import Block, Circle, Plane
 
 G = 9.81

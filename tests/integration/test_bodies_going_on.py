@@ -19,7 +19,7 @@ from lammps_jump.dump.side_files.ended import read_ended
 from lammps_jump.errors import CaseError, DumpError, RunInterrupted
 from lammps_jump.files import BODIES, END_FILE, POSES, read_arrays, write_arrays
 from lammps_jump.runs import engine
-from lammps_jump.scene.bodies.meeting import corner_names
+from lammps_jump.scene.meeting import corner_names
 
 D = 0.1
 LAW = {

@@ -13,8 +13,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from lammps_jump.physics import jump as theory
+from lammps_jump.physics import jump as waves
 from lammps_jump.physics import measured as reference_data
-from lammps_jump.physics import waves
 
 G = 9.81
 FR_THESIS = 16 / sqrt(G)  # Va = 16 m/s, y1 = 1 m
@@ -237,7 +237,7 @@ def test_martin_moyce_slope():
 def test_theory_imports_nothing_heavy():
     """`check` has 0.7 s to start: theory must not pull in numpy, let alone the engines."""
     code = (
-        "import sys; from lammps_jump.physics import jump, waves, contact; "
+        "import sys; from lammps_jump.physics import jump, contact; "
         "print([m for m in ('numpy', 'scipy', 'lammps', 'matplotlib') if m in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -18,9 +18,9 @@ from lammps_jump.physics.contact import (
     largest_overlap,
 )
 from lammps_jump.scene import Beginning, MovingWall, Wall
-from lammps_jump.scene.bodies.corners import corners_of, round_of
-from lammps_jump.scene.bodies.free import Free
-from lammps_jump.scene.bodies.meeting import LARGEST_OVERLAP, stiffness_between, yielding
+from lammps_jump.scene.corners import corners_of, round_of
+from lammps_jump.scene.free import Free
+from lammps_jump.scene.meeting import LARGEST_OVERLAP, stiffness_between, yielding
 from lammps_jump.scene.shapes import open_ends
 
 SAMPLES = 400

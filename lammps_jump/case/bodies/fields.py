@@ -12,8 +12,8 @@ from pydantic import AfterValidator, ConfigDict, Field, model_validator
 from lammps_jump import units
 from lammps_jump.case.parts.base import Strict
 from lammps_jump.physics.bodies import BodySection, section_of_circle, section_of_polygon
-from lammps_jump.scene.bodies.corners import largest_radius, round_of
-from lammps_jump.scene.bodies.free import Free
+from lammps_jump.scene.corners import largest_radius, round_of
+from lammps_jump.scene.free import Free
 from lammps_jump.scene.motion import Motion, MovingWall
 from lammps_jump.scene.scene import Beginning
 from lammps_jump.scene.walls import Block, Circle, Polygon, Wall, WallName

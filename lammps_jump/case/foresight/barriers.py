@@ -10,7 +10,7 @@ import numpy as np
 
 from lammps_jump.case.fields import CaseFields
 from lammps_jump.scene import Beginning, InletRow, MovingWall, Outlet
-from lammps_jump.scene.bodies.free import Free
+from lammps_jump.scene.free import Free
 from lammps_jump.scene.shapes import open_ends
 from lammps_jump.scene.tracks import Held
 from lammps_jump.scene.walls import Wall, bed_height

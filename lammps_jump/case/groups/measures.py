@@ -34,7 +34,7 @@ class WeightOfWall(Strict):
 
 
 class FacePressure(Strict):
-    """Where the pressure of the discs on a wall or body is recorded."""
+    """Places at which the pressure of the discs on a wall or body is recorded."""
 
     bins: Annotated[int, Field(ge=1, le=500)] | None = Field(
         default=None,
@@ -92,7 +92,7 @@ class Probes(Strict):
 
     @property
     def recorded(self) -> bool:
-        """Whether forces on walls or along them are recorded."""
+        """Tells whether forces on walls or along them are recorded."""
         return bool(self.walls or self.pressure)
 
     @property

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What the sliders of a live page change: `lammps-jump live`."""
+"""Sliders of a live page: `lammps-jump live`."""
 
 from __future__ import annotations
 
@@ -56,5 +56,5 @@ class LiveSlider(Strict):
 
     @property
     def rate(self) -> float:
-        """How far a wall goes in a second, m or degrees."""
+        """Largest way of a wall in a second, m or degrees."""
         return self.speed or IN_TWO_SECONDS * (self.range[1] - self.range[0])

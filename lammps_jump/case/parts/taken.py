@@ -23,7 +23,7 @@ from lammps_jump.folders import holder
 from lammps_jump.foreign import foreign
 from lammps_jump.quoting import echoed, one_line, typed
 from lammps_jump.scene import MovingWall, Sizes, Wall
-from lammps_jump.scene.bodies.meeting import corner_names
+from lammps_jump.scene.meeting import corner_names
 from lammps_jump.scene.scene import CONTACT, Earlier, Fixed, chains_of
 from lammps_jump.units import to_si
 

@@ -45,7 +45,7 @@ def write_pressure(path: Path, scene: Scene, rows: Sequence[tuple[int, np.ndarra
 
 
 def read_pressure(path: Path, scene: Scene) -> StretchForces:
-    """What `write_pressure` wrote.
+    """Rows that `write_pressure` wrote.
 
     Raises
     ------

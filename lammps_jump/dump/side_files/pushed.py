@@ -13,7 +13,7 @@ import numpy as np
 
 from lammps_jump.dump.frame import LARGEST_VALUE
 from lammps_jump.files import BODIES, POSES
-from lammps_jump.scene.bodies.meeting import corner_names
+from lammps_jump.scene.meeting import corner_names
 from lammps_jump.scene.motion import MovingWall, Pose, Went
 from lammps_jump.scene.scene import CONTACT, Scene
 from lammps_jump.scene.walls import Wall
@@ -57,7 +57,7 @@ class PushedWalls:
         What corners of walls remember: `disc` counts `corner_names` from 1, a `partner` -1 - c means the chain c of the
         run.
     corner_names : tuple of str
-        As `lammps_jump.scene.bodies.meeting.corner_names`.
+        As `lammps_jump.scene.meeting.corner_names`.
     known : bool
         Whether the run kept their state.
     """

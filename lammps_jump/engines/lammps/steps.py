@@ -24,8 +24,8 @@ from lammps_jump.engines import step_hook
 from lammps_jump.engines.interrupts import save_request, stop_request
 from lammps_jump.engines.setting import Job
 from lammps_jump.files import END_FILE, delete, move, open_to_write, read_arrays
-from lammps_jump.scene.bodies.meeting import SLOTS as CORNER_SLOTS
-from lammps_jump.scene.bodies.meeting import corners
+from lammps_jump.scene.meeting import SLOTS as CORNER_SLOTS
+from lammps_jump.scene.meeting import corners
 from lammps_jump.script.assemble import STOP_FILE, stop_at
 from lammps_jump.script.regions import LOOK_BACK
 from lammps_jump.script.resume import STATE

@@ -194,7 +194,7 @@ class BodyState(NamedTuple):
 
 
 CORNER = np.dtype([*((name, float) for name in ("x", "y", "radius", "tx0", "ty0", "tx1", "ty1")), ("wall", np.int64)])
-"""A corner (`lammps_jump.scene.bodies.corners`) and its wall."""
+"""A corner (`lammps_jump.scene.corners`) and its wall."""
 
 
 class Constants(NamedTuple):

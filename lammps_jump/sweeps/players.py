@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The player of the points of a study: a slider for each axis shows the run there, with its curve and its numbers."""
+"""Players on the page of a study: of the members of a case by a list, of the points of a study by sliders.
+
+A slider for each axis shows the run there, with its curve and its numbers.
+"""
 
 from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
-from math import ceil
+from math import ceil, inf
 from pathlib import Path
 from typing import NamedTuple
 
@@ -14,15 +17,71 @@ import numpy as np
 from lammps_jump.analysis.report import run as report
 from lammps_jump.analysis.report.page import Boxes, Curve, NumberBox, Player, PlayerChoice, Slider, Text
 from lammps_jump.analysis.report.player import make_player
+from lammps_jump.analysis.report.player_check import read_player
 from lammps_jump.errors import DumpError
+from lammps_jump.files import PLAYER
 from lammps_jump.runs.results import flow_of, packed
 from lammps_jump.runs.run import Run
+from lammps_jump.runs.summary import results_in
 from lammps_jump.sweeps.study_folder import StudyResults
 from lammps_jump.sweeps.table import flat
 from lammps_jump.sweeps.words import unit, words
 from lammps_jump.units import shown
 
-from .members import LARGEST, player_of
+LARGEST = 10_000_000
+"""Bytes of the packed frames on a page: eight members of most scenes."""
+
+
+def player_of(run: Run) -> Player:
+    """The player that a run has kept.
+
+    Raises
+    ------
+    OSError
+        It has none: no frame holds a disc.
+    ValueError
+        The file is damaged.
+    """
+    results_in(run.folder, run.summary).require_same(PLAYER)
+    return read_player(run.folder / PLAYER)
+
+
+def by_member(found: StudyResults) -> list[PlayerChoice | Text]:
+    """One player for the members of a case, as many as the page has room for; nothing where none has frames.
+
+    Members stand in the order of their distance from the means: the sum of squares of ``(number - mean) / sd``.
+    """
+    numbers = found.values[[item.path for item in found.study.collect]]
+    apart = ((numbers - numbers.mean()) / numbers.std()) ** 2
+    order = np.argsort(apart.dropna(axis=1, how="all").fillna(inf).sum(axis=1), kind="stable")
+    kept: dict[int, Player] = {}
+    damaged: list[int] = []
+    room = LARGEST
+    for number in order:
+        seed = int(found.values["seed"][number])
+        try:
+            player = player_of(found.runs[number])
+        except OSError:  # without discs in its frames
+            continue
+        except ValueError:  # a DumpError is one
+            damaged.append(seed)
+            continue
+        room -= len(player.frames)
+        if room >= 0 or not kept:
+            kept[seed] = player
+        if room <= 0:
+            break
+    seeds = ", ".join(map(str, sorted(damaged)))
+    without = f"Members without a player ({PLAYER} is damaged): {seeds}." if damaged else ""
+    if not kept:
+        return [Text(without, "small")] if damaged else []
+    first, listed = next(iter(kept)), sorted(kept)
+    text = f"Member {first} is shown first: its numbers are nearest to the means."
+    if left := len(order) - len(kept) - len(damaged):
+        text += f" There is no room for {left} of {len(order)} members, those farthest from the means."
+    chosen = PlayerChoice([kept[seed] for seed in listed], [f"Member {seed}" for seed in listed], listed.index(first))
+    return [chosen, Text(f"{text} {without}".strip(), "small")]
+
 
 log = logging.getLogger("lammps_jump")
 
