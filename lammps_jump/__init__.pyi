@@ -27,5 +27,6 @@ from .runs.run import run as run
 from .runs.stepped import SteppedRun as SteppedRun
 from .scene.scene import Scene as Scene
 from .studies.opening import open as open
+from .sweeps.find import find as find
 from .sweeps.sweep import Sweep as Sweep
 from .sweeps.sweep import sweep as sweep

@@ -67,6 +67,10 @@ DUMP, FOLDER, FILE = "dump", "folder that is written", "file that is written"
 OPENED = "case file or folder that a page shows"
 QUICK = ("--quick", "--quiet")
 MEASURED = ("--target", "energy.drift=0 ± 1", "--vary", "contact.restitution=0.1:0.9", "--quiet")
+SOUGHT = (
+    "--vary", "contact.restitution=0.1:0.9", "--until", "energy.drift >= 2", "--members", "1", "--budget", "3",
+    "--quiet",
+)  # fmt: skip
 CURVE = ("--columns", "time=t,energy.total=h")
 PLACES = {
     ("analyze", "targets"): (RUN, ("analyze", "@")),
@@ -95,6 +99,8 @@ PLACES = {
     ("export", "target"): (RUN, ("export", "@", "--csv", "--vtk", "--out", "OUT")),
     ("export", "out"): (FOLDER, ("export", "RUN", "--csv", "--out", "@")),
     ("figures", "folder"): (RUN, ("figures", "@")),
+    ("find", "study"): (CASE, ("find", "@", *SOUGHT)),
+    ("find", "out"): (FOLDER, ("find", "CASE", *SOUGHT, "--out", "@")),
     ("fluid", "case"): (CASE, ("fluid", "@", *QUICK)),
     ("fluid", "out"): (FOLDER, ("fluid", "CASE", *QUICK, "--out", "@")),
     ("import", "drawing"): (POINTS, ("import", "@")),

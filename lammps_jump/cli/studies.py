@@ -301,6 +301,43 @@ def calibrate(
 
 
 @app.command()
+def find(
+    study: Annotated[
+        Path, typer.Argument(help="Case file, study file with find, or the folder of a search.", show_default=False)
+    ],
+    vary: Annotated[
+        str | None, typer.Option("--vary", metavar="PATH=LOW:HIGH", help="The number to find, and its range.")
+    ] = None,
+    until: Annotated[
+        str | None, typer.Option("--until", metavar="KEY >= NUMBER", help="What a number of summary.json must come to.")
+    ] = None,
+    members: Annotated[int | None, typer.Option(min=1, help="Starts of each value (default 3).")] = None,
+    budget: Annotated[int | None, typer.Option(min=3, help="Most runs (default 30).")] = None,
+    out: Annotated[Path | None, options.results_place("Folder (default: runs/<stem of the file>_find).")] = None,
+    jobs: options.Jobs = None,
+    set_: options.Sets = None,
+    quiet: options.QuietStudy = False,
+) -> None:
+    """Find the value of a number at which a result comes to what is asked. Continues where it stopped."""
+    given: dict[str, Any] = {"set": dict(map(sweeps.parse_set, set_ or ()))}
+    given |= {"vary": dict([calibration.parse_vary(vary)]) if vary else None, "until": until}
+    line = StudyLine(quiet=quiet)
+    try:
+        found = sweeps.find(study, out=out, members=members, budget=budget, jobs=jobs, progress=line, **given)
+    finally:
+        line.finish()
+    print(found["verdict"])
+    print(f"page: {(out or _found_in(study)) / 'find.html'}")
+    if not found["held"]:
+        raise typer.Exit(1)
+
+
+def _found_in(study: Path) -> Path:
+    """Folder in which a search is kept when none is named."""
+    return study if study.is_dir() else Path("runs") / f"{study.stem}_find"
+
+
+@app.command()
 def fluid(
     case: options.CaseFile,
     out: Annotated[Path | None, options.results_place("Folder (default: runs/<name>_fluid).")] = None,

@@ -3,6 +3,8 @@ from . import page as page
 from . import pool as pool
 from . import slurm as slurm
 from . import table as table
+from .find import find as find
+from .find import read_find as read_find
 from .members import JITTER as JITTER
 from .members import MemberRun as MemberRun
 from .members import Start as Start
