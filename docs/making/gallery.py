@@ -3,7 +3,8 @@
 
 The build of the site simulates nothing. ``docs/stored`` has pictures of all scenes, the film of the first page and some
 reports, with the keys of their cases; outputs of the notebook are kept in it. ``make gallery`` makes them again,
-``make gallery X=NAME`` one of them, ``X=film`` and ``X=notebook``. A build stops where a key is not that of today.
+``make gallery X=NAME`` one of them, ``X=film``, ``X=notebook`` and ``X=live``, pages in which scenes run. A build stops
+where a key is not that of today.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from PIL import Image, ImageOps
 import lammps_jump as lj
 from lammps_jump.analysis.draw.film import still
 from lammps_jump.case.templates import scene_names
+from lammps_jump.live import prepare, write_page
 from lammps_jump.provenance import versions
 from lammps_jump.runs.results import animate, flow_of
 
@@ -38,6 +40,15 @@ The scenes of `inputs/`, but for those that begin from the run of another. `lamm
 Pictures are moments of a run, and its report plays it. The build of this site shows stored results, and checks that
 they are of today's case.
 """
+LIVE = "_live.html"
+"""Ends the names of live pages, which git does not keep: ``make gallery X=live`` makes them."""
+NO_LIVE = "Scenes do not play live in this build: `make wasm` and `make gallery X=live` make their pages.\n"
+FIRST = "quick_jump"
+FIRST_PAGE = (
+    f'<a href="reports/{FIRST}{LIVE}">Raise its sill yourself</a>: the flow runs in your browser, and what you did '
+    "becomes a case.\n"
+)
+NO_FIRST_PAGE = "[A live page](howto/live.md) of it lets a reader raise the sill while the flow runs.\n"
 FILMED = "quick_jump", {"run.output_interval": 0.04, "analysis.figures": "none"}
 """Scene and changes of the film on the first page."""
 CARD = 480, 240
@@ -61,7 +72,11 @@ def make(docs: Path) -> None:
     for folder in (reports, pictures):
         folder.mkdir(parents=True, exist_ok=True)
     shutil.copy(FOLDER / "film.mp4", extra)
-    blocks = [HEAD, contents()]
+    live = live_scenes()
+    for name in live:
+        shutil.copy(FOLDER / f"{name}{LIVE}", reports)
+    (docs / "_made" / "live.md").write_text(FIRST_PAGE if FIRST in live else NO_FIRST_PAGE)
+    blocks = [HEAD, "" if live else NO_LIVE, contents()]
     for name in scenes():
         case = lj.load_case(INPUTS / f"{name}.yaml")
         for picture in (f"{name}.png", f"{name}_small.png"):
@@ -80,6 +95,8 @@ def make(docs: Path) -> None:
             blocks.append(f'<a href="reports/{name}.html">Play its report</a>, {said}\n')
         else:
             blocks.append(f"Pictures {said}; `make gallery X={name}` and `make docs` put its report here.\n")
+        if name in live:
+            blocks.append(f'<a href="reports/{name}{LIVE}">Play it live</a>, with sliders: it runs in your browser.\n')
     (docs / "_made" / "gallery.md").write_text("\n".join(blocks))
 
 
@@ -141,6 +158,20 @@ def store(name: str) -> None:
         else:
             keep_scene(name, made)
     (FOLDER / f"{name}.json").write_text(json.dumps(data, indent=1) + "\n")
+
+
+def live_scenes() -> list[str]:
+    """Names of the scenes whose live page is there."""
+    return [name for name in scenes() if (FOLDER / f"{name}{LIVE}").is_file()]
+
+
+def keep_live() -> None:
+    """Make the live pages of all scenes that can have one."""
+    for name in scenes():
+        try:
+            write_page(prepare(lj.load_case(INPUTS / f"{name}.yaml")), FOLDER / f"{name}{LIVE}")
+        except lj.CaseError as error:
+            print(f"{name}: no live page, {error}", flush=True)
 
 
 def keep_scene(name: str, made: lj.Run) -> None:
@@ -205,5 +236,8 @@ def stale(folder: Path = FOLDER) -> list[str]:
 
 
 if __name__ == "__main__":
-    for one in sys.argv[1:] or stored():
-        store(one)
+    for one in sys.argv[1:] or [*stored(), "live"]:
+        if one == "live":
+            keep_live()
+        else:
+            store(one)

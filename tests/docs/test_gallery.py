@@ -60,6 +60,21 @@ def test_a_build_simulates_nothing(tmp_path, monkeypatch):
     assert all(cell["outputs"] for cell in cells[2:] if cell["cell_type"] == "code")
 
 
+def test_live_pages_that_are_there_are_linked_and_others_are_told_of(tmp_path, monkeypatch):
+    monkeypatch.setattr(gallery, "live_scenes", list)
+    gallery.make(tmp_path)
+    assert "`make gallery X=live`" in (tmp_path / "_made" / "gallery.md").read_text()
+    assert "howto/live.md" in (tmp_path / "_made" / "live.md").read_text()
+    stored = shutil.copytree(gallery.FOLDER, tmp_path / "stored")
+    (stored / "quick_jump_live.html").write_text("live")
+    monkeypatch.undo()
+    monkeypatch.setattr(gallery, "FOLDER", stored)
+    gallery.make(tmp_path)
+    assert 'href="reports/quick_jump_live.html"' in (tmp_path / "_made" / "gallery.md").read_text()
+    assert 'href="reports/quick_jump_live.html"' in (tmp_path / "_made" / "live.md").read_text()
+    assert (tmp_path / "_made" / "extra" / "reports" / "quick_jump_live.html").read_text() == "live"
+
+
 def test_a_run_that_was_left_by_an_ended_build_is_made_anew(tmp_path):
     case = lj.load_case(gallery.INPUTS / "energy_box_7.yaml", {"run.duration": 0.02, "analysis.figures": "none"})
     other = lj.load_case(gallery.INPUTS / "energy_box_7.yaml", {"run.duration": 0.01, "analysis.figures": "none"})
