@@ -157,7 +157,7 @@ def _along(name: str, motion: Oscillate | TableMotion) -> LiveSlider | None:
     return LiveSlider(path=f"walls.{name}", move="x" if far[0] >= far[1] else "y", range=(-most, most))
 
 
-def prepare(given: ReadCase, told: Told = lambda text: None) -> LiveFlow:
+def prepare(given: ReadCase, told: Told = lambda text: None, *, numbers: bool = True) -> LiveFlow:
     """A case made ready for a live page: set up, and run to t = 0 where discs settle first.
 
     Parameters
@@ -165,6 +165,8 @@ def prepare(given: ReadCase, told: Told = lambda text: None) -> LiveFlow:
     given : ReadCase
     told : callable
         Hears what is being done.
+    numbers : bool
+        Also make the sliders of numbers of the case, for which it is set up with each of their values.
 
     Raises
     ------
@@ -185,7 +187,7 @@ def prepare(given: ReadCase, told: Told = lambda text: None) -> LiveFlow:
     simulation = NativeSimulation(scene, ledger=False)
     stops = {}
     for name, one in sliders.items():
-        if one.path in NUMBERS:
+        if numbers and one.path in NUMBERS:
             told(f"{name}: setting the case up with {STOPS} values of {one.path}")
             if found := _stops(case, one, simulation, asked=own is not None):
                 stops[name] = found

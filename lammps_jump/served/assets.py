@@ -28,6 +28,7 @@ ASSETS = {
             "text.js",
             "places.js",
             "drop.js",
+            "flow.js",
             "live.js",
             "run.js",
             "study.js",

@@ -11,7 +11,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from lammps_jump import drawings, engines, runs
+from lammps_jump import drawings, engines, live, runs
 from lammps_jump.analysis.draw.sketch import svg
 from lammps_jump.case.case import ReadCase
 from lammps_jump.case.packing import disc_sizes, discs_at_start
@@ -71,6 +71,17 @@ def look(text: str, file: Path, wide: int) -> dict[str, Any]:
             "notes": [*found.begins, *found.slopes, *found.skipped],
         }
     )
+
+
+def flow_page(text: str, file: Path) -> str:
+    """A live page of the text of a case file, without sliders of numbers: those take a set-up for each value.
+
+    Raises
+    ------
+    JumpError
+        A text that is no case, or one that a live page cannot have.
+    """
+    return live.live_page(live.prepare(ReadCase.parse(text, str(file), folder=file.parent), numbers=False))
 
 
 def with_drawing(text: str, file: Path, dropped: DroppedFile) -> dict[str, Any]:

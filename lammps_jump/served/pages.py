@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import hmac
+import secrets
 from base64 import b64decode
 from collections.abc import Mapping
 from functools import partial
@@ -15,17 +17,19 @@ from lammps_jump.folders import read_marker
 from lammps_jump.quoting import typed
 from lammps_jump.runs.folder import default_folder, require_case
 
-from .assets import HERE, asset, html
+from .assets import HERE, KINDS, asset, html
 from .bounded import Bounded, OutOfDate, PageWork, prepare
 from .case_file import CaseFile
 from .children import Children, ServedChild
-from .look import MOST_DRAWN, DroppedFile, look, with_drawing
+from .look import MOST_DRAWN, DroppedFile, flow_page, look, with_drawing
 from .run_pages import RunPages
-from .server import Pages, Refused, Reply, answer
+from .server import LIVE, Pages, Refused, Reply, answer
 from .study import StudyView
 
-LOOK_SECONDS, DRAWING_SECONDS = 20.0, 60.0
-"""Seconds after which a look at a text, or a drawing that was dropped, is left."""
+LOOK_SECONDS, DRAWING_SECONDS, FLOW_SECONDS = 20.0, 60.0, 40.0
+"""Seconds after which a look at a text, a drawing that was dropped, or the set-up of a flow is left."""
+MOST_FLOWS = 4
+"""Live pages that are kept; each has a megabyte."""
 MOST_NAME = 40
 """Letters of the name of a page."""
 MOST_RUNS = 1000
@@ -118,6 +122,7 @@ class CasePages(Opened):
         self._bounded = Bounded()
         self._read: tuple[str | None, ReadCase] = None, None  # type: ignore[assignment]
         self._started: dict[Path, dict[str, Any]] = {}
+        self._flows: dict[str, str] = {}
 
     def get(self, path: str, query: Mapping[str, str]) -> Reply | None:
         """The page, and the text as it is now."""
@@ -136,6 +141,8 @@ class CasePages(Opened):
             return self._look(asked)
         if path == "drawing":
             return self._drawing(asked)
+        if path == "flow":
+            return self._flow(asked)
         if path == "save":
             saved = self.file.save(text_of(asked, "text"), text_of(asked, "key"))
             if saved is None:
@@ -163,6 +170,24 @@ class CasePages(Opened):
             return answer(self._bounded.run(PageWork(partial(look, text, file, wide), LOOK_SECONDS, remedy, page)))
         except OutOfDate:
             return answer({"refused": "a newer text has come", "left": True}, 409)
+
+    def _flow(self, asked: Mapping[str, Any]) -> Reply:
+        """The address of a live page of a text; one for an older text of the same page is left."""
+        text, page = text_of(asked, "text"), str(asked.get("page", ""))[:MOST_NAME]
+        remedy = f"`{typed('live', self.file.shown)}` has no such limit"
+        work = PageWork(partial(flow_page, text, self.file.shown.absolute()), FLOW_SECONDS, remedy, f"{page} flow")
+        try:
+            made = self._bounded.run(work)
+        except OutOfDate:
+            return answer({"refused": "a newer text has come", "left": True}, 409)
+        token = secrets.token_urlsafe(32)
+        self._flows = dict([*self._flows.items(), (token, made)][-MOST_FLOWS:])
+        return answer({"at": f"/{token}/"})
+
+    def alone(self, token: str) -> Reply | None:
+        """The live page or the report with this token."""
+        found = [text for own, text in self._flows.items() if hmac.compare_digest(own.encode(), token.encode())]
+        return Reply(found[0].encode(), KINDS[".html"], policy=LIVE) if found else super().alone(token)
 
     def _drawing(self, asked: Mapping[str, Any]) -> Reply:
         """The text of a page with the walls of a drawing, and the command that does the same; nothing is written."""

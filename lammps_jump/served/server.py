@@ -51,6 +51,8 @@ FOREIGN = (
     "img-src data: blob:; media-src data: blob:; frame-ancestors 'self'; base-uri 'none'; form-action 'none'"
 )
 """The same for a report, which may come from anywhere: it acts within itself, as a file that is opened does."""
+LIVE = FOREIGN.replace("script-src 'unsafe-inline'", "worker-src blob:; script-src 'unsafe-inline' 'wasm-unsafe-eval'")
+"""The same for a live page, which computes in a thread of its own; it names the hashes of its scripts itself."""
 NOTHING = "default-src 'none'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
 """The same for a page that only leads to another."""
 SAFE = {

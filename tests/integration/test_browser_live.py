@@ -9,9 +9,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from chromium import PROGRAM, Chromium, Page, chromium
+from chromium import PROGRAM, Address, Chromium, Page, chromium
 from live_flows import lacking_core, native
 from made_up import INPUTS
+from serving import serving
 
 from lammps_jump import load_case
 from lammps_jump.live import live_page, prepare, run_again, write_page
@@ -161,6 +162,23 @@ def _verified(browser: Chromium, path: Path) -> str:
     found = page.run("byClass('verified').textContent")
     page.close()
     return found
+
+
+def test_open_runs_the_flow_of_the_text_while_it_is_written(browser, tmp_path):
+    path = tmp_path / "jump.yaml"
+    path.write_text((INPUTS / "quick_jump.yaml").read_text().replace("diameter: 0.15", "diameter: 0.5"))
+    with serving(path) as server:
+        page = Page(browser, Address(server.address))
+        until(page, "document.querySelector('#derived table')")
+        page.run("byId('flow').click()")
+        until(page, "document.querySelector('#flow-place iframe')")
+        first = page.run("document.querySelector('#flow-place iframe').src")
+        page.run("editor.replace(editor.text.replace('y: [-5, 1]', 'y: [-5, 1.5]'))")
+        until(page, f"document.querySelector('#flow-place iframe').src !== {first!r}")
+        page.run("byId('flow').click()")
+        assert page.run("byId('flow-place').children.length") == 0
+        assert [one for one in page.troubles() if not one.startswith("asks for http://127.0.0.1")] == []
+        page.close()
 
 
 def test_a_page_without_webassembly_says_so(browser, tmp_path):
