@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import hypot, inf, isfinite, isinf, pi, sqrt
-from typing import Any, cast
+from typing import Any, Literal, cast
 
 import numpy as np
 
@@ -341,16 +341,22 @@ def pressed(
 
 def _room_along(wall: Wall, walls: Sequence[Wall], domain: tuple[Interval, Interval]) -> Interval | None:
     """Stretch of an endless wall along its outline, m: in the domain, between planes; None of others."""
-    if not isinstance(wall, Plane):
+    if wall.finite:
         return None
-    other = "y" if wall.axis == "x" else "x"
-    low, high = domain["xy".index(other)]
+    along = _runs_along(wall)
+    low, high = domain["xy".index(along)]
     for one in walls:
-        if isinstance(one, Plane) and one.axis == other:
-            low, high = max(low, one.room(other)[0]), min(high, one.room(other)[1])
-    way = wall.faces.shape[0, TX0 if other == "x" else TY0]
+        if not one.finite and _runs_along(one) != along:
+            low, high = max(low, one.room(along)[0]), min(high, one.room(along)[1])
+    way = wall.faces.shape[0, TX0 if along == "x" else TY0]
     ends = sorted((float(low * way), float(high * way)))
     return ends[0], ends[1]
+
+
+def _runs_along(wall: Wall) -> Literal["x", "y"]:
+    """Axis that an endless wall runs along."""
+    tangent = wall.faces.shape[0]
+    return "x" if abs(tangent[TX0]) > abs(tangent[TY0]) else "y"
 
 
 def require_wall(case: CaseFields, place: str, name: str, walls: Sequence[str]) -> None:
