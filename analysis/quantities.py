@@ -103,6 +103,11 @@ LISTED = {
     "tailgate": ListedAnalysis("lammps_jump.analysis.devices.tailgate"),
     "bodies": ListedAnalysis("lammps_jump.analysis.devices.bodies"),
     "stability": ListedAnalysis("lammps_jump.analysis.devices.stability"),
+    "overtopping": ListedAnalysis(
+        "lammps_jump.analysis.devices.overtopping",
+        "what goes over bodies and probed walls: volume, discharge, depth and head",
+        needs={"gravity": ""},
+    ),
     "depth": ListedAnalysis("lammps_jump.analysis.budgets.depths"),
     "state": ListedAnalysis("lammps_jump.analysis.grains.state"),
 }

@@ -143,6 +143,11 @@ class ReadCase(NearestNames):
         return tuple(name for group in names for name in group)
 
     @property
+    def overtopped(self) -> tuple[str, ...]:
+        """Names of the structures of which it can be told what goes over them: bodies and probed walls."""
+        return (*self.body_names, *self.fields.probes.walls)
+
+    @property
     def tailgates(self) -> tuple[str, ...]:
         """Names of the walls that hold a depth or a front."""
         return tuple(wall.name for wall in self.fields.walls if isinstance(getattr(wall, "motion", None), Held))

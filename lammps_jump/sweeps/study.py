@@ -194,7 +194,9 @@ class Study:
     def analysis(self) -> dict[str, object]:
         """Analysis of each run: what the collected numbers need, a player, no pictures and no page."""
         parts = {item.path.partition(".")[0] for item in self.collect}
-        flags: dict[str, object] = {f"analysis.{name}": name in parts for name in ("jump", "front", "energy")}
+        flags: dict[str, object] = {
+            f"analysis.{name}": name in parts for name in ("jump", "front", "energy", "overtopping")
+        }
         if any(item.path.startswith("front.martin_moyce.") for item in self.collect):
             flags["analysis.front"] = "water"
         figures = "player" if len(self.points) <= MOST_WATCHED else "none"

@@ -228,7 +228,9 @@ def test_unknown_export_is_refused(tmp_path):
     path = dump_of(tmp_path / "d", [bore(20.0)])
     with pytest.raises(DumpError, match=r"export 'xls' is not known: use one of csv, vtk, pictures"):
         export(tmp_path, ("xls",))
-    with pytest.raises(DumpError, match=r"quantity 'ripples' is not known: use jump, grade, .*, rest, depth or fields"):
+    with pytest.raises(
+        DumpError, match=r"quantity .ripples. is not known: use jump, grade, .*, overtopping, depth or fields"
+    ):
         analyse(context(), path, tmp_path, ("ripples",))
 
 
