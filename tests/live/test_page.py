@@ -112,6 +112,7 @@ def test_a_run_that_cannot_be_computed_again_is_told_why(made, tmp_path):
     assert "not complete (interrupted)" in said and said in live_page(prepare(load_case(JUMP, SMALL)), said)
 
 
+@pytest.mark.long
 def test_a_page_goes_on_from_a_run(made, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     changes = {"discs.diameter": 0.5, "run.duration": 0.1, "run.output_interval": 0.05, "engine.name": "native"}
@@ -144,6 +145,7 @@ def test_an_image_holds_no_memory_of_the_process(monkeypatch):
     assert [place for place in parts[0] if parts[0][place] != parts[1][place]] == [0]  # the state: numbers of its list
 
 
+@pytest.mark.long
 def test_a_case_without_sliders_gets_a_sensible_set():
     jump = prepare(load_case(JUMP, {"discs.diameter": 0.5}))
     assert set(jump.sliders) == {"sill", "discharge", "restitution", "slope"}
