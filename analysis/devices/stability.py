@@ -520,12 +520,12 @@ def section(found: Mapping[str, Stability]) -> Section:
     blocks: list[Table | Text] = []
     for name, one in found.items():
         keys = [key for key in KEYS if known(getattr(one, key))]
-        if len(one.table):
+        if known(one.weight):
             told = [("Toe", one.toe)] if one.toe else []
             blocks.append(Table([*described(one, *keys), *told], (f"Structure {name}", "")))
         if one.reason:
-            blocks.append(Text(_reason(name, one), "small" if len(one.table) else "warn"))
-    if any(len(one.table) for one in found.values()):
+            blocks.append(Text(_reason(name, one), "small" if known(one.weight) else "warn"))
+    if any(known(one.weight) for one in found.values()):
         blocks.append(Text(ABOUT, "small"))
     return Section("Stability", blocks)
 
@@ -538,7 +538,7 @@ ABOUT = (
 
 
 def _reason(name: str, one: Stability) -> str:
-    what = "Some numbers are absent for" if len(one.table) else "No factor of safety is told for"
+    what = "Some numbers are absent for" if known(one.weight) else "No factor of safety is told for"
     return f"{what} {name}: {one.reason}."
 
 

@@ -199,7 +199,7 @@ def figures(found: Mapping[str, Pressure], _: Gathered) -> Drawings:
             for key, words, look, error in (
                 ("mean", "mean of the window", "first", one.table["mean_error"] / KILO),
                 ("percentile_95", "95 %", "second", None), ("percentile_99", "99 %", "third", None),
-                ("largest", "largest", "dots", None),
+                ("largest", "largest", "sum", None),
             )
         ]  # fmt: skip
         along.append(Panel(f"{name}:\npressure [kPa]", lines, x=label))
