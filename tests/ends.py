@@ -9,7 +9,7 @@ from typing import Any
 from features import BED, BELT, BOX, CHANNEL, COLUMN, CONTACT, FLOOR, JET, JETS, LID, PADDLE, POUR, SIDE, SIZES
 from pydantic import BaseModel
 
-from lammps_jump.case.groups.discs import UniformSizes
+from lammps_jump.case.discs import UniformSizes
 from lammps_jump.case.parts.contact import Contact, RollingResistance
 
 LAWS = ("viscous", "sign", "history")

@@ -35,7 +35,7 @@ from lammps_jump.analysis.tables.rows import main_numbers, rows_of
 from lammps_jump.case import explain
 from lammps_jump.case.fields import CaseFields, Contact
 from lammps_jump.case.foresight.asked import facts
-from lammps_jump.case.groups.measures import Analysis, asked_for
+from lammps_jump.case.measures import Analysis, asked_for
 from lammps_jump.cli import app as cli_app
 from lammps_jump.cli import studies as cli_studies
 from lammps_jump.cli import tools
@@ -454,7 +454,7 @@ ASKING = (
 """What shows quantities or looks ahead for them, and asks them for all it says."""
 OF_JUMPS = {"analysis/report/headline.py"}
 """Words for verdicts of jumps, which several files share."""
-OF_MAPS = {"analysis/report/maps.py: pressure", "analysis/report/player_check.py: pressure"}
+OF_MAPS = {"analysis/report/frames.py: pressure", "analysis/report/player_check.py: pressure"}
 """Name of a map of the player, which is also that of a quantity."""
 
 

@@ -7,8 +7,8 @@ import re
 from collections.abc import Iterator
 from typing import Any
 
+from lammps_jump.case.field_words import fields_by_name
 from lammps_jump.case.fields import CaseFields
-from lammps_jump.case.groups.field_words import fields_by_name
 from lammps_jump.units import unit_in_words
 
 from . import NONE

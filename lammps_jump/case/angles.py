@@ -10,8 +10,8 @@ from lammps_jump.quoting import echoed
 from lammps_jump.units import InUnit
 from lammps_jump.written import angle_of, tangent
 
+from .field_words import fields_at, notes_of
 from .fields import CaseFields
-from .groups.field_words import fields_at, notes_of
 from .text import PathKey, dotted_path
 
 

@@ -17,8 +17,8 @@ from lammps_jump.physics.slip import FRICTION_LAWS, slip_warnings, spring_warnin
 from lammps_jump.scene import Beginning, InletRow, Interval, Scene, Sizes, Wall
 from lammps_jump.scene.schedule import MOST_BINS, MOST_FRAMES, rounding_notes, told_of_window
 
+from .discs import Column
 from .fields import CaseFields
-from .groups.discs import Column
 from .packing import discs_at_start
 from .parts.inflow import PourInflow, RowsInflow
 

@@ -18,10 +18,10 @@ from lammps_jump.scene import Beginning, Scene, Wall
 from lammps_jump.units import numbers_of
 
 from .checks import twin_seconds
-from .design.flow import Row, flow_rows
+from .design import Row, flow_rows
 from .fields import CaseFields
 from .foresight import speeds
-from .foresight.grading import TENTHS
+from .foresight.grains import TENTHS
 from .parts.grading import GradingCurve
 from .walls import words_of_wall
 

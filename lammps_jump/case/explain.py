@@ -16,8 +16,7 @@ from lammps_jump.errors import CaseError
 from lammps_jump.quoting import echoed, shortened
 from lammps_jump.written import is_quantity, odd_blank
 
-from .fields import CaseFields
-from .groups.field_words import (
+from .field_words import (
     SIGNS,
     Vector,
     briefly,
@@ -29,6 +28,7 @@ from .groups.field_words import (
     range_of,
     vector_in,
 )
+from .fields import CaseFields
 from .parts import other_words
 from .text import CaseSource, PathKey, dotted_path, nearest
 

@@ -15,15 +15,15 @@ from lammps_jump.physics.elementary import atan2, cos, hypot, sin
 from lammps_jump.quoting import LONGEST, one_line
 from lammps_jump.scene.walls import KINDS
 
-from .bodies.fields import BodyField
-from .groups.discs import Column, Discs, InitialField
-from .groups.measures import Analysis, Probes
-from .groups.settings import FILM_INTERVAL, MOST_FILMED, STILL_INTERVAL, Engine, RunFields
+from .bodies import BodyField
+from .discs import Column, Discs, InitialField
+from .measures import Analysis, Probes
 from .parts.base import LEAST_GRAVITY, MOST_GRAVITY, Name, Strict
 from .parts.beds import RoughBed
 from .parts.contact import Contact
 from .parts.inflow import InflowField
 from .parts.live import LiveSlider
+from .settings import FILM_INTERVAL, MOST_FILMED, STILL_INTERVAL, Engine, RunFields
 
 
 def _folded(value: Any) -> Any:

@@ -13,8 +13,8 @@ from lammps_jump.physics.contact import Coefficients
 from lammps_jump.scene.sizes import Sizes
 from lammps_jump.scene.walls import Interval
 
+from .discs import BidisperseSizes, Column, DiscList, Discs, Lattice, UniformSizes
 from .fields import CaseFields
-from .groups.discs import BidisperseSizes, Column, DiscList, Discs, Lattice, UniformSizes
 from .parts.earlier import EarlierRun
 from .parts.grading import GradingCurve
 

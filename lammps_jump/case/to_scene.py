@@ -27,19 +27,15 @@ from lammps_jump.scene.pressed import FaceStretch
 from lammps_jump.scene.scene import STABILITY_MEAN, Weighed
 from lammps_jump.scene.schedule import Schedule, fitted_step, plan_stations, plan_steps
 
-from . import checks, walls
-from .bodies.checks import check_bodies
+from . import checks, design, walls
+from .body_checks import check_bodies
 from .derived import skipped
-from .design import tailgate
 from .fields import CaseFields
 from .foresight import speeds, ways_out
-from .foresight.asked import in_vain, light, radians_given, small_bins
+from .foresight.asked import behind_the_end, in_vain, light, radians_given, small_bins, written_walls
 from .foresight.barriers import never_met
 from .foresight.doubts import doubts, held_deep, jump_doubts
-from .foresight.grading import curve_doubts
-from .foresight.grains import heap_doubts
-from .foresight.names import written_walls
-from .foresight.times import behind_the_end
+from .foresight.grains import curve_doubts, heap_doubts
 from .live import check_live, is_live
 from .packing import TooSoft, arrange, disc_sizes
 from .parts import channel, places
@@ -217,7 +213,7 @@ def _geometry(case: CaseFields, begun: Beginning) -> _Geometry:
     domain = domain_of(case, begun, inlet.rows, moving, speed)
     outlets = outlets_of(case, begun, domain, speed)
     fields = {item.wall.name: item.field for item in theirs}
-    moving = tailgate.with_holdings(case, begun, moving, fields, domain, inlet.rows)
+    moving = design.with_holdings(case, begun, moving, fields, domain, inlet.rows)
     gates = walls.shut_gates(case, begun, domain)
     moving += map(MovingWall, inlet_back(case.inflow, begun.largest))
     names = checks.check_names(case, [wall for wall, _ in (*moving[len(theirs) :], *gates)])

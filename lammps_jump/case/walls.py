@@ -32,9 +32,9 @@ from lammps_jump.scene.shapes import (
 from lammps_jump.scene.tracks import Held, Loaded, Translate
 from lammps_jump.scene.walls import Line
 
-from .bodies.fields import Body
+from .bodies import Body
+from .discs import Column
 from .fields import CaseFields
-from .groups.discs import Column
 from .parts.beds import RoughBed
 from .parts.pushed import Pushable
 from .text import nearest

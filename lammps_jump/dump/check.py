@@ -13,7 +13,7 @@ from lammps_jump.scene.scene import Scene
 
 from .find import read_forces
 from .frame import Frame
-from .raw.source import CUT_OFF, PASSED_OVER
+from .source import CUT_OFF, PASSED_OVER
 
 NEAR = 0.01
 """Part of a time step by which a time may differ from that of its step: it is printed with 15 digits."""

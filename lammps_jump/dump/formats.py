@@ -13,8 +13,8 @@ from lammps_jump.foreign import number_of, whole_of
 from lammps_jump.scene.schedule import MOST_FRAMES
 
 from .frame import LARGEST_FRAME, TEXT_COLUMNS, DumpFile, Frame, FrameHeader, read_only
-from .raw.source import CUT_OFF, PASSED_OVER, Bytes, Lines, NoFrame, Torn, Truncated
 from .rows import NEED_MORE, NEW_ITEM, ROWS_DONE, parse_rows, skip_rows
+from .source import CUT_OFF, PASSED_OVER, Bytes, Lines, NoFrame, Torn, Truncated
 
 MOST_BLANK = 10_000
 MOST_EMPTY = 100_000

@@ -21,7 +21,7 @@ from lammps_jump.files import open_to_read, read_start
 
 from .formats import walk
 from .frame import DumpFile, Frame, FrameHeader
-from .raw.source import DAMAGE, PASSED_OVER, NoFrame
+from .source import DAMAGE, PASSED_OVER, NoFrame
 
 
 class Dump(DumpFile):

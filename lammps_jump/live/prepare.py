@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lammps_jump.case import ReadCase
-from lammps_jump.case.groups.discs import Column
+from lammps_jump.case.discs import Column
 from lammps_jump.case.live import NUMBERS
 from lammps_jump.case.parts.earlier import EarlierRun
 from lammps_jump.case.parts.inflow import PourInflow, RowsInflow

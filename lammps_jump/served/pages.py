@@ -1,25 +1,31 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Pages of what was opened: a case file, a run or a study."""
+"""Pages of what was opened: a case file, a run or a study.
+
+The case file that is open is read, and written whole, unless another program has changed it meanwhile.
+"""
 
 from __future__ import annotations
 
+import hashlib
 import hmac
 import secrets
 from base64 import b64decode
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
-from typing import Any
+from threading import Lock
+from typing import Any, NamedTuple
 
 from lammps_jump.case.case import ReadCase
+from lammps_jump.case.text import read_text
 from lammps_jump.errors import JumpError, ScaleError, SetupError
+from lammps_jump.files import END_OF_LINE, change_text, real_path, writes
 from lammps_jump.folders import read_marker
 from lammps_jump.quoting import typed
 from lammps_jump.runs.folder import default_folder, require_case
 
 from .assets import HERE, KINDS, asset, html
 from .bounded import Bounded, OutOfDate, PageWork, prepare
-from .case_file import CaseFile
 from .children import Children, ServedChild
 from .look import MOST_DRAWN, DroppedFile, flow_page, look, with_drawing
 from .run_pages import RunPages
@@ -292,3 +298,57 @@ def number_of(asked: Mapping[str, Any], name: str) -> int:
     if not isinstance(value, int) or isinstance(value, bool):
         raise Refused(400, f"{name} is no whole number")
     return value
+
+
+class HashedText(NamedTuple):
+    """A text, and a hash that says whether it is still the same."""
+
+    text: str
+    key: str
+
+
+class CaseFile:
+    """One case file.
+
+    Parameters
+    ----------
+    path : Path
+        Where it is a link, the file that it leads to is meant.
+
+    Raises
+    ------
+    CaseError
+        As `read_text`.
+    """
+
+    def __init__(self, path: Path):
+        self.shown, self.path = path, real_path(path)
+        self._lock = Lock()
+        self.read()
+
+    def read(self) -> HashedText:
+        """The text, with the ends of lines that a page has."""
+        text = read_text(self.path)
+        return HashedText(END_OF_LINE.sub("\n", text), _key(text))
+
+    def save(self, text: str, key: str) -> HashedText | None:
+        """Write a text over the one with this key; None, and nothing is written, where the file holds another one.
+
+        See `change_text`.
+
+        Raises
+        ------
+        CaseError, SetupError
+            The file is gone, or cannot be written.
+        """
+        with self._lock:
+            there = read_text(self.path)
+            if _key(there) != key:
+                return None
+            with writes(self.shown, SetupError, "correct the permissions of file and folder"):
+                saved = change_text(self.path, there, text)
+            return HashedText(text, _key(saved)) if saved is not None else None
+
+
+def _key(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()

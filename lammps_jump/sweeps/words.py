@@ -3,8 +3,8 @@
 
 from __future__ import annotations
 
+from lammps_jump.case.field_words import fields_at, label_of, unit_of
 from lammps_jump.case.fields import CaseFields
-from lammps_jump.case.groups.field_words import fields_at, label_of, unit_of
 from lammps_jump.units import POWERS
 
 NAMED = {"walls": "wall", "bodies": "body"}

@@ -11,7 +11,7 @@ import yaml
 
 import lammps_jump as lj
 from lammps_jump.case import fields as models
-from lammps_jump.case.groups.field_words import fields_by_name
+from lammps_jump.case.field_words import fields_by_name
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"

@@ -13,8 +13,8 @@ from pydantic import BaseModel, TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
 
 from lammps_jump.case.case import parse_case
+from lammps_jump.case.field_words import fields_of, models_in, notes_of
 from lammps_jump.case.fields import CaseFields
-from lammps_jump.case.groups.field_words import fields_of, models_in, notes_of
 from lammps_jump.errors import CaseError
 from lammps_jump.units import InUnit
 

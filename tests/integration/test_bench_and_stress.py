@@ -11,7 +11,7 @@ import taking_turns
 from made_up import INPUTS
 
 from lammps_jump import load_case
-from lammps_jump.studies.bench.command import run_bench, stored_table
+from lammps_jump.studies.bench.study import run_bench, stored_table
 from lammps_jump.studies.points import load_module, run_named
 
 pytestmark = pytest.mark.lammps

@@ -14,7 +14,7 @@ from serving import asked, send, serving
 
 import lammps_jump.served as served
 from lammps_jump.errors import CaseError
-from lammps_jump.served import case_file, look
+from lammps_jump.served import look, pages
 from lammps_jump.served.server import MOST_UNKNOWN
 
 CASE = """\
@@ -330,7 +330,7 @@ def test_ends_of_lines_stay_as_they_are(tmp_path):
 @pytest.mark.fault("other programs that write the same file")
 def test_what_is_written_in_the_moment_of_saving_is_not_taken_for_the_page_s(server, case, monkeypatch):
     """The page gets the key of its own text: what another program adds right behind it is seen at the next save."""
-    real = case_file.change_text
+    real = pages.change_text
 
     def interrupted(path, before, after):
         done = real(path, before, after)
@@ -338,7 +338,7 @@ def test_what_is_written_in_the_moment_of_saving_is_not_taken_for_the_page_s(ser
             file.write("# by another program\n")
         return done
 
-    monkeypatch.setattr(case_file, "change_text", interrupted)
+    monkeypatch.setattr(pages, "change_text", interrupted)
     key = asked(server, "file")["key"]
     saved = asked(server, "save", {"text": CASE + "# one\n", "key": key})
     status, _, data = send(server, "POST", f"/{server.token}/save", {"text": CASE + "# two\n", "key": saved["key"]})

@@ -1,15 +1,22 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Requests that a case cannot have: analyses without their subject, empty windows, angles like radians."""
+"""Requests that a case cannot have: analyses without their subject, empty windows, times behind the end, odd names.
+
+Angles may be like radians. Names may be of what is written on a drawing and is no wall: dimensions, texts, hatching,
+centre lines.
+"""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from math import degrees
 
 from lammps_jump.analysis.quantities import LISTED
+from lammps_jump.case.discs import Column
 from lammps_jump.case.fields import CaseFields
-from lammps_jump.case.groups.discs import Column
+from lammps_jump.case.measures import Probes
 from lammps_jump.case.parts.beds import RoughBed
+from lammps_jump.case.parts.inflow import RowsInflow
 from lammps_jump.scene import MovingWall
 from lammps_jump.scene.tracks import Oscillate, each
 
@@ -114,3 +121,85 @@ def _like_radians(value: float) -> bool:
     angle = abs(degrees(value))
     right, other = 90 * round(angle / 90), 15 * round(angle / 15)
     return (right > 0 and abs(angle - right) < RIGHT_ANGLE * right / 90) or abs(angle - other) < OTHER_ANGLE
+
+
+WRITTEN = frozenset(
+    """
+    dim dims dimension dimensions dimensioning
+    bemassung bemaßung bemassungen bemaßungen masse maße maß masslinien maßlinien
+    cote cotes cotation cotations quota quote quotas quotatura cota cotas acotado acotacion acotación kote koten
+    text texts texte txt label labels beschriftung annotation annotations anno notes
+    hatch hatching schraffur hachures titleblock schriftfeld
+    centerline centreline centerlines centrelines mittellinie defpoints viewport viewports
+    """.split()
+)
+"""Words of layers in English, German, French, Italian and Spanish; AutoCAD never prints its layer Defpoints."""
+
+
+def is_written(name: str) -> bool:
+    """Tells whether a layer or wall is named like what is written on a drawing."""
+    words = re.findall(r"[^\W\d_]+", re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name))
+    return any(word.lower() in WRITTEN for word in (*words, "".join(words)))
+
+
+def written_walls(walls: Sequence[MovingWall], own: Sequence[str]) -> list[str]:
+    """A sentence on walls of the case, `own`, that are named like what is written on a drawing."""
+    named = [one.wall.name for one in walls if one.wall.name in own and is_written(one.wall.name)]
+    if not named:
+        return []
+    names = ", ".join(f"'{name}'" for name in named[:4]) + (f" and {len(named) - 4} more" if len(named) > 4 else "")
+    several = len(named) > 1
+    return [
+        f"wall{'s' if several else ''} {names} {'are' if several else 'is'} named like dimensions, texts or axes of a "
+        f"drawing, and discs collide with {'them' if several else 'it'}: drop what is no wall, or rename it"
+    ]
+
+
+SAME = 1e-3
+"""Share by which a time may be longer than the run and still count as its end."""
+
+
+def behind_the_end(case: CaseFields) -> list[str]:
+    """Sentences on what is to begin behind the end of the run, and on intervals that are longer than the run."""
+    end = case.run.duration
+    held = [(f"bodies[{index}].from", f"body '{one.name}' is held", one.begin) for index, one in enumerate(case.bodies)]
+    for index, wall in enumerate(case.walls):
+        if not isinstance(wall, RoughBed) and wall.motion is not None:
+            held.append((f"walls[{index}].motion.from", f"wall '{wall.name}' stands", wall.motion.begin))
+    found = [
+        f"{field}: {what} until {begin:zg} s, and the run ends at {end:zg} s: it never moves; let it go earlier, or "
+        "run longer"
+        for field, what, begin in held
+        if begin >= end
+    ]
+    return found + _no_inflow(case) + _long_intervals(case)
+
+
+def _no_inflow(case: CaseFields) -> list[str]:
+    """A sentence on a table of an inflow that lets no disc in while the run lasts."""
+    inflow, end = case.inflow, case.run.duration
+    if not isinstance(inflow, RowsInflow) or not inflow.table or inflow.hydrograph.means(0.0, end)[1] > 0:
+        return []
+    return [
+        f"the inflow.table lets no disc in before the run ends at {end:zg} s; begin its flow earlier, or run longer"
+    ]
+
+
+def _long_intervals(case: CaseFields) -> list[str]:
+    """Sentences on intervals of frames and of forces that are longer than the run."""
+    end, found = case.run.duration, []
+    asked = case.run.output_interval
+    if asked is not None and asked > end * (1 + SAME):
+        found.append(
+            f"run.output_interval: {asked:zg} s is longer than the run of {end:zg} s, which has a frame at its start "
+            "and one at its end; take a part of it"
+        )
+    interval, probes = case.probes.interval, case.probes
+    used = probes.recorded or case.bodies or interval != Probes().interval
+    if used and interval > end * (1 + SAME):
+        most = min(case.output_interval, end)
+        found.append(
+            f"probes.interval: {interval:zg} s is longer than the run of {end:zg} s; forces are means over the time "
+            f"between frames then, {most:z.3g} s: take a part of it, for example {0.1 * most:z.2g} s"
+        )
+    return found

@@ -7,10 +7,9 @@ from math import inf
 from operator import itemgetter
 from typing import NamedTuple, TypeGuard
 
-from lammps_jump.case.design.flow import studied
-from lammps_jump.case.design.foot import foot_of
+from lammps_jump.case.design import foot_of, studied
+from lammps_jump.case.discs import Column
 from lammps_jump.case.fields import CaseFields
-from lammps_jump.case.groups.discs import Column
 from lammps_jump.case.parts.beds import RoughBed
 from lammps_jump.case.parts.inflow import RowsInflow
 from lammps_jump.physics import jump

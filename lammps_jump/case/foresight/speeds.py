@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from lammps_jump.case.discs import Column, DiscList, Lattice
 from lammps_jump.case.fields import CaseFields
-from lammps_jump.case.groups.discs import Column, DiscList, Lattice
 from lammps_jump.case.parts.beds import RoughBed
 from lammps_jump.case.parts.earlier import EarlierRun
 from lammps_jump.case.parts.inflow import PourInflow, RowsInflow

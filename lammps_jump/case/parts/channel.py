@@ -7,8 +7,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from lammps_jump.case.discs import Column
 from lammps_jump.case.fields import CaseFields
-from lammps_jump.case.groups.discs import Column
 from lammps_jump.errors import FieldError
 from lammps_jump.scene import Beginning, Interval, MovingWall
 from lammps_jump.scene.motion import at_seam, way

@@ -8,8 +8,8 @@ from math import isfinite, sqrt
 import numpy as np
 
 from lammps_jump.case import checks, live, walls
+from lammps_jump.case.discs import Column
 from lammps_jump.case.fields import CaseFields
-from lammps_jump.case.groups.discs import Column
 from lammps_jump.errors import FieldError
 from lammps_jump.scene import Beginning, InletRow, Interval, MovingWall, Outlet
 from lammps_jump.scene.motion import largest_speed, way

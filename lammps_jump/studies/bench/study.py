@@ -6,6 +6,8 @@ that of the reference (the finest step), over the size of the latter. For a curv
 The *floor* is the distance that scatter alone gives two equal ensembles: sqrt(s^2/n + s_ref^2/n_ref). Errors below it
 cannot be told from zero. An energy box has an exact answer, no deviation. Its error is the median over the starts of
 the largest deviation, and its floor is 0.
+
+The ``bench`` command: the study of the settings of a case.
 """
 
 from __future__ import annotations
@@ -21,18 +23,19 @@ import numpy as np
 import pandas as pd
 from pydantic import Field, TypeAdapter, ValidationError
 
-from lammps_jump import Case, Run
+from lammps_jump import Case, Run, load_case
+from lammps_jump.analysis.tables.markdown import paragraphs
 from lammps_jump.dump import read_forces
 from lammps_jump.engines import usable_kernels
 from lammps_jump.errors import CaseError, RunError
 from lammps_jump.files import plain
 from lammps_jump.provenance import machine
-from lammps_jump.quoting import echoed
+from lammps_jump.quoting import echoed, typed
 from lammps_jump.runs.summary import results_in
-from lammps_jump.studies.points import FAILED, Found, Point, PointStudy
+from lammps_jump.studies.points import FAILED, Found, Point, PointStudy, run_study
 from lammps_jump.studies.runs import KERNELS, middle
 from lammps_jump.studies.settings import AXES, QUICK, Axes, StudySetting, listed, make_settings, reference_setting
-from lammps_jump.sweeps import Results
+from lammps_jump.sweeps import Results, Say, Store
 
 from .page import draw_settings, page
 
@@ -272,3 +275,54 @@ def summarise_quantity(rows: Sequence[Results], name: str) -> Results:
         "cheapest": {f"{target:zg}": next(iter(own.index[(own <= target).all(axis=1)]), None) for target in TARGETS},
         "floor": plain(table.floor.median()),
     }
+
+
+FOLDER = Path("runs") / "bench"
+
+
+def run_bench(
+    case: Case,
+    *,
+    out: Path | None = None,
+    axes: Axes | None = None,
+    quick: bool = False,
+    fresh: bool = False,
+    say: Say = print,
+) -> str:
+    """Run the benchmark of the settings of a case and return its table as Markdown.
+
+    Parameters
+    ----------
+    case : Case
+    out : Path, optional
+        Folder; default ``runs/bench/<name>``.
+    axes : Axes, optional
+        Of the settings.
+    quick, fresh : bool
+        Few and short runs; measure again what is stored.
+    say : callable
+        Takes one line of progress.
+
+    Raises
+    ------
+    CaseError
+        No such axis or number.
+    """
+    folder = out or FOLDER / case.name
+    study = settings_study(case, folder, axes, quick=quick)
+    return run_study(study, folder, command="bench", fresh=fresh, say=say)[1]
+
+
+def stored_table(path: Path, out: Path | None = None) -> str:
+    """Return the table of a finished benchmark of a case file.
+
+    Raises
+    ------
+    CaseError
+        Where there is none.
+    """
+    file = (out or FOLDER / load_case(path).name) / "bench.json"
+    data = Store(file).data
+    if "rows" not in data:
+        raise CaseError(f"{file}: no finished benchmark is stored there; run `{typed('bench', path)}` first")
+    return paragraphs(*page(data))

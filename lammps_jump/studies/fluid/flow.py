@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from lammps_jump.case import ReadCase
-from lammps_jump.case.groups.discs import Column
+from lammps_jump.case.discs import Column
 from lammps_jump.case.parts.inflow import RowsInflow
 from lammps_jump.errors import CaseError, DumpError
 from lammps_jump.files import SUMMARY_FILE, read_json
