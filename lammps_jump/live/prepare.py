@@ -116,7 +116,9 @@ def sensible(case: ReadCase) -> dict[str, LiveSlider]:
     high = _height(case)
     for wall in fields.walls:
         motion = getattr(wall, "motion", None)
-        if isinstance(motion, Oscillate | TableMotion) and getattr(wall, "join", None) is None:
+        if getattr(wall, "join", None) is not None:
+            continue  # lines of one join have one motion
+        if isinstance(motion, Oscillate | TableMotion):
             if one := _along(wall.name, motion):
                 found[wall.name] = one
         elif motion is None and wall.name in fields.probes.forces and getattr(wall, "finite", False):

@@ -12,9 +12,9 @@ vm.runInContext("var core = new LiveCore(module, image, head), moves = new Moves
 if (job.begin) vm.runInContext(`moves.beginWith(${JSON.stringify(job.begin)})`, page);
 let wrong = "";
 for (const [step, name, value] of [...job.moves, [job.until]]) {
-  const begun = process.cpuUsage(), before = page.core ? 0 : 0;
+  const begun = process.cpuUsage();
   wrong ||= vm.runInContext(`moves.run(${step})`, page);
-  job.spent = (job.spent || 0) + process.cpuUsage(begun).user * 1e-6 + before;
+  job.spent = (job.spent || 0) + process.cpuUsage(begun).user * 1e-6;
   if (name) vm.runInContext(`moves.want(${JSON.stringify(name)}, ${value})`, page);
 }
 writeFileSync(job.out, vm.runInContext("core.state()", page));
