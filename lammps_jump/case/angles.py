@@ -19,11 +19,11 @@ def slopes_of_angles(data: Any) -> tuple[str, ...]:
     """Sentences on the numbers of a case's data that are tangents of angles, one each, in the order of the data."""
     found = []
     for path, text in _texts(data, ()):
+        if (angle := angle_of(text)) is None:  # most texts are none, and looking for their fields takes long
+            continue
         fields = fields_at(CaseFields, path)
         if any(isinstance(note, InUnit) and note.slope for field in fields for note in notes_of(field)):
-            angle = angle_of(text)
-            if angle is not None:
-                found.append(f"{_named(data, path)}: {tangent(angle):z.3g}, the tangent of {echoed(text)}")
+            found.append(f"{_named(data, path)}: {tangent(angle):z.3g}, the tangent of {echoed(text)}")
     return tuple(found)
 
 

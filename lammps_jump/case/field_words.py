@@ -6,6 +6,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import fields, is_dataclass
+from functools import cache
 from types import UnionType
 from typing import Any, NamedTuple, Union, cast, get_args, get_origin, get_type_hints
 
@@ -18,6 +19,7 @@ SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
 """Bounds as pydantic calls them."""
 
 
+@cache
 def fields_of(model: type) -> dict[str, FieldInfo]:
     """Fields of a pydantic model or of a dataclass, by their names in a case."""
     if issubclass(model, BaseModel):
