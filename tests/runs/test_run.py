@@ -29,8 +29,8 @@ pytestmark = pytest.mark.usefixtures("blank_pictures")
 NOTEBOOK = Path(__file__).parents[2] / "docs" / "notebooks" / "first_jump.ipynb"
 SHORT = {"run.duration": 0.3, "run.output_interval": 0.05, "engine.name": "native", "analysis.window": [0.1, 0.3]}
 PUBLIC = """Calibrated Case CaseError Dump DumpError Energy Force Frame Frames Front Jump JumpError Progress ResumeError
-Run RunError RunInterrupted RunResult Scene SetupError SteppedRun Sweep __version__ calibrate load_case open open_run
-read_dump run sweep""".split()
+Run RunError RunInterrupted RunResult Scene SetupError SteppedRun Sweep __version__ calibrate find load_case open
+open_run read_dump run sweep""".split()
 
 
 @pytest.fixture(scope="module")
