@@ -317,6 +317,7 @@ class SteppedRun(NearestNames):
         self.case = case
         write_marker(self.folder, marker_of(case, self._setting))
         write_text(self.folder / "case.yaml", case_text(case))
+        self._part.save()  # one of before is of another case: a process that is killed from here on could not go on
 
     def __repr__(self) -> str:
         if self._open is None:

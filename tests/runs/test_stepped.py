@@ -10,6 +10,8 @@ import pytest
 from made_up import INPUTS
 
 import lammps_jump as lj
+from lammps_jump.engines.checkpoint import read_checkpoint
+from lammps_jump.identity import scene_key
 from lammps_jump.physics.hydrograph import Hydrograph
 
 pytestmark = pytest.mark.usefixtures("blank_pictures")
@@ -118,6 +120,17 @@ def test_what_cannot_be_is_refused_and_changes_nothing(begun, what):
         begun.walls["sil"]
     with pytest.raises(AttributeError, match="did you mean 'advance'"):
         _ = begun.advanced
+
+
+def test_a_change_leaves_a_checkpoint_of_the_changed_case(case, tmp_path):
+    """A process that is killed behind a change goes on with it, at the step of an earlier stop too."""
+    folder = tmp_path / "run"
+    with case.start(folder, moves=["sill"]) as run:
+        run.advance(0.1)
+    with lj.open(folder).case.start(folder, resume=True) as run:
+        run.walls["sill"].move(y=0.2, over=0.05)
+        found, changed = read_checkpoint(folder), lj.load_case(folder / "case.yaml")
+        assert found.step == run.step and found.scene == scene_key(changed.scene())
 
 
 def test_an_error_in_the_block_leaves_a_checkpoint(case, tmp_path):

@@ -33,6 +33,7 @@ from lammps_jump.engines.setting import Setting
 from lammps_jump.engines.twin import Twin
 from lammps_jump.errors import ResumeError, RunError
 from lammps_jump.files import BODIES, CONTACTS_FILE, DUMP_NAMES, END_FILE, POSES, PRESSURE_FILE, delete
+from lammps_jump.folders import staging
 from lammps_jump.provenance import versions
 from lammps_jump.scene.scene import Scene
 
@@ -249,11 +250,10 @@ class EnginePart:
     def go_on_as(self, scene: Scene) -> None:
         """Go on from here with another scene, whose past is the same; springs, lists and sums stay as they are."""
         assert self.folder is not None and self.between_steps
-        path = self.folder / f"checkpoint-{self.simulation.step}.npz"
-        save_state(self.simulation, path)
         self.scene, old = scene, self.simulation
-        self.simulation = load_state(scene, path, ledger=old.ledger_on, loops=old.loops)
-        delete(path)
+        with staging(self.folder) as stage:  # a state beside the others would take the place of a checkpoint's
+            save_state(old, stage / "state.npz")
+            self.simulation = load_state(scene, stage / "state.npz", ledger=old.ledger_on, loops=old.loops)
         if self.checkpoints is not None:
             self.checkpoints.scene = scene
 
