@@ -235,12 +235,12 @@
   let shownTime = null;
 
   function setUp(figure) {
-    const number = Number(figure.dataset.curve), caption = figure.querySelector("figcaption"), title = caption.textContent;
+    const number = figure.dataset.curve, caption = figure.querySelector("figcaption"), title = caption.textContent;
     let chart, width = 0, panels = [];
     const take = () => {
-      chart = charts[number];
+      chart = figure.chart || charts[number]; // the player has its own
       for (const panel of chart.panels || []) for (const line of panel.lines) line.x ??= panel.lines[0].x;
-      chart.caption = title;
+      chart.caption = figure.chart ? chart.caption : title;
       width = 0;
     };
     take();
@@ -263,8 +263,11 @@
 
   const figures = () => document.querySelectorAll("figure.curve");
   figures().forEach(setUp);
-  document.addEventListener("time", (event) => linked.forEach((show) => show(shownTime = event.detail)));
-  // A run that goes on has new numbers for its figures, and new figures.
-  document.addEventListener("curves", () => figures().forEach((figure) => (
+  document.addEventListener("time", ({ detail }) => {
+    shownTime = detail;
+    linked.forEach((show) => show(detail));
+  });
+  // A run that goes on has new numbers for its figures, and new figures; a player makes one on demand.
+  document.addEventListener("curves", ({ detail }) => (detail ? [detail] : figures()).forEach((figure) => (
     figure.classList.contains("drawn") ? figure.dispatchEvent(new Event("numbers")) : setUp(figure))));
 })();

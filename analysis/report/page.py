@@ -193,9 +193,10 @@ def render(
     players = [block._replace(frames=_packed(block.frames)) for block in blocks if isinstance(block, Player)]
     curves = [block for block in blocks if isinstance(block, Curve)]
     numbers: list[np.ndarray] = [np.zeros(1)]
+    headers = [_lean_forces(plain(player.header), numbers) for player in players]
     shown = [_lean(plain(curve.data), numbers) for curve in curves]
     steps = np.diff(np.concatenate(numbers)).astype(int)
-    data = {"players": [player.header for player in players], "curves": shown}
+    data = {"players": headers, "curves": shown}
     style, scripts = _own("page.css"), [_own(file) for file in SCRIPTS] if players or curves else []
     scripts += [_own("embedded.js")] if embedded else []
     kept = [section for section in full if section.blocks]
@@ -207,7 +208,7 @@ def render(
         sections=[section for section in kept if section.title],
         players=players,
         data=as_json(data) if players or curves else "",
-        numbers=Markup(encode((steps, np.frexp(np.append(0, steps[:-1]))[1])) if curves else ""),
+        numbers=Markup(encode((steps, np.frexp(np.append(0, steps[:-1]))[1])) if len(numbers) > 1 else ""),
         style=style,
         scripts=scripts,
         policy=policy(style, scripts),
@@ -223,6 +224,16 @@ def _packed(text: str) -> Markup:
 def as_json(data: object) -> Markup:
     """Data for a script element: without `<` no text in it can end the element; NaN and infinities are null."""
     return Markup(json.dumps(plain(data), allow_nan=False, separators=(",", ":")).replace("<", "\\u003c"))
+
+
+def _lean_forces(data: object, numbers: list[np.ndarray]) -> object:
+    """The header of a player whose forces are packed, in the order of the data; see `_lean`."""
+    if isinstance(data, Mapping):
+        return {
+            key: _lean(value, numbers) if key == "force" else _lean_forces(value, numbers)
+            for key, value in data.items()
+        }
+    return [_lean_forces(value, numbers) for value in data] if isinstance(data, list) else data
 
 
 def _lean(data: object, numbers: list[np.ndarray]) -> object:

@@ -47,6 +47,8 @@ function takeRun(p, number) {
   bar.min = times[0];
   bar.max = p.end;
   offerColours(p);
+  offerThings(p);
+  showForce(p);
   part(p, "thin").hidden = share === 1;
   part(p, "thin").textContent = "There are too many discs for a page: " +
     (p.colour === "packing" ? "it shows the share of area that they cover. In other colours " : "") +
@@ -133,6 +135,7 @@ function listenToButtons(p) {
   on("on", "click", () => step(p, 1));
   on("rate", "change", () => tell("play", { on: p.playing, rate: Number(part(p, "rate").value) }));
   on("colour", "change", () => { p.colour = part(p, "colour").value; draw(p); });
+  on("thing", "change", () => pin(p, p.things[part(p, "thing").value] || null));
   on("out", "click", () => keepingPlace(p, () => zoomByKey(p, 1 / 1.5)));
   on("in", "click", () => keepingPlace(p, () => zoomByKey(p, 1.5)));
   on("whole", "click", () => keepingPlace(p, () => showWhole(p)));
@@ -175,6 +178,8 @@ function key(p, event) {
     "+": each((one) => zoomByKey(one, 1.5)),
     "-": each((one) => zoomByKey(one, 1 / 1.5)),
     0: each(showWhole),
+    Enter: event.target === focused[0]?.canvas && (() => pinMiddle(focused[0])),
+    Escape: players.some(({ pinned }) => pinned) && each((one) => pin(one, null)),
   };
   if (!acts[event.key]) return;
   event.preventDefault();

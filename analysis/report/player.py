@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import ceil, isfinite
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,7 @@ import numpy as np
 from lammps_jump.analysis.draw.scope import disc_speeds, seen, top_of
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.profiles import bin_edges
+from lammps_jump.dump.find import ForceHistory, read_forces
 from lammps_jump.dump.side_files.bodies import BodyHistory, read_bodies
 from lammps_jump.dump.tables import read_table
 from lammps_jump.errors import DumpError
@@ -30,6 +31,8 @@ TRACK, COLUMNS = "jump_track.csv", ("time", "position", "found", "mass_depth_1",
 AROUND = 1.0
 """The velocity of the front at an instant is its mean over so many seconds before and after."""
 
+MOST_ROWS, FEWEST_ROWS = 12_000, 60
+"""Rows of the records of forces that a page shows, of all walls, and of one where there are many walls."""
 MEMBER_ROWS = 500_000
 """Discs times frames of a member, about 1 MB of the page of its study."""
 
@@ -55,10 +58,58 @@ def make_player(packer: FramePacker, folder: Path) -> Player | None:
     return player and player._replace(still=still_of(folder))
 
 
-def pack_player(packer: FramePacker, folder: Path) -> Player | None:
-    """The same without the picture, which need not be drawn yet."""
+def pack_player(packer: FramePacker, folder: Path, forces: Mapping[str, ForceHistory] | None = None) -> Player | None:
+    """The same without the picture, which need not be drawn yet; with forces by structure, else those of the folder."""
     packed = packer.result()
-    return Player({**packed.header, **about_run(packer, folder)}, packed.text) if packed else None
+    if packed is None:
+        return None
+    header = packed.header | about_run(packer, folder)
+    return Player(
+        header | _with_forces(header, packer.flow, _read_forces(folder) if forces is None else forces), packed.text
+    )
+
+
+def _read_forces(folder: Path) -> Mapping[str, ForceHistory]:
+    """Forces by structure in a folder; none where their file is not there or damaged: the page is whole without."""
+    try:
+        return read_forces(folder / "forces.csv")
+    except DumpError:
+        return {}
+
+
+def _with_forces(
+    header: Mapping[str, Any], flow: Flow, forces: Mapping[str, ForceHistory]
+) -> dict[str, list[dict[str, Any]]]:
+    """Walls and gates of a header with the force of the discs on those of which there is a record, N/m against s.
+
+    The record of a body is the one that all bodies have, where its forces are not asked for.
+    """
+    known: dict[str, ForceHistory | BodyHistory] = {**_histories(flow), **forces}
+    names = [shape["name"] for key in ("walls", "gates") for shape in header[key]]
+    most = max(FEWEST_ROWS, MOST_ROWS // max(1, sum(name in known for name in names)))
+    return {
+        key: [
+            shape | ({"force": _force_of(known[shape["name"]], most)} if shape["name"] in known else {})
+            for shape in header[key]
+        ]
+        for key in ("walls", "gates")
+    }
+
+
+def _force_of(history: ForceHistory | BodyHistory, most: int) -> dict[str, Any]:
+    """Force of a record in at most so many rows, each the mean of as many: its time (s) is their last one.
+
+    ``each`` is how long a mean is, s, and ``taken`` of how many rows it is.
+    """
+    rows = len(history.time)
+    taken = max(1, ceil(rows / most))
+    ends = np.unique(np.append(np.arange(taken - 1, rows, taken), rows - 1))
+    counts = np.diff(ends, prepend=-1)
+    force: dict[str, Any] = {"time": history.time[ends]}
+    for name in ("fx", "fy"):
+        force[name] = np.diff(np.cumsum(getattr(history, name))[ends], prepend=0.0) / counts
+    step = float(np.median(np.diff(history.time))) if rows > 1 else 0.0
+    return {**force, "each": float(f"{step * taken:z.4g}"), "taken": taken}
 
 
 def still_of(folder: Path, small: bytes = b"") -> Picture | None:
@@ -87,6 +138,7 @@ def about_run(packer: FramePacker, folder: Path) -> dict[str, object]:
         "seam": scene.domain[0] if scene.periodic else None,
         "fixed": (scene.fixed.first, scene.fixed.last) if scene.fixed else None,
         "area": scene.mass / (scene.density * scene.radius**2),
+        "density": scene.density,
         "bed": _lowest_bed(flow, x, y),
         "sequent": _sequent(flow, folder, packer.times),
     }
@@ -115,17 +167,21 @@ def _shape(one: MovingWall, packer: FramePacker, shown: tuple[Interval, Interval
 
 def _bodies(packer: FramePacker) -> dict[str, dict[str, Any]]:
     """Of each body the mass, kg/m, and centre where the case has it, m; velocity and force, where they are known."""
-    flow = packer.flow
-    try:
-        histories = read_bodies(flow.poses.path.with_name(BODIES)) if flow.scene.bodies and flow.poses else {}
-    except DumpError:  # not there, or damaged: the page is whole without
-        histories = {}
+    histories = _histories(packer.flow)
     found = {}
-    for wall, motion in flow.scene.bodies:
+    for wall, motion in packer.flow.scene.bodies:
         if motion.free:
             known = _ways_of(histories[wall.name], packer.times) if wall.name in histories else {}
             found[wall.name] = {"body": {"mass": motion.free.mass, "centre": motion.free.centre, **known}}
     return found
+
+
+def _histories(flow: Flow) -> dict[str, BodyHistory]:
+    """Bodies against time; none where their file is not there or damaged: the page is whole without."""
+    try:
+        return read_bodies(flow.poses.path.with_name(BODIES)) if flow.scene.bodies and flow.poses else {}
+    except DumpError:
+        return {}
 
 
 def _ways_of(history: BodyHistory, times: Sequence[float]) -> dict[str, list[float | None]]:

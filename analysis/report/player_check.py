@@ -25,6 +25,7 @@ COLUMNS = 8
 KINDS = 4 + COLUMNS + 1
 """Kinds of numbers: changes of a row, columns of the table, the map."""
 MOST_BITS = 31
+MOST_FORCES = 20_000
 MOST_CELLS, MOST_BINS, MOST_SHAPES, MOST_POINTS = 100_000, 100_000, 10_000, 100_000
 MOST_WIDTHS = 1000
 """Widths of a bin in the largest radius: the page adds the area of a disc bin by bin."""
@@ -73,6 +74,18 @@ class _Body(_Part):
         return ways == [None] * 4 or all(way is not None and len(way) == frames for way in ways)
 
 
+class _Force(_Part):
+    time: Annotated[list[Number], Field(min_length=1, max_length=MOST_FORCES)]
+    fx: Annotated[list[Number], Field(max_length=MOST_FORCES)]
+    fy: Annotated[list[Number], Field(max_length=MOST_FORCES)]
+    each: Number
+    taken: Annotated[int, Field(ge=1)]
+
+    def fits(self) -> bool:
+        """Tells whether its columns have one length and its times grow."""
+        return len(self.time) == len(self.fx) == len(self.fy) and bool((np.diff(self.time) > 0).all())
+
+
 class _Shape(_Part):
     name: Name
     hollow: bool
@@ -83,10 +96,13 @@ class _Shape(_Part):
     y: _Way = None
     angle: _Way = None
     body: _Body | None = None
+    force: _Force | None = None
 
     def ways_fit(self, frames: int) -> bool:
-        """Tells whether it stands, or has a pose for each frame; a body always has."""
+        """Tells whether it stands, or has a pose for each frame, which a body always has; and its forces fit."""
         ways = [self.x, self.y, self.angle]
+        if self.force is not None and not self.force.fits():
+            return False
         if self.about is None:
             return ways == [None] * 3 and self.body is None
         if self.body is not None and not self.body.ways_fit(frames):
@@ -126,6 +142,7 @@ class _Header(_Part):
     seam: tuple[Number, Number] | None = None
     fixed: tuple[Number, Number] | None = None
     area: Above
+    density: Above | None = None
     bed: Number
     sequent: list[tuple[Number | None, Number | None, Number | None] | None]
 

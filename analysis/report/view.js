@@ -294,7 +294,8 @@ function drawDiscs(p) {
     for (const wall of p.run.walls) if (wall.about) drawMoving(p, wall);
     for (const gate of p.run.gates) if (p.time < gate.until) drawGate(p, gate);
     for (const disc of large) drawLarge(p, ...disc);
-    if (p.picked !== null) drawRing(p);
+    if (p.picked !== null && p.picked.outlines) drawPickedWall(p, p.picked);
+    else if (p.picked !== null) drawRing(p);
   });
 }
 
@@ -332,6 +333,33 @@ function drawLarge(p, x, y, radius, shade) {
   p.context.beginPath();
   p.context.arc(x, y, radius - 0.6, 0, 2 * Math.PI);
   p.context.fill();
+}
+
+// The outline of a wall that is picked, and the force of the discs on it now as an arrow: the largest is a third of the
+// height of the drawing.
+function drawPickedWall(p, wall) {
+  Object.assign(p.context, { strokeStyle: p.ink.theory, fillStyle: p.ink.theory, lineWidth: 2, lineJoin: "round" });
+  const line = new Path2D(), force = wall.outlines ? forceNow(p, wall) : null;
+  for (const points of wall.lines) trace(p, line, placed(p, wall, points));
+  p.context.stroke(wallPath(p, wall));
+  p.context.stroke(line);
+  if (!force || !Math.hypot(...force)) return;
+  wall.most ??= wall.force.time.reduce((most, _, k) => Math.max(most, Math.hypot(wall.force.fx[k], wall.force.fy[k])), 0);
+  const [x, y] = middleOf(p, wall), at = [column(p, x), row(p, y)], scale = p.high / 3 / wall.most;
+  drawArrow(p, at, [at[0] + force[0] * scale, at[1] - force[1] * scale]);
+}
+
+function drawArrow({ context }, [x0, y0], [x1, y1]) {
+  const long = Math.hypot(x1 - x0, y1 - y0), head = Math.min(10, long / 2), c = (x1 - x0) / long, s = (y1 - y0) / long;
+  context.lineWidth = 3;
+  context.beginPath();
+  context.moveTo(x0, y0);
+  context.lineTo(x1 - c * head, y1 - s * head);
+  context.stroke();
+  context.beginPath();
+  context.moveTo(x1, y1);
+  for (const side of [-0.6, 0.6]) context.lineTo(x1 - head * (c + side * s), y1 - head * (s - side * c));
+  context.fill();
 }
 
 function drawRing(p) {

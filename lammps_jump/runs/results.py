@@ -28,7 +28,7 @@ from lammps_jump.core.library import core
 from lammps_jump.dump.check import IdCheck
 from lammps_jump.dump.exports import export as write_exports
 from lammps_jump.dump.exports import load_netcdf
-from lammps_jump.dump.find import find_dump, read_dump, read_forces
+from lammps_jump.dump.find import ForceHistory, find_dump, read_dump, read_forces
 from lammps_jump.dump.read import Dump, open_dump
 from lammps_jump.errors import CaseError, DumpError
 from lammps_jump.files import PLAYER, SUMMARY_FILE, checksum, read_json, write_json, write_text, writes
@@ -201,7 +201,7 @@ def analyse(
             drawing=drawing,
         )
         told("player")
-        player = packed_player(packer, out) if has_player(case) else None
+        player = packed_player(packer, out, gathered.forces) if has_player(case) else None
         told("figures")
     return parts, drawing.shown_in(player)
 
@@ -256,7 +256,7 @@ def analyse_dump(
             gathered = replace(gathered, warnings=(*gathered.warnings, note))
         with pipeline.DrawnAside() as drawing:
             summary |= pipeline.analyse(flow, path, stage, given.wanted, gathered=gathered, drawing=drawing)
-            player = pack_player(packer, stage)
+            player = pack_player(packer, stage, gathered.forces)
         text = case.to_yaml() if case else ""
         report.write_report(stage, summary, text, player=drawing.shown_in(player))
         files = {str(one.relative_to(stage)): one for one in stage.rglob("*") if one.is_file() and not one.is_symlink()}
@@ -429,9 +429,11 @@ def packer_for(case: ReadCase, flow: Flow) -> FramePacker:
     return FramePacker(flow) if has_page(case) else member_packer(flow, scene.steps // scene.output_steps + 1)
 
 
-def packed_player(packer: FramePacker, folder: Path) -> page.Player | None:
+def packed_player(
+    packer: FramePacker, folder: Path, forces: Mapping[str, ForceHistory] | None = None
+) -> page.Player | None:
     """The player of what a packer has taken in, without a picture; None where no frame holds a disc."""
-    return pack_player(packer, folder)
+    return pack_player(packer, folder, forces)
 
 
 def packed(flow: Flow, folder: Path, every: int = 1) -> FramePacker:

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """What the player is told of a run: what to show, walls and gates, and Bélanger's depth of each instant."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from free_bodies import body
@@ -8,8 +10,9 @@ from made_up import disc_frame, flow_context
 
 from lammps_jump.analysis.report import player
 from lammps_jump.analysis.report.frames import FramePacker
-from lammps_jump.analysis.report.player import make_player
+from lammps_jump.analysis.report.player import make_player, pack_player
 from lammps_jump.dump.exports import write_table
+from lammps_jump.dump.find import ForceHistory
 from lammps_jump.dump.side_files.poses import PoseFile
 from lammps_jump.files import BODIES_HEADER
 from lammps_jump.physics.jump import sequent_depth
@@ -147,6 +150,42 @@ def test_a_body_has_mass_velocity_and_force_of_each_frame(tmp_path):
 @pytest.mark.parametrize("rows", [None, ["0,block,7.5"], ["0,other,7.5,1.5,0,0,0,0,0,0,0"]])
 def test_a_body_without_its_rows_has_its_mass_alone(tmp_path, rows):
     assert floated(tmp_path, rows)["body"] == {"mass": 5000.0, "centre": (7.5, 1.5)}
+
+
+def with_forces(rows, names=("sill",), **given):
+    """Shapes of a header by name, of a run with these rows of time, fx and fy for each name."""
+    history = ForceHistory(*np.array([(*row, 0.0) for row in rows], float).T)
+    packer = FramePacker(flow_context(domain=((0, 30), (-5, 10)), x_range=(0, 30), walls=WALLS, sized=False, **given))
+    frame = disc_frame([1.0], [0.1], [3.0], box=[[0, 30], [-5, 10]], time=0.0)
+    packer.add(frame, 0.0)
+    found = pack_player(packer, Path("none"), dict.fromkeys(names, history)).header
+    return {shape["name"]: shape for key in ("walls", "gates") for shape in found[key]}
+
+
+def test_a_wall_has_the_force_of_each_row_of_its_record():
+    shapes = with_forces([(0.1, 5, 1), (0.2, 7, -1), (0.3, 0, 0)])
+    assert "force" not in shapes["floor"]
+    force = {key: np.asarray(value).tolist() for key, value in shapes["sill"]["force"].items()}
+    assert force == {"time": [0.1, 0.2, 0.3], "fx": [5, 7, 0], "fy": [1, -1, 0], "each": 0.1, "taken": 1}
+
+
+@pytest.mark.parametrize(("rows", "most", "ends"), [(7, 3, [3, 6, 7]), (6, 3, [2, 4, 6]), (5, 1, [5])])
+def test_a_long_record_is_shown_as_means_that_keep_its_impulse(monkeypatch, rows, most, ends):
+    """Of two walls each has half of the rows; the last mean may be of fewer."""
+    monkeypatch.setattr(player, "MOST_ROWS", 2 * most)
+    monkeypatch.setattr(player, "FEWEST_ROWS", 1)
+    values = np.random.default_rng(4).normal(size=(rows, 2))
+    record = [(k + 1.0, *value) for k, value in enumerate(values)]
+    force = with_forces(record, ("sill", "floor"))["sill"]["force"]
+    assert force["time"].tolist() == ends and force["taken"] == force["each"] == ends[0]
+    for way, column in zip(("fx", "fy"), values.T, strict=True):
+        assert np.dot(force[way], np.diff(ends, prepend=0)) == pytest.approx(column.sum(), rel=1e-12)
+
+
+def test_a_body_without_a_record_of_its_own_has_that_of_all_bodies(tmp_path):
+    rows = [f"{t:g},block,{7.5 + t:g},1.5,0,0,0,0,{100 * t:g},50,7" for t in (0.0, 0.5, 1.0)]
+    force = floated(tmp_path, rows)["force"]
+    assert force["time"].tolist() == [0, 0.5, 1] and force["fx"].tolist() == [0, 50, 100] and force["each"] == 0.5
 
 
 def test_what_is_shown_reaches_over_discs_and_blocks(tmp_path):

@@ -30,7 +30,7 @@ from lammps_jump.dump.find import read_dump
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.dump.side_files.poses import PoseFile
 from lammps_jump.files import BODIES_HEADER
-from lammps_jump.scene.motion import Motion, MovingWall
+from lammps_jump.scene.motion import Motion, MovingWall, gate
 from lammps_jump.scene.scene import InletRow, Outlet
 from lammps_jump.scene.tracks import Rotate
 from lammps_jump.scene.walls import Block, Box, Line, Polygon
@@ -141,6 +141,12 @@ def made(browser, tmp_path):
 def key(page, name):
     for kind in ("keyDown", "keyUp"):
         page.call("Input.dispatchKeyEvent", type=kind, key=name, text=name if len(name) == 1 else "")
+
+
+def key_code(page, name, code):
+    """A key that the browser itself answers, such as an arrow in a list."""
+    for kind in ("rawKeyDown", "keyUp"):
+        page.call("Input.dispatchKeyEvent", type=kind, key=name, code=name, windowsVirtualKeyCode=code)
 
 
 def mouse(page, kind, x, y, **more):
@@ -453,6 +459,113 @@ def test_a_body_that_is_pointed_at_tells_its_mass_speed_and_force(browser, tmp_p
     assert tip(1.25, 2.1, 3.2) is None
     assert tip(2.5, 4.7, 3.2) == "raft\nmass 1000 kg/m"  # no row tells of this time
     assert page.troubles() == []
+
+
+FELT = """(() => {
+  const p = players[0], box = part(p, "felt"), told = part(p, "told"), panel = box.chart && box.chart.panels[0];
+  return {
+    shown: !box.hidden, title: box.hidden ? "" : box.querySelector("figcaption").firstChild.data,
+    name: part(p, "thing").selectedOptions[0].text, lines: box.hidden ? [] : panel.lines.map(({ x, y }) => [x, y]),
+    unit: panel && panel.y, told: told.hidden ? "" : told.textContent,
+    drawn: box.querySelectorAll("svg > g path").length, now: !!box.querySelector("line.now[visibility=visible]"),
+  };
+})()"""
+
+
+def click_at(page, x, y):
+    """A click on a place of the drawing, m."""
+    left, top = page.run(
+        "(() => { const p = players[0], b = p.canvas.getBoundingClientRect();"
+        f" return [b.x + MARGIN.left + column(p, {x}), b.y + MARGIN.legend + row(p, {y})] }})()"
+    )
+    click(page, left, top)
+    return page.run(FELT)
+
+
+def felt_report(tmp_path):
+    """A report of made-up discs over a floor, a gate that is gone at 2 s and a body, with forces on two of them."""
+    (tmp_path / "walls.csv").write_text("time,wall,x,y,angle\n0,raft,0,0,0\n2.5,raft,2.5,0,0\n")
+    rows = [f"{t:g},raft,{2.5 + t:g},3.5,0,{t:g},0,0,{3 * t:g},{-4 * t:g},0" for t in (0.0, 1.0, 2.0)]
+    (tmp_path / "bodies.csv").write_text("\n".join([BODIES_HEADER, *rows, ""]))
+    felt = [f"{0.25 * k:g},{HOSTILE},{1000 * k},{-500 * k},0" for k in range(1, 11)]
+    (tmp_path / "forces.csv").write_text("\n".join(["time,structure,fx,fy,moment", *felt, ""]))
+    shut = gate(Block("lid", (8, 8.5), (0, 3)), 2000)
+    walls = (*FLOOR, Block(HOSTILE, (5, 6), (1.5, 2.5)), shut, body(Block("raft", (2, 3), (3, 4))))
+    poses = PoseFile(tmp_path / "walls.csv", ["raft"])
+    return made_report(tmp_path, walls=walls, poses=poses, time_step=1e-3, density=1000.0)
+
+
+def test_what_is_clicked_shows_its_force_against_time(browser, tmp_path):
+    """Wall and body of their records, a disc of the velocities of the page; else the reason stands there."""
+    page = Page(browser, felt_report(tmp_path))
+    page.run("tell('seek', 1)")
+    wall = click_at(page, 5.5, 2.2)
+    assert (wall["title"], wall["name"], wall["unit"]) == (f"Force on {HOSTILE}, of the discs", HOSTILE, "Force [kN/m]")
+    (time, along), (_, up) = wall["lines"]
+    assert time == pytest.approx([0.25 * k for k in range(1, 11)]) and along == pytest.approx(range(1, 11))
+    assert up == pytest.approx([-0.5 * k for k in range(1, 11)])
+    assert wall["told"] == "Means over 0.25 s, every step counted." and wall["drawn"] == 2 and wall["now"]
+    assert "force of the discs 4470 N/m (4000, \u22122000)" in page.run("part(players[0], 'tip').innerText")
+    raft = click_at(page, 3.4, 3.6)
+    assert (raft["title"], raft["unit"]) == ("Force on raft, of the discs", "Force [N/m]")
+    assert raft["lines"] == [[[0, 1, 2], [0, 3, 6]], [[0, 1, 2], [0, -4, -8]]]
+    assert not click_at(page, 3.4, 3.6)["shown"]  # a second click lets go
+    floor = click_at(page, 4.0, -0.1)
+    assert not floor["shown"] and floor["told"].startswith(
+        "floor: No force on it was recorded: name it in probes.forces"
+    )
+    assert click_at(page, 8.2, 2.0)["name"] == "lid"
+    page.run("tell('seek', 2.2)")
+    assert click_at(page, 8.2, 2.0)["name"] == "Force on …"  # the gate is gone
+    assert page.run("typeof hit") == "undefined" and page.troubles() == []
+
+
+def test_the_force_of_a_disc_is_that_of_its_change_of_velocity(browser, tmp_path):
+    """A disc that flies on is without force; one that stands bears its weight; one that is in one frame has none."""
+    flow = flow_context(domain=((0, 10), (-2, 5)), x_range=(0, 10), walls=FLOOR, sized=False)
+    packer, g = FramePacker(flow), flow.g
+    for k in range(5):
+        t = 0.1 * k
+        columns = {
+            "id": np.array([1, 2, 3][: 3 if k == 4 else 2]), "x": np.array([1.0, 3.0 + 2 * t, 6.0]),
+            "y": np.array([0.1, 4 - 0.5 * g * t * t, 2.0]), "vx": np.array([0.0, 2.0, 0.0]),
+            "vy": np.array([0.0, -g * t, 0.0]),
+        }  # fmt: skip
+        columns = {name: values[: len(columns["id"])] for name, values in columns.items()}
+        packer.add(make_frame(k, t, [[0, 10], [-2, 5]], columns), t)
+    page = Page(browser, write_report(tmp_path, {"name": "a"}, "name: a\n", player=make_player(packer, tmp_path)))
+    page.run("tell('seek', 0.4)")
+    weight, qv = flow.scene.mass * g, page.run("players[0].run.qv")
+    for disc, force in ((0, weight), (1, 0.0)):
+        page.run(f"pin(players[0], {disc})")
+        found = page.run(FELT)
+        (time, along), (_, up) = found["lines"]
+        scale = 1000 if found["unit"] == "Force [kN/m]" else 1
+        assert time == pytest.approx([0.05, 0.15, 0.25, 0.35])
+        assert np.multiply(along, scale) == pytest.approx(np.zeros(4), abs=1e-9)
+        rounded = flow.scene.mass * qv / 0.1  # half a quantum at either end
+        assert np.multiply(up, scale) == pytest.approx(np.full(4, force), abs=rounded)
+    page.run("pin(players[0], 2)")
+    assert "it is in one frame alone" in page.run(FELT)["told"] and page.troubles() == []
+
+
+def test_forces_are_reached_by_the_keyboard(browser, tmp_path):
+    """From the list of walls; Enter on the drawing takes what is in its middle, Escape lets go."""
+    page = Page(browser, felt_report(tmp_path))
+    page.run("tell('seek', 1); part(players[0], 'thing').focus()")
+    assert page.run("[...part(players[0], 'thing').options].map((one) => one.text)") == [
+        "Force on …", "floor", HOSTILE, "raft", "lid",
+    ]  # fmt: skip
+    for _ in range(2):
+        key_code(page, "ArrowDown", 40)
+    assert page.run(FELT)["name"] == HOSTILE and page.run(FELT)["shown"]
+    page.run("part(players[0], 'play').focus()")
+    key(page, "Escape")
+    assert page.run(FELT)["shown"] is False and page.run(FELT)["name"] == "Force on …"
+    page.run("players[0].canvas.focus(); players[0].view.hand = true")
+    key(page, "Enter")
+    assert page.run("players[0].pinned") and page.run(FELT)["told"]
+    assert page.run("typeof hit") == "undefined" and page.troubles() == []
 
 
 def test_nothing_but_the_page_itself_acts_in_it(browser, tmp_path):

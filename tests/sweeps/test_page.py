@@ -47,6 +47,12 @@ def test_the_page_has_one_player_and_a_list_of_all_members(done):
     assert sum(bool(chosen) for _, chosen, _ in options) == 1
     headers = json.loads(re.search(r'id="data">(.*?)</script>', text)[1])["players"]
     stored = [json.loads((run.folder / "player.json").read_text()) for run in done.runs]
+    for header in (*headers, *(one["header"] for one in stored)):  # rows of forces stand apart on the page
+        felt = [wall.pop("force") for wall in header["walls"] if "force" in wall]
+        rows = {
+            (one["count"] if isinstance(one, dict) else len(one)) for force in felt for one in list(force.values())[:3]
+        }
+        assert len(felt) == 1 and len(rows) == 1
     assert headers == [one["header"] for one in stored] and len(headers[0]["times"]) == 41
     assert all(f'id="frames{k}">{one["frames"]}<' in text for k, one in enumerate(stored))
     assert len({one["frames"] for one in stored}) == 4  # each member has its own
@@ -111,14 +117,20 @@ def test_a_player_that_was_handed_on_is_checked(done, tmp_path, tried):
     moving = {**still, "about": [0, 0], **dict.fromkeys(("x", "y", "angle"), way[: len(header["times"])])}
     known = {name: [None, *moving["x"][1:]] for name in ("vx", "vy", "fx", "fy")}
     body = {**moving, "body": {"mass": 2.0, "centre": [0, 0], **known}}
-    path.write_text(json.dumps({**whole, "header": {**header, "seam": [0, 1e6], "walls": [still, moving, body]}}))
-    assert json.loads(json.dumps(read_player(path).header["walls"])) == [still, moving, body]
+    force = {"time": [0.1, 0.2], "fx": [1.0, -2.0], "fy": [0.0, 3.0], "each": 0.1, "taken": 1}
+    felt = {**still, "force": force}
+    path.write_text(json.dumps({**whole, "header": {**header, "seam": [0, 1e6], "walls": [still, moving, body, felt]}}))
+    assert json.loads(json.dumps(read_player(path).header["walls"])) == [still, moving, body, felt]
     bad_walls = [
         refresh, [{}], [{**moving, "x": way}], [{**moving, "angle": None}], [{**moving, "angle": [refresh]}],
         [{**still, "x": moving["x"]}], [{**still, "outlines": [[]]}], [{**still, "lines": [way]}],
         [{**still, "lines": [[[0, 0]] * 60_000] * 2}], [{**moving, "about": [0, 1e300]}],
         [{**still, "body": body["body"]}], [{**body, "body": {**body["body"], "vx": way}}],
         [{**body, "body": {**body["body"], "fy": None}}], [{**body, "body": {**body["body"], "mass": refresh}}],
+        *([{**still, "force": {**force, **change}}] for change in (
+            {"fx": [1.0]}, {"time": [0.2, 0.1]}, {"fy": [refresh, 1.0]}, {"taken": 0}, {"time": [], "fx": [], "fy": []},
+            {"more": 1}, {"time": way * 3, "fx": way * 3, "fy": way * 3},
+        )),
     ]  # fmt: skip
     wrong += [{"header": {**header, "walls": walls}} for walls in bad_walls]
     wrong += [{"header": {**header, name: value}} for name, values in changes.items() for value in values]
