@@ -217,6 +217,18 @@ def test_a_run_is_chosen_from_a_list(browser, tmp_path):
     page.close()
 
 
+def test_a_list_of_long_names_is_no_wider_than_a_phone(browser, tmp_path):
+    packer = FramePacker(flow_context(domain=((0, 10), (-2, 5)), x_range=(0, 10), walls=FLOOR, sized=True))
+    for frame in made_frames(4):
+        packer.add(frame, frame.time)
+    names = [f"friction coefficient {k}, restitution coefficient 0.5, start {k}" for k in (1, 2)]
+    path = tmp_path / "choice.html"
+    path.write_text(render("made-up", [Section("", [PlayerChoice([make_player(packer, tmp_path)] * 2, names, 0)])]))
+    page = Page(browser, path, width=390, height=800, phone=True)
+    assert page.run("document.documentElement.scrollWidth") == 390
+    page.close()
+
+
 def test_sliders_choose_the_run_of_a_point(browser, tmp_path):
     """By the keyboard: player, numbers and list go with them; where there is no run the page says so."""
     players = []
