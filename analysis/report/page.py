@@ -127,6 +127,26 @@ class Player(NamedTuple):
     still: Picture | None = None
 
 
+class LivePage(NamedTuple):
+    """A page in which the flow of the run runs, for a frame of this one; see `lammps_jump.live`.
+
+    Attributes
+    ----------
+    packed : str
+        Its text without the frames of the run: gzip, base64.
+    moments : sequence of float
+        Of the run at which it can begin, s.
+    style : str
+    scripts : sequence of str
+        Its own, which the policy of the page around names too.
+    """
+
+    packed: str
+    moments: Sequence[float]
+    style: str
+    scripts: Sequence[str]
+
+
 class Slider(NamedTuple):
     """An axis of a study: what it is, and its values in words."""
 
@@ -165,7 +185,7 @@ class Beside(NamedTuple):
         return self.blocks
 
 
-Block = Text | Table | Boxes | Items | Code | Picture | Curve | Player | PlayerChoice | Beside
+Block = Text | Table | Boxes | Items | Code | Picture | Curve | Player | PlayerChoice | Beside | LivePage
 
 
 class Section(NamedTuple):
@@ -190,7 +210,7 @@ def render(
     ]
     given = [block for section in full for block in section.blocks]
     blocks = [one for block in given for one in (block.parts if isinstance(block, Beside | PlayerChoice) else [block])]
-    players = [block._replace(frames=_packed(block.frames)) for block in blocks if isinstance(block, Player)]
+    players = [block._replace(frames=packed(block.frames)) for block in blocks if isinstance(block, Player)]
     curves = [block for block in blocks if isinstance(block, Curve)]
     numbers: list[np.ndarray] = [np.zeros(1)]
     headers = [_lean_forces(plain(player.header), numbers) for player in players]
@@ -199,6 +219,8 @@ def render(
     data = {"players": headers, "curves": shown}
     style, scripts = _own("page.css"), [_own(file) for file in SCRIPTS] if players or curves else []
     scripts += [_own("embedded.js")] if embedded else []
+    live = next((block for block in blocks if isinstance(block, LivePage)), None)
+    scripts += [_own("differently.js")] if live else []
     kept = [section for section in full if section.blocks]
     return _template().render(
         title=title,
@@ -211,11 +233,11 @@ def render(
         numbers=Markup(encode((steps, np.frexp(np.append(0, steps[:-1]))[1])) if len(numbers) > 1 else ""),
         style=style,
         scripts=scripts,
-        policy=policy(style, scripts),
+        policy=policy(style, scripts, live),
     )
 
 
-def _packed(text: str) -> Markup:
+def packed(text: str) -> Markup:
     """Packed frames as they stand in a page; ValueError for another text, which could be markup."""
     digits_of(text)
     return Markup(text)
@@ -253,11 +275,18 @@ def _lean(data: object, numbers: list[np.ndarray]) -> object:
     return {"count": len(data), "decimals": decimals}
 
 
-def policy(style: str, scripts: Sequence[str]) -> str:
-    """Content security policy of a page that runs these scripts and this style, and asks no network for anything."""
-    run = f"script-src {' '.join(map(_hash, scripts))}; " if scripts else ""
+def policy(style: str, scripts: Sequence[str], live: LivePage | None = None) -> str:
+    """Content security policy of a page that runs these scripts and this style, and asks no network for anything.
+
+    With a live page in a frame of it, those of the frame may act too, and compute in a thread of their own.
+    """
+    styles, compute = [style], ""
+    if live:
+        styles, scripts, compute = [style, live.style], [*scripts, *live.scripts], "worker-src blob:; "
+    words, looks = [*(["'wasm-unsafe-eval'"] if live else []), *map(_hash, scripts)], " ".join(map(_hash, styles))
+    run = f"{compute}script-src {' '.join(words)}; " if scripts else ""
     return (
-        f"default-src 'none'; img-src data: blob:; media-src data: blob:; {run}style-src {_hash(style)}; "
+        f"default-src 'none'; img-src data: blob:; media-src data: blob:; {run}style-src {looks}; "
         "base-uri 'none'; form-action 'none'"
     )
 

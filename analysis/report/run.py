@@ -26,6 +26,7 @@ from .page import (
     Code,
     Curve,
     Items,
+    LivePage,
     Picture,
     Player,
     Section,
@@ -59,6 +60,7 @@ def write_report(
     name: str = "report.html",
     player: Player | None = None,
     beside: Path | None = None,
+    live: LivePage | None = None,
 ) -> Path:
     """Write the report of a run folder from its summary, its figures and its film.
 
@@ -76,6 +78,8 @@ def write_report(
         Of `player.make_player`.
     beside : Path, optional
         Another folder, whose film and pictures that no analysis makes are shown too.
+    live : LivePage, optional
+        The run from some moments on, in which a reader changes what comes.
 
     Raises
     ------
@@ -115,7 +119,8 @@ def write_report(
     path, drawn, found = Path(folder) / name, curves(Path(folder)), _pictures(Path(folder), beside)
     if player:
         linked = [drawn.pop(name) for name in _linked() if name in drawn]
-        before.insert(2, Section("", [player, *([Beside(linked)] if linked else [])]))
+        differently = [live] if live else []
+        before.insert(2, Section("", [player, *differently, *([Beside(linked)] if linked else [])]))
     page = rendered([*before, *after, _figures(found, room, player, drawn), *last])
     try:
         write_text(path, page)

@@ -14,6 +14,7 @@ from typing import Annotated, Any, Literal
 
 import typer
 
+import lammps_jump as lj
 import lammps_jump.case as cases
 from lammps_jump import cli, compiling, core, drawings, engines, files, live, runs, served, studies
 from lammps_jump.engines import interrupts
@@ -201,24 +202,35 @@ def live_(
     ],
     out: Annotated[Path | None, place("File of the page (default: NAME_live.html in the current folder).")] = None,
     begin: Annotated[
-        str | None,
+        list[str] | None,
         typer.Option(
-            "--from", metavar="TIME|last", help="Begin with the discs of the run at this time (s) or its end."
+            "--from",
+            metavar="TIME|last",
+            help="Begin with the discs of the run at this time (s) or its end, beside the run. May be repeated.",
         ),
     ] = None,
+    report: Annotated[
+        bool, typer.Option("--report", help="Write the report of the run again, with the flow in it; needs --from.")
+    ] = False,
     set_: Sets = None,
 ) -> None:
     """Write a page in which the flow runs in the browser, with sliders for what `live` of the case names; no server."""
     case = cases.load_case(target, assignments(set_))
-    if begin is not None:
-        case = case.after(target, moment_of(begin))
     core.browser_core()  # what is lacking is told before any work
     path = out or Path(f"{case.name}_live.html")
-    live.require_place(path)
-    flow = live.prepare(case, partial(print, file=sys.stderr))
-    again = live.run_again(target) if target.is_dir() else ""
-    print(live.write_page(flow, path, again))
-    for note in flow.notes:
+    told, moments = partial(print, file=sys.stderr), [moment_of(one) for one in begin or []]
+    if report:
+        if not moments or out or set_:
+            raise typer.BadParameter("--report: goes with the folder of a run and --from TIME, without --out and --set")
+        run = lj.open_run(target)
+        starts = live.from_times(case, target, moments, told)
+        print(run.report(live=live.live_part(target, starts)))
+    else:
+        live.require_place(path)
+        starts = live.from_times(case, target, moments, told) or live.with_fewer(case, live.prepare(case, told))
+        recorded = live.recorded_run(target) if moments else None
+        print(live.write_page(starts, path, live.run_again(target) if target.is_dir() else "", recorded))
+    for note in starts[0].flow.notes:
         print(f"note: {note}", file=sys.stderr)
 
 

@@ -14,13 +14,15 @@ from typing import Any
 
 import numpy as np
 
+from lammps_jump.analysis.report.page import Player
 from lammps_jump.case import ReadCase
-from lammps_jump.dump.find import read_dump
+from lammps_jump.dump.find import read_dump, read_forces
 from lammps_jump.dump.frame import ten_indices
 from lammps_jump.dump.side_files.ended import read_ended
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.engines.native.image import image_of
 from lammps_jump.files import END_FILE
+from lammps_jump.runs.results import player_of
 from lammps_jump.runs.summary import read_summary
 
 from .words import WORD
@@ -45,6 +47,32 @@ class RunAgain:
 
     image: bytes
     head: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """A finished run as a page shows it beside a flow that goes on from it.
+
+    Attributes
+    ----------
+    player : Player
+        Its frames.
+    forces : dict
+        Of each wall whose force was recorded: times, s, and force along x, N/m.
+    """
+
+    player: Player
+    forces: dict[str, tuple[np.ndarray, np.ndarray]]
+
+
+def recorded_run(folder: Path, player: Player | None = None) -> Recorded | None:
+    """A run folder as it was recorded; None where no frame holds a disc. `player` is its own, where it is made."""
+    player = player or player_of(ReadCase.load(folder), folder)
+    if player is None:
+        return None
+    path = folder / "forces.csv"
+    felt = read_forces(path) if path.is_file() else {}
+    return Recorded(player, {name: (one.time, one.fx) for name, one in felt.items()})
 
 
 def run_again(folder: Path) -> RunAgain | str:

@@ -10,9 +10,10 @@ from __future__ import annotations
 import base64
 import gzip
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from ctypes import sizeof
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -41,9 +42,10 @@ from lammps_jump.physics.elementary import power
 from lammps_jump.physics.inlet import seed_factors
 from lammps_jump.physics.jump import sequent_depth
 from lammps_jump.runs.results import flow_of
+from lammps_jump.scene.walls import Interval, Wall, parts_of
 
-from .again import RunAgain
-from .prepare import LiveFlow
+from .again import Recorded, RunAgain, recorded_run, run_again
+from .prepare import LiveFlow, LiveStart
 from .words import WORD
 
 HERE = Path(__file__).parent
@@ -66,10 +68,25 @@ SECONDS_TO_TURN = 1.0
 UNITS = {"contact.friction": "", "contact.restitution": "", "gravity": "m/s²", "slope": "°", "inflow": "m²/s"}
 PARTS = 200
 """Places of a slider."""
+BEFORE = 2.0
+"""Diameters from a wall to where the depth before it is taken."""
+AS_IT_WAS = ("theory", "third", "sum")
+"""Looks of the curves of a recorded run."""
 
 
-def live_page(flow: LiveFlow, again: RunAgain | str = "") -> str:
-    """The page of a flow; with a run, it also computes that again, or says why it does not.
+def live_page(
+    flow: LiveFlow | Sequence[LiveStart], again: RunAgain | str = "", recorded: Recorded | None = None
+) -> str:
+    """The page of a flow, or of one that has several starts.
+
+    Parameters
+    ----------
+    flow : LiveFlow or sequence of LiveStart
+        All starts have the sliders of the first.
+    again : RunAgain or str
+        A run that the page also computes again, or why it does not.
+    recorded : Recorded, optional
+        The run that the starts are moments of: it is drawn beside the flow, at the same time.
 
     Raises
     ------
@@ -77,32 +94,65 @@ def live_page(flow: LiveFlow, again: RunAgain | str = "") -> str:
         The core for browsers is not there.
     """
     core = browser_core()
-    head = head_of(flow, core)
+    starts = [LiveStart("", flow)] if isinstance(flow, LiveFlow) else list(flow)
+    first = starts[0].flow
+    heads = [head_of(one.flow, core) | {"time": one.time, "few": one.few} for one in starts]
+    head = heads[0]
     if isinstance(again, RunAgain):
         head["again"] = again.head
-    style = Markup(text_of(Path(page.__file__).parent / "page.css") + text_of(HERE / "live.css"))
+    charts = charts_of(first, head, recorded)
+    style, scripts = live_style(), live_scripts()
+    return _template().render(
+        title=first.case.name,
+        description=first.case.fields.description,
+        policy=policy_of(style, scripts),
+        style=style,
+        scripts=scripts,
+        data=page.as_json({"players": [recorded.player.header] if recorded else [], "curves": charts}),
+        sliders=head["sliders"],
+        charts=charts,
+        colours=["speed", *(["size"] if first.simulation.scene.sizes is not None else [])],
+        notes=first.notes,
+        again=_about_again(again),
+        core=_packed(core.code),
+        labels=[one.label for one in starts],
+        images=[_packed(image_of(one.flow.simulation, one.flow.target, WORD, one.flow.discs)) for one in starts],
+        heads=[_packed(json.dumps(plain(one), allow_nan=False, separators=(",", ":")).encode()) for one in heads],
+        recorded=recorded,
+        frames=page.packed(recorded.player.frames) if recorded and recorded.player.frames else "",
+    )
+
+
+def live_part(folder: Path, starts: Sequence[LiveStart]) -> page.LivePage:
+    """A live page of a run from some of its moments on, for a frame of its report: `Run.report`.
+
+    Raises
+    ------
+    JumpError
+        As of `run_again` and `live_page`.
+    """
+    recorded = recorded_run(folder)
+    shared = recorded and replace(recorded, player=recorded.player._replace(frames=""))
+    text = live_page(starts, run_again(folder), shared)
+    return page.LivePage(_packed(text.encode()), [one.time for one in starts], live_style(), live_scripts())
+
+
+def live_style() -> Markup:
+    """The style of a live page."""
+    return Markup(text_of(Path(page.__file__).parent / "page.css") + text_of(HERE / "live.css"))
+
+
+def live_scripts() -> list[Markup]:
+    """Scripts of a live page, in their order."""
     worker = "\n".join(text_of(HERE / name) for name in COMPUTING)
     scripts = [Markup(text_of(Path(page.__file__).parent / name)) for name in DRAWING]
     scripts.append(Markup(f'"use strict";\nconst COMPUTING = {page.as_json(worker)};\n'))
-    scripts += [Markup(text_of(HERE / name)) for name in SHOWING]
-    policy = page.policy(style, scripts).replace("script-src ", "worker-src blob:; script-src 'wasm-unsafe-eval' ")
-    charts = charts_of(head)
-    return _template().render(
-        title=flow.case.name,
-        description=flow.case.fields.description,
-        policy=policy,
-        style=style,
-        scripts=scripts,
-        data=page.as_json({"players": [], "curves": charts}),
-        sliders=head["sliders"],
-        charts=charts,
-        colours=["speed", *(["size"] if flow.simulation.scene.sizes is not None else [])],
-        notes=flow.notes,
-        again=_about_again(again),
-        core=_packed(core.code),
-        image=_packed(image_of(flow.simulation, flow.target, WORD, flow.discs)),
-        head=_packed(json.dumps(plain(head), allow_nan=False, separators=(",", ":")).encode()),
-    )
+    return [*scripts, *(Markup(text_of(HERE / name)) for name in SHOWING)]
+
+
+def policy_of(style: str, scripts: Sequence[str]) -> str:
+    """Policy of a page with these scripts, which may compute in a thread of its own."""
+    return page.policy(style, scripts).replace("script-src ", "worker-src blob:; script-src 'wasm-unsafe-eval' ")
 
 
 def _about_again(again: RunAgain | str) -> dict[str, str] | None:
@@ -120,8 +170,13 @@ def require_place(path: Path) -> None:
     require_replaceable(path.parent, path.name)
 
 
-def write_page(flow: LiveFlow, path: Path, again: RunAgain | str = "") -> Path:
-    """Write the page of a flow, as of `live_page`, in place of a live page that stands there.
+def write_page(
+    flow: LiveFlow | Sequence[LiveStart],
+    path: Path,
+    again: RunAgain | str = "",
+    recorded: Recorded | None = None,
+) -> Path:
+    """Write the page of `live_page`, in place of a live page that stands there.
 
     Raises
     ------
@@ -129,7 +184,7 @@ def write_page(flow: LiveFlow, path: Path, again: RunAgain | str = "") -> Path:
         Something else stands there, the file cannot be written, or the core for browsers is not there.
     """
     require_place(path)
-    text = live_page(flow, again)
+    text = live_page(flow, again, recorded)
     with writes(path, SetupError):
         return write_text(path, text)
 
@@ -167,6 +222,7 @@ def head_of(flow: LiveFlow, core: BrowserCore) -> dict[str, Any]:
         "inflow": _inflow(flow),
         "forces": _felt(flow),
         "front": _front(flow),
+        "depthAt": _depth_at(flow),
         "about": about(flow),
         "case": yaml.safe_load(case.to_yaml()),
     }
@@ -264,16 +320,52 @@ def _numbers(flow: LiveFlow) -> Mapping[str, int]:
     return {wall.name: number for number, (wall, _) in enumerate(flow.simulation.scene.walls)}
 
 
-def charts_of(head: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Curves that the page goes on with: force on walls, and the front, against the time of the flow."""
+def _depth_at(flow: LiveFlow) -> float | None:
+    """Place whose depth is a curve, m: before the first wall that a slider moves, else the middle; None: no gravity."""
+    scene, case = flow.simulation.scene, flow.case
+    if not np.hypot(*scene.gravity):
+        return None
+    low, high = flow_of(case).x_range
+    moved = [one.wall for one in flow.sliders.values() if one.wall]
+    corners = [part for wall, _ in scene.walls if wall.name in moved[:1] for part in outlines_of(wall, scene.domain)]
+    place = min((float(part[:, 0].min()) for part in corners), default=np.nan) - BEFORE * scene.diameter
+    return float(f"{place if low < place < high else 0.5 * (low + high):.4g}")
+
+
+def outlines_of(wall: Wall, domain: tuple[Interval, Interval]) -> list[np.ndarray]:
+    """Outlines and lines of a wall within a domain, m."""
+    outlines, lines = parts_of(wall, *domain)
+    return [*outlines, *lines]
+
+
+def charts_of(flow: LiveFlow, head: dict[str, Any], recorded: Recorded | None = None) -> list[dict[str, Any]]:
+    """Curves that the page goes on with against the time of the flow: force on walls, front, depth at a place.
+
+    Behind its own lines a chart has those of a recorded run: of its forces, and empty ones of what the page finds in
+    its frames. `head` gets the places of the charts and how many lines of each are the page's own.
+    """
     names = [head["walls"][number] for number in head["forces"]]
     looks = ("first", "second", "third", "sum")
     lines = [(name, looks[k % len(looks)]) for k, name in enumerate(names)]
-    found = [_chart("Force of the discs on walls, along x", "Force F_x [kN/m]", lines)] if names else []
-    return [*found, _chart(head["front"]["title"], "Place x [m]", [("", "first")])]
+    felt = recorded.forces if recorded else {}
+    was = [
+        Trace(f"{name}, as it was", felt[name][0], felt[name][1] / 1000, AS_IT_WAS[k % len(AS_IT_WAS)])
+        for k, name in enumerate(name for name in names if name in felt)
+    ]
+    one = [("here", "first")] if recorded else [("", "first")]
+    empty = [Trace("as it was", np.empty(0), np.empty(0), AS_IT_WAS[0])] if recorded else []
+    found = {}
+    if names:
+        found["force"] = _chart("Force of the discs on walls, along x", "Force F_x [kN/m]", lines, was)
+    found["front"] = _chart(head["front"]["title"], "Place x [m]", one, empty)
+    if (place := head["depthAt"]) is not None:
+        found["depth"] = _chart(f"Depth by mass at x = {place:z.4g} m", "Depth [m]", one, empty)
+    own = len(lines)
+    head["charts"] = {name: {"number": k, "own": own if name == "force" else 1} for k, name in enumerate(found)}
+    return list(found.values())
 
 
-def _chart(title: str, y: str, lines: list[tuple[str, str]]) -> dict[str, Any]:
+def _chart(title: str, y: str, lines: list[tuple[str, str]], more: Sequence[Trace] = ()) -> dict[str, Any]:
     none = np.empty(0)
-    panel = Panel(y, [Trace(label, none, none, look) for label, look in lines])
+    panel = Panel(y, [*(Trace(label, none, none, look) for label, look in lines), *more])
     return Chart(title, "Time of the flow t [s]", [panel]).plain

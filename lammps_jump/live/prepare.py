@@ -8,9 +8,10 @@ for, and the frame interval is a binary fraction, so that the time step is the s
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import ceil, floor
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -35,6 +36,8 @@ SHORTEST, LONGEST = 60.0, 600.0
 """Flow that a page is to know, s: four times the duration of the case, between these."""
 MOST_SIZES = 40_000
 """Diameters of discs that may enter; 0.3 MB of the page."""
+FEW, LEAST_LARGER = 1000, 1.25
+"""Discs of a start with fewer, about, and by how much they are larger at least: below that it is not worth while."""
 FINER = 1e-4
 """Share of the frame interval by which it may be shorter, to be a binary fraction of a second."""
 STOPS = 11
@@ -93,6 +96,26 @@ class LiveFlow:
     target: int
     discs: int
     notes: tuple[str, ...]
+
+
+class LiveStart(NamedTuple):
+    """A start of a page that has several.
+
+    Attributes
+    ----------
+    label : str
+        Its words in the list.
+    flow : LiveFlow
+    time : float
+        Of the recorded run at which it begins, s.
+    few : bool
+        It has fewer discs than the case, which a phone begins with.
+    """
+
+    label: str
+    flow: LiveFlow
+    time: float = 0.0
+    few: bool = False
 
 
 def refuse(case: ReadCase) -> None:
@@ -159,7 +182,13 @@ def _along(name: str, motion: Oscillate | TableMotion) -> LiveSlider | None:
     return LiveSlider(path=f"walls.{name}", move="x" if far[0] >= far[1] else "y", range=(-most, most))
 
 
-def prepare(given: ReadCase, told: Told = lambda text: None, *, numbers: bool = True) -> LiveFlow:
+def prepare(
+    given: ReadCase,
+    told: Told = lambda text: None,
+    *,
+    numbers: bool = True,
+    like: Mapping[str, LiveSlider] | None = None,
+) -> LiveFlow:
     """A case made ready for a live page: set up, and run to t = 0 where discs settle first.
 
     Parameters
@@ -169,6 +198,8 @@ def prepare(given: ReadCase, told: Told = lambda text: None, *, numbers: bool = 
         Hears what is being done.
     numbers : bool
         Also make the sliders of numbers of the case, for which it is set up with each of their values.
+    like : mapping of str to LiveSlider, optional
+        Those of another start of the page, in place of the case's own; values that the case refuses are left out.
 
     Raises
     ------
@@ -177,8 +208,8 @@ def prepare(given: ReadCase, told: Told = lambda text: None, *, numbers: bool = 
     """
     case, _ = with_accuracy(given)
     refuse(case)
-    own = case.fields.live
-    sliders = dict(sensible(case) if own is None else own)
+    own = None if like is not None else case.fields.live
+    sliders = dict(like or {}) if like is not None else dict(sensible(case) if own is None else own)
     case = case.replace(_changes(case, sliders))
     if case.fields.domain is None:
         (x0, x1), (y0, y1) = case.scene().domain
@@ -206,6 +237,49 @@ def prepare(given: ReadCase, told: Told = lambda text: None, *, numbers: bool = 
         simulation.run(scene.settle_steps)
         stops = {name: tuple(replace(stop, start=None) for stop in found) for name, found in stops.items()}
     return LiveFlow(case, sliders, simulation, stops, target, discs, tuple(_notes(given, case, sliders)))
+
+
+def with_fewer(given: ReadCase, flow: LiveFlow) -> list[LiveStart]:
+    """The starts of a case: its own, and where it has many discs one with fewer, larger ones, for slow machines.
+
+    Depths and discharges stay, as far as the rows of larger discs have them. A case that does not do with larger discs
+    has its own start alone.
+    """
+    count = len(flow.simulation.scene.positions)
+    scale = float(f"{(count / FEW) ** 0.5:.2g}")
+    if scale < LEAST_LARGER or any(isinstance(item, EarlierRun) for item in given.fields.initial):
+        return [LiveStart("", flow)]
+    try:
+        larger = given.replace({"discs.diameter": float(f"{scale * given.fields.discs.diameter:.4g}")})
+        other = prepare(larger, like=flow.sliders)
+    except JumpError:
+        return [LiveStart("", flow)]
+    fewer = len(other.simulation.scene.positions)
+    if other.sliders.keys() != flow.sliders.keys() or not 0 < fewer < count:
+        return [LiveStart("", flow)]
+    return [
+        LiveStart(f"{count:,} discs at the start", flow),
+        LiveStart(f"{fewer:,} discs, {scale:g} times as large", other, few=True),
+    ]
+
+
+def from_times(
+    given: ReadCase,
+    run: Path,
+    times: Sequence[float | str],
+    told: Told = lambda text: None,
+    *,
+    numbers: bool = True,
+) -> list[LiveStart]:
+    """Starts with the discs of a run at some times, s, or at its end (``last``); see `prepare`."""
+    found = []
+    for time in times:
+        case = given.after(run, time)
+        moment = next(iter(case.source.begun.values())).state.time
+        told(f"from t = {moment:zg} s of the run")
+        flow = prepare(case, told, numbers=numbers)
+        found.append(LiveStart(f"from t = {moment:zg} s of the run", flow, moment))
+    return found
 
 
 class FrameInterval(NamedTuple):

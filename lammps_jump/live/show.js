@@ -35,20 +35,17 @@ function runNow({ ids, x, y, u, v, shade, time, poses }) {
 }
 
 function begin(frame) {
-  const element = document.getElementById("flow"), canvas = element.querySelector("canvas");
-  const run = runNow(frame), p = {
-    element, canvas, index: 0, context: canvas.getContext("2d", { alpha: false, willReadFrequently: true }), colour: "speed",
-    pointers: new Map(), run, picked: null, pinned: false, time: frame.time, deep: run.gravity.some((part) => part !== 0),
-    grown: 1, found: roomFor(run), depth: new Float64Array(run.bins.count), digits: 3,
-  };
+  const element = document.getElementById("flow"), p = playerOf(element, runNow(frame));
   live.p = p;
+  joinViews();
   listenToPointer(p);
   for (const name of ["out", "in"]) part(p, name).addEventListener("click", () => zoomByKey(p, name === "in" ? 1.5 : 1 / 1.5));
   part(p, "whole").addEventListener("click", () => showWhole(p));
   part(p, "colour").addEventListener("change", () => { p.colour = part(p, "colour").value; draw(p); });
-  new ResizeObserver(() => layOut(p)).observe(element);
-  darkness.addEventListener("change", () => layOut(p));
+  new ResizeObserver(() => layOutBoth()).observe(element);
+  darkness.addEventListener("change", layOutBoth);
   layOut(p);
+  showRecorded(true);
   for (const name of ["play", "step", "again", "download"]) byClass(name).disabled = false;
   return p;
 }
@@ -64,17 +61,18 @@ function show() {
   else draw(p);
   live.last = frame;
   live.drawn++;
+  showRecorded();
   addPoints(frame);
   tellState(frame);
   live.worker.postMessage({ act: "shown" });
 }
 
 // What view.js calls for the clock of a picture.
-function showClock() {
+function showClock(p) {
   const { last } = live;
-  if (!last) return;
+  if (!last || p !== live.p) return;
   const pace = last.pace === null || !last.playing ? "" : last.pace >= REAL ? ", real time" : `, ${last.pace.toPrecision(2)} of real time`;
-  const clock = `t = ${live.p.time.toFixed(3)} s, step ${last.step - live.head.start}${pace}`;
+  const clock = `t = ${(live.head.time + p.time).toFixed(3)} s, step ${last.step - live.head.start}${pace}`;
   byClass("clock").textContent = clock;
 }
 
@@ -95,18 +93,25 @@ function addPoints({ time, forces }) {
   if (time < live.since) clearPoints();
   if (time < live.since + live.every) return;
   live.since = time;
-  const [front] = pageData.curves.slice(-1), felt = pageData.curves.length > 1 ? pageData.curves[0].panels[0].lines : [];
-  const add = (line, value) => { line.x.push(time); line.y.push(value); };
-  if (forces) felt.forEach((line, k) => add(line, forces[live.head.forces[k]][0] / 1000));
-  add(front.panels[0].lines[0], frontNow());
-  if (front.panels[0].lines[0].x.length > MOST_POINTS) thinPoints();
+  const add = (line, value) => { line.x.push(live.head.time + time); line.y.push(value); };
+  if (forces) linesOf("force").forEach((line, k) => add(line, forces[live.head.forces[k]][0] / 1000));
+  const [front] = linesOf("front");
+  add(front, frontOf(live.p));
+  linesOf("depth").forEach((line) => add(line, depthOf(live.p)));
+  if (front.x.length > MOST_POINTS) thinPoints();
   if (performance.now() - live.curvesAt < CURVES_EVERY) return;
   live.curvesAt = performance.now();
   document.dispatchEvent(new Event("curves"));
 }
 
+// The lines of a chart that the page goes on with; none where it has no such chart.
+function linesOf(name) {
+  const chart = live.head.charts[name];
+  return chart ? pageData.curves[chart.number].panels[0].lines.slice(0, chart.own) : [];
+}
+
 function eachLine(act) {
-  for (const chart of pageData.curves) for (const line of chart.panels[0].lines) act(line);
+  for (const name of Object.keys(live.head.charts)) linesOf(name).forEach(act);
 }
 
 function clearPoints() {
@@ -121,8 +126,8 @@ function thinPoints() {
 }
 
 // Place of the front of a jump: where the mass depth first comes to its level; else of the discs. Null: there is none.
-function frontNow() {
-  const { p, head } = live, { low, width } = p.run.bins, { level } = head.front;
+function frontOf(p) {
+  const { low, width } = p.run.bins, { level } = live.head.front;
   if (level === null || !p.deep) {
     const own = p.found.x.slice(0, p.found.own).sort();
     return own.length ? own[Math.floor(0.98 * (own.length - 1))] : null;
@@ -133,26 +138,126 @@ function frontNow() {
   return low + (k - 0.5 + share) * width;
 }
 
+// Mass depth where the page has a curve of it, m; null beyond the bins.
+function depthOf(p) {
+  const { low, width } = p.run.bins;
+  return p.depth[Math.floor((live.head.depthAt - low) / width)] ?? null;
+}
+
+// ---- the run as it was recorded, beside ----
+
+// What view.js draws of a run of the page, but for what is shown of it.
+function playerOf(element, run) {
+  const canvas = element.querySelector("canvas"), share = run.share ?? 1;
+  return {
+    element, canvas, run, index: 0, context: canvas.getContext("2d", { alpha: false, willReadFrequently: true }), colour: "speed",
+    pointers: new Map(), picked: null, pinned: false, time: run.times[0], deep: run.gravity.some((part) => part !== 0),
+    grown: share < 0.5 ? 1 / Math.sqrt(share) : 1, found: roomFor(run), depth: new Float64Array(run.bins.count), digits: 3,
+  };
+}
+
+// Both drawings have the same axes and colours; curves of the recorded one are found once.
+function joinViews() {
+  const element = document.getElementById("was");
+  if (!element || live.was) return;
+  const run = runOf(0), { about } = live.head;
+  live.was = playerOf(element, run);
+  run.fastest = about.fastest = Math.max(run.fastest, about.fastest);
+  element.hidden = false;
+  for (const name of ["front", "depth"]) if (live.head.charts[name]) findRecorded(name === "front" ? frontOf : depthOf, name);
+}
+
+function findRecorded(of, name) {
+  const { was } = live, { number, own } = live.head.charts[name], line = pageData.curves[number].panels[0].lines[own];
+  Object.assign(line, { x: was.run.times, y: was.run.times.map((time) => {
+    massDepth(was.run, discsAt(was.run, time, was.found), was.depth);
+    return of(was);
+  }) });
+}
+
+// The recorded run at the time of the flow, in the same view; its last frame where the flow has gone on for longer.
+function showRecorded(again = false) {
+  const { was, p, head } = live;
+  if (!was) return;
+  const { times } = was.run, end = times[times.length - 1], time = head.time + p.time;
+  was.time = Math.min(Math.max(time, times[0]), end);
+  const { x, y, scale } = p.view, seen = JSON.stringify([x, y, scale, p.sized.width, p.high]);
+  Object.assign(was.run, { seen: p.run.seen, bed: p.run.bed });
+  if (part(p, "colour").value === "speed" || was.run.radii.length > 1) was.colour = p.colour;
+  say("was-told", time > end ? `The run as it was recorded, at its end, t = ${short(end)} s:` : "The run as it was recorded, at the same time:");
+  if (again || seen !== live.seen) {
+    live.seen = seen;
+    was.view = { x, y, scale };
+    layOut(was);
+  } else draw(was);
+}
+
+function layOutBoth() {
+  layOut(live.p);
+  showRecorded(true);
+}
+
+// ---- what the flow begins with ----
+
+// Begin with another of the starts that the page has; the sliders stay where they are, as far as it has them.
+async function beginWith(number) {
+  play(false);
+  const name = number ? String(number) : "", [image, head] = await Promise.all(["image" + name, "head" + name].map(unpacked));
+  const { again, charts } = live.head;
+  live.head = { ...JSON.parse(new TextDecoder().decode(head)), again, charts };
+  if (live.was) live.head.about.fastest = live.was.run.fastest;
+  for (const key of ["zeros", "order", "last"]) live[key] = null;
+  clearPoints();
+  live.drawn = 0;
+  live.worker.terminate();
+  for (const slider of document.querySelectorAll(".axis")) slider.disabled = !sliderOf(slider);
+  startWorker(image);
+  if (!still) play(true);
+}
+
+function startWorker(image) {
+  live.worker = new Worker(workerUrl());
+  live.worker.onmessage = hear;
+  live.worker.onerror = (event) => say("told", `The page cannot compute here: ${event.message}.`);
+  live.worker.postMessage({ act: "begin", module: live.core, image, head: live.head, values: live.p ? valuesNow() : undefined });
+  if (live.p) for (const [name, value] of Object.entries(valuesNow())) live.worker.postMessage({ act: "want", name, value });
+}
+
 // ---- sliders, buttons and keys ----
+
+// What the head of this start tells of a slider.
+function sliderOf(slider) {
+  return live.head.sliders.find(({ name }) => name === slider.dataset.name);
+}
 
 function startSliders() {
   for (const slider of document.querySelectorAll(".axis")) {
-    const one = live.head.sliders.find(({ name }) => name === slider.dataset.name);
-    if (one.kind !== "number") slider.step = one.step;
-    slider.value = one.kind === "number" ? one.stops.findIndex(({ value }) => value === one.value) : one.value;
-    const value = () => (one.kind === "number" ? one.stops[slider.value].value : Number(slider.value));
+    const one = sliderOf(slider), { name, kind, unit } = one;
+    if (kind !== "number") slider.step = one.step;
+    slider.value = kind === "number" ? one.stops.findIndex(({ value }) => value === one.value) : one.value;
+    const value = () => (kind === "number" ? nearestStop(sliderOf(slider), one.stops[slider.value].value) : Number(slider.value));
     const tellValue = () => {
-      const text = `${short(value())} ${one.unit}`.trim();
+      const text = `${short(value())} ${unit}`.trim();
       slider.parentElement.querySelector("output").textContent = text;
       slider.setAttribute("aria-valuetext", text);
     };
     slider.addEventListener("input", () => {
       tellValue();
-      live.worker.postMessage({ act: "want", name: one.name, value: value() });
+      live.worker.postMessage({ act: "want", name, value: value() });
     });
-    live.values = { ...live.values, [one.name]: value };
+    live.values = { ...live.values, [name]: value };
     tellValue();
   }
+}
+
+// The value of a number that is nearest of those that a start has.
+function nearestStop({ stops }, wanted) {
+  return stops.map(({ value }) => value).reduce((a, b) => (Math.abs(b - wanted) < Math.abs(a - wanted) ? b : a));
+}
+
+// Where the sliders stand, of those that this start has.
+function valuesNow() {
+  return Object.fromEntries(live.head.sliders.map(({ name }) => [name, live.values[name]()]));
 }
 
 function play(on) {
@@ -169,7 +274,7 @@ function oneStep() {
 // From the start: walls and inflow go to where their sliders stand, numbers of the case are those of theirs at once.
 function again() {
   clearPoints();
-  const values = Object.fromEntries(live.head.sliders.map(({ name }) => [name, live.values[name]()]));
+  const values = valuesNow();
   live.worker.postMessage({ act: "again", values });
   for (const [name, value] of Object.entries(values)) live.worker.postMessage({ act: "want", name, value });
 }
@@ -258,17 +363,34 @@ function hear({ data }) {
   return requestAnimationFrame(show);
 }
 
+// The start that a page begins with: on a phone the one with fewer discs, where there is one.
+async function firstStart() {
+  const list = byClass("begin"), heads = await Promise.all(Array.from(list ? list.options : [0], (_, k) => unpacked("head" + (k || ""))));
+  const read = heads.map((head) => JSON.parse(new TextDecoder().decode(head)));
+  const few = matchMedia("(pointer: coarse) and (max-width: 40rem)").matches ? read.findIndex((head) => head.few) : -1;
+  const { again, charts } = read[0], number = Number(document.documentElement.dataset.begin ?? Math.max(0, few));
+  if (list) {
+    list.value = String(number);
+    list.addEventListener("change", () => beginWith(Number(list.value)));
+  }
+  live.head = { ...read[number], again, charts };
+  return number;
+}
+
 async function start() {
-  const [core, image, head] = await Promise.all(["core", "image", "head"].map(unpacked));
-  live.head = JSON.parse(new TextDecoder().decode(head));
-  live.worker = new Worker(workerUrl());
-  live.worker.onmessage = hear;
-  live.worker.onerror = (event) => say("told", `The page cannot compute here: ${event.message}.`);
+  const number = await firstStart(), [core, image] = await Promise.all(["core", "image" + (number || "")].map(unpacked));
+  live.core = core;
   clearPoints(); // each line has points of its own
   startSliders();
   startButtons();
-  live.worker.postMessage({ act: "begin", module: core, image, head: live.head });
+  startWorker(image);
   if (!still) play(true);
+}
+
+// A page in a frame tells what holds the frame how high it is.
+if (parent !== window) {
+  const tellHeight = () => parent.postMessage({ height: Math.ceil(document.body.getBoundingClientRect().height) }, "*");
+  new ResizeObserver(tellHeight).observe(document.body);
 }
 
 start().catch((error) => say("told", `The page cannot compute here: ${error.message}.`));

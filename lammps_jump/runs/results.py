@@ -482,7 +482,9 @@ def write_report(
     player: page.Player | None,
     path: str | Path | None = None,
     beside: Path | None = None,
+    live: page.LivePage | None = None,
 ) -> Path:
-    """Write the report of a run folder, by default as its ``report.html``; `beside` as of `report.write_report`."""
+    """Write the report of a run folder, by default as its ``report.html``; the rest as of `report.write_report`."""
     name = "report.html" if path is None else str(Path(path).absolute())
-    return report.write_report(folder, dict(summary), case.to_yaml(), name=name, player=player, beside=beside)
+    text, summary = case.to_yaml(), dict(summary)
+    return report.write_report(folder, summary, text, name=name, player=player, beside=beside, live=live)

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack, cast, overloa
 from lammps_jump import runs
 from lammps_jump.analysis import notebook
 from lammps_jump.analysis.quantities import QUANTITIES
-from lammps_jump.analysis.report.page import show_page
+from lammps_jump.analysis.report.page import LivePage, show_page
 from lammps_jump.case.case import Changes, ReadCase
 from lammps_jump.case.fields import CaseFields
 from lammps_jump.case.parts.base import HOW_TO_CHANGE
@@ -451,13 +451,16 @@ class Run(NearestNames):
         with locked(self.folder):
             return runs.results.draw_all(self._found, self.folder, ending)
 
-    def report(self, path: str | Path | None = None) -> Path:
-        """Write the report page; into the run folder where no `path` is given. Figures are those of the folder."""
+    def report(self, path: str | Path | None = None, *, live: LivePage | None = None) -> Path:
+        """Write the report page; into the run folder where no `path` is given. Figures are those of the folder.
+
+        With `live` of `lammps_jump.live.live_part` its reader can go on with the flow, and change it.
+        """
         if path is None:
             require_replaceable(self.folder, "report.html")
         with nullcontext() if path else locked(self.folder):
             player = runs.results.player_of(self.case, self.folder)
-            return runs.results.write_report(self.folder, self.summary, self.case, player, path)
+            return runs.results.write_report(self.folder, self.summary, self.case, player, path, live=live)
 
     def compare(self, other: Run, path: str | Path) -> Path:
         """Write a page of this run and another one, side by side, with one time.

@@ -84,6 +84,18 @@ def flow_page(text: str, file: Path) -> str:
     return live.live_page(live.prepare(ReadCase.parse(text, str(file), folder=file.parent), numbers=False))
 
 
+def flow_of_run(folder: Path, time: float) -> str:
+    """A live page of a run from a time on, s, beside the run as it was recorded; without sliders of numbers.
+
+    Raises
+    ------
+    JumpError
+        A run that goes on, or whose files cannot be read; a time outside it; a case that a live page cannot have.
+    """
+    starts = live.from_times(ReadCase.load(folder), folder, [time], numbers=False)
+    return live.live_page(starts, "", live.recorded_run(folder))
+
+
 def with_drawing(text: str, file: Path, dropped: DroppedFile) -> dict[str, Any]:
     """The text of a case with the walls of a drawing, as ``import --into`` adds them; the file is not touched.
 

@@ -7,8 +7,6 @@ The case file that is open is read, and written whole, unless another program ha
 from __future__ import annotations
 
 import hashlib
-import hmac
-import secrets
 from base64 import b64decode
 from collections.abc import Mapping
 from functools import partial
@@ -24,20 +22,16 @@ from lammps_jump.folders import read_marker
 from lammps_jump.quoting import typed
 from lammps_jump.runs.folder import default_folder, require_case
 
-from .assets import HERE, KINDS, asset, html
-from .bounded import Bounded, OutOfDate, PageWork, prepare
+from .assets import HERE, asset, html
+from .bounded import OutOfDate, PageWork, prepare
 from .children import Children, ServedChild
 from .look import MOST_DRAWN, DroppedFile, flow_page, look, with_drawing
-from .run_pages import RunPages
-from .server import LIVE, Pages, Refused, Reply, answer
+from .run_pages import MOST_NAME, LivePages, RunPages
+from .server import Pages, Refused, Reply, answer
 from .study import StudyView
 
-LOOK_SECONDS, DRAWING_SECONDS, FLOW_SECONDS = 20.0, 60.0, 40.0
-"""Seconds after which a look at a text, a drawing that was dropped, or the set-up of a flow is left."""
-MOST_FLOWS = 4
-"""Live pages that are kept; each has a megabyte."""
-MOST_NAME = 40
-"""Letters of the name of a page."""
+LOOK_SECONDS, DRAWING_SECONDS = 20.0, 60.0
+"""Seconds after which a look at a text, or a drawing that was dropped, is left."""
 MOST_RUNS = 1000
 """Folders of runs of one case that are looked at for one that is free."""
 SEVERAL = (
@@ -71,8 +65,8 @@ class Opened(Pages):
     start = ""
 
     def __init__(self) -> None:
-        self.children = Children()
-        self.runs = RunPages(self.children)
+        self.children, self.live = Children(), LivePages()
+        self.runs = RunPages(self.children, self.live)
 
     def get(self, path: str, query: Mapping[str, str]) -> Reply | None:
         """Pages of runs, and the files of all pages."""
@@ -86,11 +80,12 @@ class Opened(Pages):
         """Start what a page will need at once."""
 
     def alone(self, token: str) -> Reply | None:
-        """The report with this token."""
-        return self.runs.report(token)
+        """The live page or the report with this token."""
+        return self.live.with_token(token) or self.runs.report(token)
 
     def close(self) -> list[ServedChild]:
-        """End the runs that were started here, which can go on; those that went on."""
+        """Leave what is looked at, and end the runs that were started here, which can go on; those that went on."""
+        self.live.bounded.close()
         return self.children.close()
 
 
@@ -125,10 +120,9 @@ class CasePages(Opened):
     def __init__(self, path: Path):
         super().__init__()
         self.file = CaseFile(path)
-        self._bounded = Bounded()
+        self._bounded = self.live.bounded
         self._read: tuple[str | None, ReadCase] = None, None  # type: ignore[assignment]
         self._started: dict[Path, dict[str, Any]] = {}
-        self._flows: dict[str, str] = {}
 
     def get(self, path: str, query: Mapping[str, str]) -> Reply | None:
         """The page, and the text as it is now."""
@@ -162,11 +156,6 @@ class CasePages(Opened):
         """Start the process that looks at texts."""
         prepare()
 
-    def close(self) -> list[ServedChild]:
-        """Leave what is looked at, and end the runs; see `Opened.close`."""
-        self._bounded.close()
-        return super().close()
-
     def _look(self, asked: Mapping[str, Any]) -> Reply:
         """Look at a text; a look at an older text of the same page is left."""
         text, wide, page = text_of(asked, "text"), number_of(asked, "wide"), str(asked.get("page", ""))[:MOST_NAME]
@@ -179,21 +168,9 @@ class CasePages(Opened):
 
     def _flow(self, asked: Mapping[str, Any]) -> Reply:
         """The address of a live page of a text; one for an older text of the same page is left."""
-        text, page = text_of(asked, "text"), str(asked.get("page", ""))[:MOST_NAME]
         remedy = f"`{typed('live', self.file.shown)}` has no such limit"
-        work = PageWork(partial(flow_page, text, self.file.shown.absolute()), FLOW_SECONDS, remedy, f"{page} flow")
-        try:
-            made = self._bounded.run(work)
-        except OutOfDate:
-            return answer({"refused": "a newer text has come", "left": True}, 409)
-        token = secrets.token_urlsafe(32)
-        self._flows = dict([*self._flows.items(), (token, made)][-MOST_FLOWS:])
-        return answer({"at": f"/{token}/"})
-
-    def alone(self, token: str) -> Reply | None:
-        """The live page or the report with this token."""
-        found = [text for own, text in self._flows.items() if hmac.compare_digest(own.encode(), token.encode())]
-        return Reply(found[0].encode(), KINDS[".html"], policy=LIVE) if found else super().alone(token)
+        call = partial(flow_page, text_of(asked, "text"), self.file.shown.absolute())
+        return self.live.make(call, str(asked.get("page", "")), remedy)
 
     def _drawing(self, asked: Mapping[str, Any]) -> Reply:
         """The text of a page with the walls of a drawing, and the command that does the same; nothing is written."""

@@ -8,6 +8,8 @@ const WORDS_OF = {
   unchecked: "The run has ended; its analysis has not", damaged: "What the run wrote is damaged",
 };
 
+const OWN_NAME = Math.random().toString(36).slice(2);
+
 let growing = null, shownOf = null, shownCurves = "";
 
 async function refresh() {
@@ -29,7 +31,8 @@ function showState(data) {
   if (byId("state").textContent !== said) byId("state").textContent = said;
   byId("progress").hidden = ["complete", "damaged", "failed", "refused"].includes(data.status);
   byId("progress").value = data.time && data.duration ? data.time / data.duration : 0;
-  for (const [name, command] of [["stop", data.stop], ["go-on", data.own ? null : data.go_on], ["report", data.report]]) {
+  for (const [name, command] of [["stop", data.stop], ["go-on", data.own ? null : data.go_on], ["report", data.report],
+    ["differently", data.differently]]) {
     byId(name).parentElement.hidden = !command;
     byId(name).parentElement.querySelector("code").textContent = command || "";
   }
@@ -99,6 +102,26 @@ async function act(name) {
   await refresh();
 }
 
+// The run from the instant that is shown on, in a frame: a live page, which tells how high it is.
+async function differently() {
+  const state = (text) => { byId("differently-state").textContent = text; };
+  if (!players.length) return state("There is no frame yet.");
+  tell("play", { on: false });
+  byId("differently").disabled = true;
+  state("The flow is being set up.");
+  const { ok, data } = await ask("differently", { time: players[0].time, page: OWN_NAME });
+  byId("differently").disabled = false;
+  state(ok ? "" : data.refused);
+  if (!ok) return undefined;
+  const frame = made("iframe", { src: data.at, title: "The flow from here on, live" });
+  addEventListener("message", ({ source, data: told }) => {
+    if (source === frame.contentWindow && told && Number.isFinite(told.height)) frame.style.height = `${told.height + 4}px`;
+  });
+  byId("differently-place").replaceChildren(frame);
+  return frame.scrollIntoView({ block: "start" });
+}
+
+byId("differently").addEventListener("click", differently);
 byId("stop").addEventListener("click", () => act("stop"));
 byId("go-on").addEventListener("click", () => act("go-on"));
 again(ASK_AGAIN, refresh);

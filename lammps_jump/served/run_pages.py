@@ -6,6 +6,8 @@ from __future__ import annotations
 import hmac
 import secrets
 from collections.abc import Mapping
+from functools import partial
+from math import isfinite
 from pathlib import Path
 from threading import Lock
 from typing import Any
@@ -15,18 +17,55 @@ from lammps_jump.files import MOST_TEXT, read_file
 from lammps_jump.quoting import typed
 
 from .assets import KINDS, run_page
+from .bounded import Bounded, OutOfDate, PageWork
 from .children import Children
-from .server import FOREIGN, Refused, Reply, answer
+from .look import flow_of_run
+from .server import FOREIGN, LIVE, Refused, Reply, answer
 from .watched import Watched
 
 REPORT = "report.html"
+MOST_FLOWS = 4
+"""Live pages that are kept; each has a megabyte."""
+FLOW_SECONDS = 40.0
+"""Seconds after which the set-up of a flow is left."""
+MOST_NAME = 40
+"""Letters of the name of a page."""
+
+
+class LivePages:
+    """Live pages that pages have asked for, each at an address of its own; the newest few are kept.
+
+    Attributes
+    ----------
+    bounded : Bounded
+        Makes them.
+    """
+
+    def __init__(self) -> None:
+        self.bounded = Bounded()
+        self._pages: dict[str, str] = {}
+
+    def make(self, call: partial[str], page: str, remedy: str) -> Reply:
+        """The address of the page of a call; one that the same page asked for before is left."""
+        try:
+            made = self.bounded.run(PageWork(call, FLOW_SECONDS, remedy, f"{page[:MOST_NAME]} flow"))
+        except OutOfDate:
+            return answer({"refused": "a newer text has come", "left": True}, 409)
+        token = secrets.token_urlsafe(32)
+        self._pages = dict([*self._pages.items(), (token, made)][-MOST_FLOWS:])
+        return answer({"at": f"/{token}/"})
+
+    def with_token(self, token: str) -> Reply | None:
+        """The page with this token; None where there is none."""
+        found = [text for own, text in self._pages.items() if hmac.compare_digest(own.encode(), token.encode())]
+        return Reply(found[0].encode(), KINDS[".html"], policy=LIVE) if found else None
 
 
 class RunPages:
     """The runs that a page may show."""
 
-    def __init__(self, children: Children):
-        self.children = children
+    def __init__(self, children: Children, live: LivePages):
+        self.children, self._live = children, live
         self._runs: list[Watched] = []
         self._reports: dict[Path, str] = {}
         self._lock = Lock()
@@ -59,7 +98,7 @@ class RunPages:
         return None
 
     def post(self, path: str, asked: Mapping[str, Any]) -> Reply | None:
-        """Stop a run that was started here, or go on with one that was stopped."""
+        """Stop a run that was started here, go on with one that was stopped, or go on differently from a time of it."""
         run, part = self._found(path)
         if run is None:
             return None
@@ -72,6 +111,12 @@ class RunPages:
         if part == "go-on":
             self.children.start(run.folder, "run", run.folder, "--resume")
             return answer({})
+        if part == "differently":
+            time = number_of(asked, "time")
+            remedy = f"`{typed('live', run.folder, '--from', f'{time:.6g}')}` has no such limit"
+            return self._live.make(
+                partial(flow_of_run, run.folder.absolute(), time), str(asked.get("page", "")), remedy
+            )
         return None
 
     def _found(self, path: str) -> tuple[Watched | None, str]:
@@ -95,6 +140,8 @@ class RunPages:
         found["stop"] = f"kill -TERM {child.process.pid}" if child is not None and own else None
         found["go_on"] = typed("run", run.folder, "--resume") if found["status"] == "interrupted" else None
         found["report"] = typed("show", run.folder) if _has_report(run.folder) else None
+        ended = found["status"] in ("complete", "interrupted", "unchecked")
+        found["differently"] = typed("live", run.folder, "--from", "TIME") if ended else None
         return found
 
     def _to_report(self, folder: Path) -> Reply | None:
@@ -112,7 +159,15 @@ class RunPages:
         found = [folder for folder, own in known if hmac.compare_digest(own.encode(), token.encode())]
         if not found or not _has_report(found[0]):
             return None
-        return Reply(read_file(found[0] / REPORT, MOST_TEXT), KINDS[".html"], policy=FOREIGN)
+        return Reply(read_file(found[0] / REPORT, MOST_TEXT), KINDS[".html"], policy=LIVE)
+
+
+def number_of(asked: Mapping[str, Any], name: str) -> float:
+    """A finite number that a page sends; Refused for something else."""
+    value = asked.get(name)
+    if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
+        raise Refused(400, f"{name} is no number")
+    return float(value)
 
 
 def _has_report(folder: Path) -> bool:

@@ -15,7 +15,7 @@ from made_up import INPUTS
 from serving import serving
 
 from lammps_jump import load_case
-from lammps_jump.live import live_page, prepare, run_again, write_page
+from lammps_jump.live import from_times, live_page, live_part, prepare, run_again, with_fewer, write_page
 
 pytestmark = [
     pytest.mark.browser,
@@ -190,3 +190,81 @@ def test_a_page_without_webassembly_says_so(browser, tmp_path):
     until(page, "byClass('told').textContent")
     assert page.run("byClass('told').textContent").startswith("The page cannot compute here: ")
     page.close()
+
+
+FRAME = "document.querySelector('.live-place iframe').contentWindow"
+"""The live page in the frame of a report."""
+
+
+@pytest.fixture(scope="module")
+def jump(tmp_path_factory):
+    """A short coarse jump of the native engine."""
+    changes = {"discs.diameter": 0.5, "run.duration": 0.4, "run.output_interval": 0.05, "engine.name": "native"}
+    case = load_case(INPUTS / "quick_jump.yaml", {**changes, "live": SLIDERS})
+    return case.run(tmp_path_factory.mktemp("jump") / "run")
+
+
+@pytest.mark.parametrize("width", [390, 1440])
+def test_a_report_goes_on_from_one_of_its_moments_and_shows_both_branches(browser, jump, tmp_path, width):
+    """What was done there is a case that begins from the run, with the bits of what was seen."""
+    starts = from_times(jump.case, jump.folder, [0.1, 0.3])
+    page = Page(
+        browser,
+        jump.report(tmp_path / "report.html", live=live_part(jump.folder, starts)),
+        width=width,
+        phone=width < 500,
+    )
+    page.run("tell('seek', 0.05), document.querySelector('.here').click()")
+    assert page.run("document.querySelector('.told-live').textContent").startswith("The page can go on from t = 0.1 s")
+    page.run("tell('seek', 0.25), document.querySelector('.here').click()")
+    until(page, f"document.querySelector('.live-place iframe') && {FRAME}.document.querySelector('#was:not([hidden])')")
+    assert page.run("players[0].time") == 0.1
+    assert page.run(f"{FRAME}.document.querySelector('.clock').textContent") == "t = 0.100 s, step 0"
+    legends = page.run(f"[...{FRAME}.document.querySelectorAll('.legend')].map((one) => one.textContent)")
+    assert legends == ["sillsill, as it was", "hereas it was", "hereas it was"]
+    got = page.run(
+        f"""(async () => {{
+        const frame = {FRAME}, sill = frame.document.querySelector("[data-name='sill']");
+        sill.value = 1.5;
+        sill.dispatchEvent(new Event("input"));
+        frame.document.querySelector(".step").click();
+        const text = new Promise((go) => {{ frame.save = go; }});
+        frame.document.querySelector(".download").click();
+        const state = await frame.asked("state");
+        return [await text, btoa(Array.from(state, (one) => String.fromCharCode(one)).join(""))];
+        }})()"""
+    )
+    state = base64.b64decode(got[1])
+    assert state[:8] == (1).to_bytes(8, "little") and str(jump.folder) in got[0]
+    assert differing(state, native(got[0], 1)) == 0
+    assert page.run("document.documentElement.scrollWidth <= innerWidth") and page.troubles() == []
+    page.close()
+
+
+def test_open_goes_on_from_the_frame_that_is_shown(browser, jump):
+    with serving(jump.folder) as server:
+        page = Page(browser, Address(server.address))
+        until(page, "players.length && players[0].run.times.length === 9 && !byId('differently').parentElement.hidden")
+        page.run("tell('seek', 0.2), byId('differently').click()")
+        until(page, "parseInt(document.querySelector('#differently-place iframe')?.style.height) > 900")
+        assert [one for one in page.troubles() if not one.startswith("asks for http://127.0.0.1")] == []
+        page.close()
+
+
+def test_a_phone_begins_with_fewer_discs_and_may_have_all(browser, tmp_path):
+    case = load_case(INPUTS / "quick_jump.yaml", {"discs.diameter": 0.11, "live": SLIDERS})
+    path = write_page(with_fewer(case, prepare(case)), tmp_path / "few.html")
+    for width, number in ((1440, "0"), (390, "1")):
+        page = Page(browser, path, width=width, phone=width < 500)
+        until(page, "live.last")
+        few, all_ = (int(text.split(" ")[0].replace(",", "")) for text in reversed(page.run(LABELS)))
+        assert page.run("byClass('begin').value") == number and few < 0.5 * all_
+        assert page.run("live.last.ids.length") == (few if number == "1" else all_)
+        other = str(1 - int(number))
+        page.run(f"byClass('begin').value = '{other}', byClass('begin').dispatchEvent(new Event('change'))")
+        until(page, f"live.last && live.last.ids.length === {all_ if number == '1' else few}")
+        assert page.troubles() == []
+        page.close()
+
+
+LABELS = "[...byClass('begin').options].map((one) => one.textContent)"
