@@ -3,13 +3,18 @@
 
 from __future__ import annotations
 
+import gc
+import multiprocessing
 import sys
-from collections.abc import Callable, Collection, Mapping, Sequence
-from contextlib import ExitStack, nullcontext, suppress
+import threading
+import warnings
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager, nullcontext, suppress
 from dataclasses import replace
 from math import isfinite
+from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, ParamSpec, TypeVar
 
 from lammps_jump.dump.exports import write_netcdf, write_table
 from lammps_jump.dump.find import read_forces
@@ -22,8 +27,7 @@ from . import draw
 from .beds.slope import AlongBed, sloping_stretch
 from .contacts import ContactCollector
 from .draw.chart import Bars, Chart, Drawings, Map
-from .draw.depths import depth_profile, xt_map
-from .draw.second_core import Later, aside
+from .draw.maps import depth_profile, xt_map
 from .fields import write_fields
 from .flow import Flow
 from .passes import Gathered, Watcher, gather
@@ -36,6 +40,52 @@ from .report.player import still_of
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from PIL.Image import Image
+
+Given = ParamSpec("Given")
+Found = TypeVar("Found")
+
+
+class Later(Generic[Found]):
+    """Result of a work, once the block of `aside` is left."""
+
+    value: Found
+
+
+@contextmanager
+def aside(work: Callable[Given, Found], *given: Given.args, **named: Given.kwargs) -> Iterator[Later[Found]]:
+    """Do a work that leaves files, while the block goes on; it is done when the block is left.
+
+    Where it fails it is done once more, in this process and with its errors. Beside other threads it is done in this
+    process alone: one of them may hold a lock, for which a copy would wait forever.
+    """
+    done, later = False, Later[Found]()
+    if threading.active_count() > 1:
+        yield later
+    else:
+        heard, said = multiprocessing.Pipe(duplex=False)
+        process = multiprocessing.get_context("fork").Process(target=_quietly, args=(said, work, given, named))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DeprecationWarning)  # of the threads of libraries, which rest
+            process.start()
+        said.close()
+        try:
+            yield later
+            with suppress(EOFError):  # it failed
+                later.value, done = heard.recv(), True
+        finally:
+            heard.close()
+            process.kill()
+            process.join()
+    if not done:
+        later.value = work(*given, **named)
+
+
+def _quietly(said: Connection, work: Callable[..., Any], given: tuple[Any, ...], named: dict[str, Any]) -> None:
+    """Do the work in the copy; the process that does it again tells what fails."""
+    gc.disable()  # it would copy all pages of memory that both share
+    with suppress(BaseException):
+        said.send(work(*given, **named))
+
 
 DISCS = "snapshots"
 """Name of the figure of ten pictures."""

@@ -36,7 +36,7 @@ class ListedAnalysis(NamedTuple):
     bare : bool
         It is looked for in a bare dump where no option names anything.
     needs : mapping of str to str
-        What a scene must have, by the names of `lammps_jump.case.foresight.asked.facts`, and what follows where it
+        What a scene must have, by the names of `lammps_jump.case.asked.facts`, and what follows where it
         lacks that; ``check`` says so.
     """
 
@@ -61,7 +61,7 @@ LISTED = {
     ),
     "grade": ListedAnalysis("lammps_jump.analysis.budgets.grade"),
     "front": ListedAnalysis(
-        "lammps_jump.analysis.devices.front_page",
+        "lammps_jump.analysis.devices.front",
         "front of a collapsing column. `water`: also against water, Ritter and the columns of Martin & Moyce",
         "Follow the front",
         bare=True,

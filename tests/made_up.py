@@ -17,9 +17,9 @@ from features import BASE, FEATURES
 from hypothesis import settings
 
 import lammps_jump as lj
-from lammps_jump.analysis.draw.second_core import Later
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.guess import known_coefficients
+from lammps_jump.analysis.pipeline import Later
 from lammps_jump.cli.app import main
 from lammps_jump.dump.check import FrameCheck, damages, force_troubles
 from lammps_jump.dump.find import read_dump
@@ -238,7 +238,7 @@ def blank_figures(names, shown, folder, dump, flow, ending="png", **more) -> Non
 
 @contextmanager
 def on_the_spot(work, *given, **named):
-    """In place of `lammps_jump.analysis.draw.second_core.aside`, whose second process costs more than blank figures."""
+    """In place of `lammps_jump.analysis.pipeline.aside`, whose second process costs more than blank figures."""
     done = Later()
     done.value = work(*given, **named)
     yield done

@@ -33,8 +33,8 @@ from lammps_jump.analysis.quantities import LISTED, ListedAnalysis, captions, re
 from lammps_jump.analysis.report.run import write_report
 from lammps_jump.analysis.tables.rows import main_numbers, rows_of
 from lammps_jump.case import explain
+from lammps_jump.case.asked import facts
 from lammps_jump.case.fields import CaseFields, Contact
-from lammps_jump.case.foresight.asked import facts
 from lammps_jump.case.measures import Analysis, asked_for
 from lammps_jump.cli import app as cli_app
 from lammps_jump.cli import studies as cli_studies
@@ -449,7 +449,7 @@ ASKING = (
     "analysis/quantity.py",
     "analysis/report/",
     "analysis/tables/",
-    "lammps_jump/case/foresight/",
+    *(f"lammps_jump/case/{name}.py" for name in ("asked", "doubts", "speeds", "ways_out")),
 )
 """What shows quantities or looks ahead for them, and asks them for all it says."""
 OF_JUMPS = {"analysis/report/headline.py"}

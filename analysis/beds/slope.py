@@ -16,10 +16,9 @@ import numpy as np
 from lammps_jump.analysis.budgets.head import EnergyFluxes
 from lammps_jump.analysis.contacts import ContactCollector
 from lammps_jump.analysis.flow import Flow
-from lammps_jump.analysis.inlet_rows import running_rows
 from lammps_jump.analysis.jump.found import TrackedJump
 from lammps_jump.analysis.passes import Gathered, Watcher
-from lammps_jump.analysis.profiles import Binner, add_means, bin_edges
+from lammps_jump.analysis.profiles import Binner, add_means, bin_edges, running_rows
 from lammps_jump.dump.frame import Frame, make_frame
 from lammps_jump.dump.side_files.contacts import ContactFile
 from lammps_jump.errors import DumpError

@@ -2,5 +2,5 @@
 from . import depths as depths
 from . import energy as energy
 from . import grade as grade
+from . import head as head
 from . import inflow as inflow
-from . import stations as stations

@@ -4,10 +4,10 @@ from . import maps as maps
 from . import sketch as sketch
 from . import snapshots as snapshots
 from . import style as style
-from .depths import depth_profile as depth_profile
-from .depths import xt_map as xt_map
 from .film import animate as animate
 from .film import still as still
+from .maps import depth_profile as depth_profile
 from .maps import field_map as field_map
+from .maps import xt_map as xt_map
 from .style import drawn as drawn
 from .style import save as save

@@ -3,17 +3,108 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from lammps_jump.analysis.flow import Flow
+from lammps_jump.scene.walls import Interval
 
-from .chart import PLACE, Chart, Map, Panel, Trace, edges_of, shown_walls
-from .depths import axis_label
+from .chart import PLACE, TIME, Chart, Map, Panel, Trace, edges_of, shown_walls
 
 if TYPE_CHECKING:
     import xarray as xr
+
+
+def axis_label(quantity: xr.DataArray) -> str:
+    """Name and unit of a quantity for an axis, from its attributes ``long_name`` and ``units``."""
+    name = quantity.attrs.get("long_name", quantity.name).removeprefix("time mean of ")
+    units = quantity.attrs.get("units", "")
+    for text, nice in (("m2 s-1", "m²/s"), ("m3 s-2", "m³/s²"), ("m4 s-3", "m⁴/s³"), ("m s-1", "m/s")):
+        units = units.replace(text, nice)
+    return f"{name[:1].upper()}{name[1:]}" + (f" [{units}]" if units not in ("", "1") else "")
+
+
+def depth_profile(profiles: xr.Dataset, flow: Flow, *, lines: Mapping[str, float], marks: Mapping[str, float]) -> Chart:
+    """Mean free surface and mass depth along the channel, with the classical depths beside them; velocity below.
+
+    Parameters
+    ----------
+    profiles : xarray.Dataset
+        Of `compute_profiles`.
+    flow : Flow
+    lines : mapping of label to depth (m)
+        Horizontal lines to compare with.
+    marks : mapping of label to x (m)
+        Vertical marks: toe, end of the jump.
+    """
+    bed = profiles.bed.values
+    surface = _mean(profiles, "surface_depth", bed, "free surface")
+    mass = _mean(profiles, "mass_depth", bed, "mass depth", "second")
+    low = min(0.0, float(np.min(bed[np.isfinite(bed)], initial=0.0)))
+    top = float(np.nanmax([1.0, *lines.values(), *surface.y, *mass.y]))
+    x, y = _occupied(profiles), (low - 0.04 * top, 1.15 * top)
+    solids = shown_walls(flow.standing_at(profiles.attrs["window_end"]), x, y)
+    upper = Panel("Height above y = 0 [m]", (surface, mass), "", lines, marks, solids, x, y, 2.2)
+    speed = _mean(profiles, "velocity", 0.0, "mean discharge over mean depth")
+    skin = Trace("at the surface", profiles.x.values, profiles.surface_velocity_mean.values, "second")
+    lower = Panel("Velocity [m/s]", (speed, skin), marks=marks, xlim=x)
+    begin, end, frames = (profiles.attrs[f"window_{name}"] for name in ("begin", "end", "frames"))
+    return Chart(f"mean of {frames} frames, {flow.clock(begin, end)}", PLACE, (upper, lower))
+
+
+def _mean(profiles: xr.Dataset, name: str, above: Any, label: str, look: str = "first") -> Trace:
+    """A mean of the window, drawn `above` this height, with its standard error."""
+    values, error = profiles[f"{name}_mean"].values + above, profiles[f"{name}_stderr"].values
+    return Trace(label, profiles.x.values, values, look, error)
+
+
+def _bin_edges(profiles: xr.Dataset) -> np.ndarray:
+    return np.linspace(profiles.attrs["x_low"], profiles.attrs["x_high"], profiles.sizes["x"] + 1)
+
+
+def _occupied(profiles: xr.Dataset) -> Interval:
+    """The bins from the first to the last that held a disc in the window, m; all where none did."""
+    edges, held = _bin_edges(profiles), np.flatnonzero(profiles["count_mean"].values > 0)
+    return (edges[held[0]], edges[held[-1] + 1]) if held.size else (edges[0], edges[-1])
+
+
+def _ever_occupied(profiles: xr.Dataset) -> slice:
+    """The bins from the first to the last that ever held a disc, and one to either side; all where none did."""
+    held = np.flatnonzero((profiles["mass_depth"].values > 0).any(axis=0))
+    return slice(max(held[0] - 1, 0), held[-1] + 2) if held.size else slice(0, profiles.sizes["x"])
+
+
+def xt_map(
+    profiles: xr.Dataset,
+    variable: str = "surface_depth",
+    *,
+    toe: tuple[np.ndarray, np.ndarray] | None = None,
+    title: str | None = None,
+) -> Map:
+    """Map of a profile variable over distance and time.
+
+    Parameters
+    ----------
+    profiles : xarray.Dataset
+    variable : str
+        A (time, x) variable.
+    toe : (ndarray, ndarray), optional
+        Places (m) and times (s) of a tracked front, drawn on top.
+    """
+    values, held = profiles[variable].values, _ever_occupied(profiles)
+    edges, values = _bin_edges(profiles)[held.start : held.stop + 1], values[:, held]
+    return Map(
+        title or f"{variable.replace('_', ' ')} over distance and time",
+        axis_label(profiles[variable]),
+        edges,
+        profiles.time.values,
+        values,
+        TIME if profiles.time.attrs.get("units") != "1" else "Step",
+        bool(np.nanmin(values, initial=0.0) < 0),
+        () if toe is None else (Trace("front", *toe, "theory"),),
+    )
 
 
 def _ring(corners: np.ndarray) -> Trace:

@@ -12,7 +12,7 @@ import numpy as np
 
 from lammps_jump.analysis.budgets.inflow import Arrivals
 from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Map, Panel, Trace
-from lammps_jump.analysis.draw.depths import xt_map
+from lammps_jump.analysis.draw.maps import xt_map
 from lammps_jump.analysis.passes import Gathered
 from lammps_jump.analysis.quantity import HeadlineNumber, Named, Quantity
 from lammps_jump.analysis.report import Block

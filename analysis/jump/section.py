@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from lammps_jump.analysis.beds.slope import TurnedFlow, in_place
-from lammps_jump.analysis.budgets import inflow, stations
+from lammps_jump.analysis.budgets import head, inflow
 from lammps_jump.analysis.budgets.head import EnergyFluxes, energy_budget, why_none
 from lammps_jump.analysis.draw.chart import Drawings
 from lammps_jump.analysis.flow import Flow
@@ -323,7 +323,7 @@ parts       of the momentum balance: each over the downstream momentum function,
 errors      standard errors within this run, from eight pieces of the window; "at least": one run cannot tell it
 tail water  from 1.2 y₂ behind the front to 0.5 y₂ before the sill
 """,
-    beside=stations.DEFINITIONS,
+    beside=head.DEFINITIONS,
     collector=EnergyFluxes,
     needs=frozenset({"thrust", "slope"}),
     analyse=analyse,

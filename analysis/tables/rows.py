@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import isfinite, nan
 from typing import Any, NamedTuple
 
-from lammps_jump.analysis.budgets import stations
+from lammps_jump.analysis.budgets import head
 from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.analysis.quantity import HeadlineNumber, Quantity
 from lammps_jump.analysis.report.page import NumberBox, heading
@@ -295,7 +295,7 @@ def main_numbers(summary: Mapping[str, Any]) -> list[str]:
         found = summary.get(name)
         if isinstance(found, Mapping) and quantity.shown(summary) and (texts := _labelled(quantity, found)):
             lines.append(f"{name}: {', '.join(texts)}")
-    lines += filter(None, [stations.line(summary)])
+    lines += filter(None, [head.line(summary)])
     return [*lines, *(f"doubtful: {text}" for text in doubts(summary))]
 
 

@@ -21,7 +21,7 @@ from PIL import Image, ImageOps
 
 import lammps_jump as lj
 from lammps_jump.analysis.draw.film import still
-from lammps_jump.case.templates import scene_names
+from lammps_jump.case.case import scene_names
 from lammps_jump.live import prepare, write_page
 from lammps_jump.provenance import versions
 from lammps_jump.runs.results import animate, flow_of

@@ -17,12 +17,12 @@ from lammps_jump.physics.slip import springs_stable_fraction
 from lammps_jump.scene import Beginning, Scene, Wall
 from lammps_jump.units import numbers_of
 
+from . import speeds
 from .checks import twin_seconds
 from .design import Row, flow_rows
 from .fields import CaseFields
-from .foresight import speeds
-from .foresight.grains import TENTHS
 from .parts.grading import GradingCurve
+from .speeds import TENTHS
 from .walls import words_of_wall
 
 

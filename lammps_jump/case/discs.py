@@ -9,10 +9,10 @@ from pydantic import ConfigDict, Discriminator, Field, Tag, ValidationError
 from pydantic.functional_validators import model_validator
 
 from lammps_jump import units
-from lammps_jump.case.parts.base import Jitter, Shift, Speed, Strict, Whole
-from lammps_jump.case.parts.earlier import EarlierRun
 from lammps_jump.case.parts.grading import GradingCurve, LogNormalSizes, SieveSizes
 from lammps_jump.scene.shapes import PlaceError
+
+from .parts.base import EarlierRun, Jitter, Shift, Speed, Strict, Whole
 
 Spread = Annotated[
     units.Plain, Field(ge=0, le=0.5, title="spread of diameters", description="half width s, over the nominal diameter")

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Pydantic's errors in sentences: the place in the file, what is wrong, what is allowed, what to do."""
+"""Pydantic's errors in sentences: place, what is wrong and allowed, what to do; coefficients that are given as angles."""
 
 from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
@@ -14,8 +14,10 @@ from pydantic_core import ErrorDetails
 
 from lammps_jump.errors import CaseError
 from lammps_jump.quoting import echoed, shortened
-from lammps_jump.written import is_quantity, odd_blank
+from lammps_jump.units import InUnit
+from lammps_jump.written import angle_of, is_quantity, odd_blank, tangent
 
+from . import field_words
 from .field_words import (
     SIGNS,
     Vector,
@@ -25,11 +27,11 @@ from .field_words import (
     fields_of,
     kind_of,
     models_in,
+    notes_of,
     range_of,
     vector_in,
 )
 from .fields import CaseFields
-from .parts import other_words
 from .text import CaseSource, PathKey, dotted_path, nearest
 
 UNKNOWN = ("extra_forbidden", "unexpected_keyword_argument")
@@ -163,7 +165,7 @@ def _meant(path: PathKey, models: list[type], whole: type[BaseModel]) -> str:
         return hint
     group = ".".join(part for part in path[:-1] if isinstance(part, str))
     named = fields_by_name(whole) if whole is CaseFields else {}
-    found = [one.told(briefly(named[one.path])) for one in other_words.meanings(word) if named]
+    found = [one.told(briefly(named[one.path])) for one in field_words.meanings(word) if named]
     here = [one for one in found if one.group == group and one.name in known]
     if here or difflib.get_close_matches(word, known, n=1, cutoff=CLOSE):
         return f"write {here[0]}" if here else nearest(word, known)
@@ -182,7 +184,7 @@ def _kind(tag: object, value: object, known: list[str]) -> str:
     if tag is None:
         typed = " ('type' is called kind here)" if isinstance(value, dict) and "type" in value else ""
         return f"kind is missing{typed}; allowed is {allowed}"
-    meant = [one for one in other_words.kinds(str(tag)) if one in known]
+    meant = [one for one in field_words.kinds(str(tag)) if one in known]
     meant = meant or difflib.get_close_matches(str(tag), known, n=1)
     hint = f"; did you mean '{meant[0]}'?" if meant else ""
     return f"{echoed(tag)} is not known; allowed is {allowed}{hint}"
@@ -195,3 +197,34 @@ def _models_at(location: tuple[Any, ...], model: type) -> list[type]:
 
 def _fields(models: list[type]) -> dict[str, FieldInfo]:
     return {name: field for item in models for name, field in fields_of(item).items()}
+
+
+def slopes_of_angles(data: Any) -> tuple[str, ...]:
+    """Sentences on the numbers of a case's data that are tangents of angles, one each, in the order of the data."""
+    found = []
+    for path, text in _texts(data, ()):
+        if (angle := angle_of(text)) is None:  # most texts are none, and looking for their fields takes long
+            continue
+        fields = fields_at(CaseFields, path)
+        if any(isinstance(note, InUnit) and note.slope for field in fields for note in notes_of(field)):
+            found.append(f"{_named(data, path)}: {tangent(angle):z.3g}, the tangent of {echoed(text)}")
+    return tuple(found)
+
+
+def _texts(data: Any, path: PathKey) -> Iterator[tuple[PathKey, str]]:
+    """Texts in plain data, with their paths."""
+    if isinstance(data, str):
+        yield path, data
+    elif isinstance(data, dict | list):
+        for key, value in data.items() if isinstance(data, dict) else enumerate(data):
+            yield from _texts(value, (*path, key))
+
+
+def _named(data: Any, path: PathKey) -> str:
+    """A path as ``--set`` takes it, items of lists by their names where they have one: ``walls.bed.friction``."""
+    parts: list[str] = []
+    for part in path:
+        data = data[part]
+        own = data.get("name") if isinstance(data, dict) and isinstance(part, int) else None
+        parts.append(str(part if own is None else own))
+    return dotted_path(tuple(parts))

@@ -22,8 +22,7 @@ from .parts.base import LEAST_GRAVITY, MOST_GRAVITY, Name, Strict
 from .parts.beds import RoughBed
 from .parts.contact import Contact
 from .parts.inflow import InflowField
-from .parts.live import LiveSlider
-from .settings import FILM_INTERVAL, MOST_FILMED, STILL_INTERVAL, Engine, RunFields
+from .settings import FILM_INTERVAL, MOST_FILMED, STILL_INTERVAL, Engine, LiveSlider, RunFields
 
 
 def _folded(value: Any) -> Any:

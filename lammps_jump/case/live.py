@@ -18,7 +18,7 @@ from lammps_jump.scene.walls import Wall
 
 from .fields import CaseFields
 from .parts.inflow import RowsInflow
-from .parts.live import LiveSlider
+from .settings import LiveSlider
 from .text import nearest
 
 NUMBERS = ("contact.friction", "contact.restitution", "gravity", "slope")

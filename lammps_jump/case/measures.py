@@ -10,8 +10,9 @@ from pydantic import AfterValidator, Discriminator, Field, Tag, create_model
 
 from lammps_jump import units
 from lammps_jump.analysis.quantities import LISTED, ListedAnalysis
-from lammps_jump.case.parts.base import Name, Strict
 from lammps_jump.scene.walls import WallName
+
+from .parts.base import Name, Strict
 
 
 class StationPair(Strict):

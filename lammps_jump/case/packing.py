@@ -15,7 +15,7 @@ from lammps_jump.scene.walls import Interval
 
 from .discs import BidisperseSizes, Column, DiscList, Discs, Lattice, UniformSizes
 from .fields import CaseFields
-from .parts.earlier import EarlierRun
+from .parts.base import EarlierRun
 from .parts.grading import GradingCurve
 
 

@@ -27,25 +27,23 @@ from lammps_jump.scene.pressed import FaceStretch
 from lammps_jump.scene.scene import STABILITY_MEAN, Weighed
 from lammps_jump.scene.schedule import Schedule, fitted_step, plan_stations, plan_steps
 
-from . import checks, design, walls
-from .body_checks import check_bodies
+from . import checks, design, speeds, walls, ways_out
+from .asked import behind_the_end, in_vain, light, radians_given, small_bins, written_walls
+from .bodies import check_bodies
 from .derived import skipped
+from .doubts import doubts, held_deep, jump_doubts, never_met
 from .fields import CaseFields
-from .foresight import speeds, ways_out
-from .foresight.asked import behind_the_end, in_vain, light, radians_given, small_bins, written_walls
-from .foresight.barriers import never_met
-from .foresight.doubts import doubts, held_deep, jump_doubts
-from .foresight.grains import curve_doubts, heap_doubts
 from .live import check_live, is_live
 from .packing import TooSoft, arrange, disc_sizes
 from .parts import channel, places
+from .parts.base import EarlierRun
 from .parts.beds import beds_of
-from .parts.domain import Rectangle, domain_of, implied_speed, outlets_of
-from .parts.earlier import EarlierRun
+from .parts.channel import Rectangle, domain_of, implied_speed, outlets_of
 from .parts.inflow import PourInflow, RowsInflow
 from .parts.pushed import going_on
 from .parts.rows import Inlet, inlet_back, inlet_of
 from .parts.taken import RestartDiscs, for_walls, load_restart, restart_state, with_given
+from .speeds import curve_doubts, heap_doubts
 from .text import Runs
 
 INTEGRATORS = {"lammps": "velocity_verlet"} | dict.fromkeys(("native", "twin"), "leapfrog_extrapolated")

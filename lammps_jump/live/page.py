@@ -29,7 +29,7 @@ from lammps_jump.analysis.report import page
 from lammps_jump.analysis.report.frames import FramePacker
 from lammps_jump.analysis.report.player import about_run
 from lammps_jump.case.parts.inflow import RowsInflow
-from lammps_jump.case.parts.live import LiveSlider
+from lammps_jump.case.settings import LiveSlider
 from lammps_jump.core.browser import BrowserCore, browser_core
 from lammps_jump.core.columns import PlacedColumns, TrackRowColumns
 from lammps_jump.engines.native.bound import jump_events, jump_inlet, jump_state

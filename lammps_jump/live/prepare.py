@@ -19,9 +19,9 @@ import numpy as np
 from lammps_jump.case import ReadCase
 from lammps_jump.case.discs import Column
 from lammps_jump.case.live import NUMBERS
-from lammps_jump.case.parts.earlier import EarlierRun
+from lammps_jump.case.parts.base import EarlierRun
 from lammps_jump.case.parts.inflow import PourInflow, RowsInflow
-from lammps_jump.case.parts.live import LiveSlider
+from lammps_jump.case.settings import LiveSlider
 from lammps_jump.engines.accuracy import with_accuracy
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.errors import CaseError, JumpError

@@ -18,7 +18,7 @@ from lammps_jump.analysis.budgets import depths
 from lammps_jump.analysis.flow import Flow, from_scene
 from lammps_jump.analysis.guess import from_dump
 from lammps_jump.analysis.passes import Gathered, Watcher, feed, with_velocities
-from lammps_jump.analysis.report import compare, page
+from lammps_jump.analysis.report import page, run
 from lammps_jump.analysis.report import run as report
 from lammps_jump.analysis.report.frames import FramePacker
 from lammps_jump.analysis.report.player import make_player, member_packer, pack_player
@@ -463,11 +463,11 @@ def write_comparison(runs: Sequence[tuple[str, Path, Mapping[str, Any], Flow]], 
         The file cannot be written.
     """
     sides = [
-        compare.Side(name, summary, report.curves(folder), make_player(packed(flow, folder), folder))
+        run.Side(name, summary, report.curves(folder), make_player(packed(flow, folder), folder))
         for name, folder, summary, flow in runs
     ]
     with writes(path):
-        return write_text(path, compare.comparison(*sides))
+        return write_text(path, run.comparison(*sides))
 
 
 def write_player(folder: Path, player: page.Player) -> None:

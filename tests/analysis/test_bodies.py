@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from made_up import disc_frame, examples, flow_context
 
-from lammps_jump.analysis.devices import bodies, floating
+from lammps_jump.analysis.devices import bodies
 from lammps_jump.dump.side_files.bodies import BodyHistory
 from lammps_jump.physics.bodies import area_below, depth_of_area, section_of_polygon
 from lammps_jump.scene import MovingWall
@@ -94,7 +94,7 @@ def test_level_and_density_beside_a_body(top):
     """The level of the mass, in a crystal whose layers are a sixth of the draught: to a tenth of a diameter."""
     x, y = crystal(top)
     flow = flow_context(walls=(), domain=((0, 10), (0, 8)), x_range=(0, 10), diameter=0.2)
-    beside = floating.around(disc_frame(x, y, box=[[0, 10], [0, 8]]), flow, BLOCK)
+    beside = bodies.around(disc_frame(x, y, box=[[0, 10], [0, 8]]), flow, BLOCK)
     density = flow.scene.mass / (0.2**2 * np.sqrt(0.75))
     assert beside.density == pytest.approx(density, rel=0.01)
     level = len(np.unique(y)) * 0.2 * np.sqrt(0.75) + (0.1 - 0.1 * np.sqrt(0.75))
@@ -104,9 +104,9 @@ def test_level_and_density_beside_a_body(top):
 def test_too_few_discs_have_no_level():
     flow = flow_context(walls=(), domain=((0, 10), (0, 8)), x_range=(0, 10), diameter=0.2)
     for x, y in ((np.empty(0), np.empty(0)), crystal(0.6)):
-        assert np.isnan(floating.around(disc_frame(x, y, box=[[0, 10], [0, 8]]), flow, BLOCK)).all()
+        assert np.isnan(bodies.around(disc_frame(x, y, box=[[0, 10], [0, 8]]), flow, BLOCK)).all()
     wide = replace(BLOCK, x=(0.5, 9.5))
-    assert np.isnan(floating.around(disc_frame(*crystal(3.0), box=[[0, 10], [0, 8]]), flow, wide)).all()
+    assert np.isnan(bodies.around(disc_frame(*crystal(3.0), box=[[0, 10], [0, 8]]), flow, wide)).all()
 
 
 def test_what_floats_has_a_draught_and_that_of_its_weight():

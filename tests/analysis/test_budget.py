@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 from made_up import INPUTS, disc_frame, flow_context
 
-from lammps_jump.analysis.budgets import stations
+from lammps_jump.analysis.budgets import head
 from lammps_jump.analysis.budgets.head import (
     EnergyFluxes,
     budget_between,
@@ -128,10 +128,8 @@ def test_frames_have_a_budget_between_the_stations_of_the_case(jump):
     at = front.start + front.speed * times[0]
 
     def asked(speed):
-        stations = Stations((at + result.mass_toe - 2, at + result.mass_toe + 4), speed, first, last)
-        return energy_budget(
-            fields, replace(result, flow=replace(result.flow, scene=replace(scene, stations=stations)))
-        )
+        head = Stations((at + result.mass_toe - 2, at + result.mass_toe + 4), speed, first, last)
+        return energy_budget(fields, replace(result, flow=replace(result.flow, scene=replace(scene, stations=head))))
 
     alike, still = asked(front.speed), asked(0.0)
     expected = budget_between(fields, result, (result.mass_toe - 2, result.mass_toe + 4))
@@ -149,14 +147,14 @@ def test_ledger_and_frames_stand_side_by_side(jump):
     ledger = {f"stations_{key}": -1e-17 for key in keys} | {"stations_lost": 2.3456, "stations_discharge": 6.6}
     ledger |= {"stations_left": 16.0, "stations_right": 23.0, "stations_speed": -1.0}
     summary = {"ledger": ledger | {"stations_begin": 6.0, "stations_end": 8.0}, "jump": {"budget": budget}}
-    table, text = stations.section(summary).blocks
+    table, text = head.section(summary).blocks
     assert "x = 16.00 and 23.00 m at t = 6 s, which move at −1.000 m/s until 8 s" in text[0]
     (lost,) = (row for row in table.rows if row[0] == "Head lost [m]")
     assert lost[1] == "2.346" and lost[2] == f"{budget['lost']:.2f}"
     assert table.rows[2][1:] == ("0.000", ABSENT)
     assert any("stations: head lost 2.346 m" in line for line in main_numbers(summary))
-    assert "friction takes energy" in stations.section({"ledger": summary["ledger"]}).blocks[1][0]
-    assert stations.section({"ledger": {"residual": 1.0}}) is None and stations.line({}) == ""
+    assert "friction takes energy" in head.section({"ledger": summary["ledger"]}).blocks[1][0]
+    assert head.section({"ledger": {"residual": 1.0}}) is None and head.line({}) == ""
 
 
 def test_gravity_along_the_bed_is_no_loss():

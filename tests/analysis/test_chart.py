@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from lammps_jump.analysis.draw.chart import MOST_POINTS, PLACE, TIME, Bars, Chart, Panel, Trace, stairs, thinned
-from lammps_jump.analysis.draw.second_core import aside
 from lammps_jump.analysis.draw.style import drawn
+from lammps_jump.analysis.pipeline import aside
 from lammps_jump.errors import DumpError
 from lammps_jump.files import plain
 

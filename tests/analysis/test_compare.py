@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from lammps_jump.analysis.draw.chart import TIME, Bars, Chart, Panel, Trace
-from lammps_jump.analysis.report.compare import Side, comparison
 from lammps_jump.analysis.report.curves_check import read_curves
 from lammps_jump.analysis.report.page import Curve
+from lammps_jump.analysis.report.run import Side, comparison
 from lammps_jump.errors import DumpError
 from lammps_jump.files import CURVES, write_json
 

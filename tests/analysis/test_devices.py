@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 from made_up import INPUTS, collected, disc_frame, flow_context, numbers
 
-from lammps_jump.analysis.devices import drum, gaps, hopper, waves
+from lammps_jump.analysis.devices import drum, hopper, waves
 from lammps_jump.analysis.passes import Gathered
 from lammps_jump.analysis.tables.rows import rows_of
 from lammps_jump.analysis.verdicts import doubts, headline, verdict
@@ -106,7 +106,7 @@ def test_angle_of_a_slope_in_a_drum(rate):
 
 def hopper_of(flow, frames):
     """The outlets of made-up frames, and their tracks."""
-    watch = collected(gaps.Crossings(flow), frames)
+    watch = collected(hopper.Crossings(flow), frames)
     profiles = xr.Dataset({}, {"time": [0.0]}, WINDOW)
     return hopper.analyse(Gathered(flow, profiles, None, {"hopper": watch}, {}))
 
@@ -134,20 +134,20 @@ SILO = (line("left", (-2, 9), (-2, 4), (1, 1)), line("right", (4, 9), (4, 3), (2
 
 
 def test_gaps_are_narrow_places_wherever_they_lie():
-    found = gaps.gaps_of(flow_context(**ROOM, walls=SILO).scene)
+    found = hopper.gaps_of(flow_context(**ROOM, walls=SILO).scene)
     assert (found[0].width, found[0].middle) == (pytest.approx(1.0), pytest.approx((1.5, 1.0)))
     # corners of the funnel are no narrow places, its open top is one
     assert [one.width for one in found] == pytest.approx([1.0, 6.0])
     between = Block("post", (1.4, 1.6), (0.5, 1.5))
-    halves = [one for one in gaps.gaps_of(flow_context(**ROOM, walls=[*SILO, between]).scene) if one.width < 0.5]
+    halves = [one for one in hopper.gaps_of(flow_context(**ROOM, walls=[*SILO, between]).scene) if one.width < 0.5]
     assert sorted(one.middle[0] for one in halves) == pytest.approx([1.2, 1.8])
     moving = MovingWall(between, Motion(kind=Oscillate(1.0, (0.1, 0.0))))
-    assert [one.width for one in gaps.gaps_of(flow_context(**ROOM, walls=[*SILO, moving]).scene)] == [1.0, 6.0]
+    assert [one.width for one in hopper.gaps_of(flow_context(**ROOM, walls=[*SILO, moving]).scene)] == [1.0, 6.0]
 
 
 def test_gaps_over_a_floor_without_end_and_round_a_circle():
     walls = [Plane("floor", "y", 0.0, "above"), Block("gate", (3.0, 3.4), (0.6, 5.0)), Circle("pier", (8.0, 3.0), 1.0)]
-    found = gaps.gaps_of(flow_context(**ROOM, walls=walls).scene)
+    found = hopper.gaps_of(flow_context(**ROOM, walls=walls).scene)
     widths = [one.width for one in found]
     assert widths[:2] == pytest.approx([0.6, 0.6])  # below both corners of the gate
     assert 2.0 == pytest.approx(min(one.width for one in found if one.middle[0] > 7), rel=1e-9)  # below the pier
@@ -228,7 +228,7 @@ def test_discs_that_come_back_have_not_left():
 
 def test_the_scene_of_a_hopper_has_its_gap():
     scene = load_case(INPUTS / "hopper.yaml", ["initial.0.y=[2, 3]"]).scene()
-    first = gaps.gaps_of(scene)[0]
+    first = hopper.gaps_of(scene)[0]
     assert (first.width, first.middle) == (pytest.approx(1.0), pytest.approx((0.0, 0.5)))
 
 

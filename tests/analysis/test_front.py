@@ -13,13 +13,14 @@ from lammps_jump.analysis.devices.front import (
     analyse_front,
     back_wall,
     bulk_front,
+    figures,
     off_curve,
     quantile_front,
     rms,
+    section,
     stack_top,
     way,
 )
-from lammps_jump.analysis.devices.front_page import figures, section
 from lammps_jump.analysis.passes import Gathered
 from lammps_jump.analysis.tables.rows import rows_of, tiles
 from lammps_jump.analysis.verdicts import headline, verdict

@@ -10,8 +10,7 @@ from free_bodies import TALL, TIME, WIDE, body, corner, history_of, ramp
 from made_up import disc_frame, flow_context
 
 from lammps_jump.analysis.forces.figures import impulse_chart, section
-from lammps_jump.analysis.forces.history import Forces, analyse_forces
-from lammps_jump.analysis.forces.points import point_of, toes_of
+from lammps_jump.analysis.forces.history import Forces, analyse_forces, point_of, toes_of
 from lammps_jump.analysis.profiles import compute_profiles
 from lammps_jump.dump.find import ForceHistory
 from lammps_jump.dump.side_files.bodies import write_bodies

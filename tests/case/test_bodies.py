@@ -11,7 +11,7 @@ import pytest
 import yaml
 
 from lammps_jump.case import load_case
-from lammps_jump.case.body_checks import foreseen_blow, tips_at
+from lammps_jump.case.bodies import foreseen_blow, tips_at
 from lammps_jump.dump.side_files.bodies import read_bodies
 from lammps_jump.engines.checkpoint import read_checkpoint
 from lammps_jump.engines.choice import choose

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from made_up import INPUTS, SCENES, examples
 
 from lammps_jump.case import load_case, parse_case
-from lammps_jump.case.templates import scene_names, scene_text
+from lammps_jump.case.case import scene_names, scene_text
 from lammps_jump.case.to_scene import contact_coefficients
 from lammps_jump.errors import CaseError
 from lammps_jump.scene import Scene

@@ -9,8 +9,7 @@ from math import radians, sin
 import pytest
 from made_up import INPUTS
 
-from lammps_jump.case import load_case
-from lammps_jump.case.foresight import grains
+from lammps_jump.case import load_case, speeds
 from lammps_jump.errors import CaseError
 from lammps_jump.physics.slip import FRICTION_LAWS, FrictionLaw
 
@@ -29,9 +28,9 @@ def test_a_column_that_falls_creeps(monkeypatch):
     speed = 9.81 * sin(radians(20)) / case.scene().coefficients.gamma_tangential
     assert float(re.search(r"creeps at ([\d.e-]+) m/s on 20 degrees", text)[1]) == pytest.approx(speed, rel=0.05)
     laws = {"viscous": FRICTION_LAWS["viscous"], "springs": FrictionLaw(None, False, True)}
-    monkeypatch.setattr(grains, "FRICTION_LAWS", laws)
+    monkeypatch.setattr(speeds, "FRICTION_LAWS", laws)
     assert told()[0].endswith("; friction_law: springs holds it")
-    monkeypatch.setattr(grains, "FRICTION_LAWS", {"viscous": laws["springs"]})
+    monkeypatch.setattr(speeds, "FRICTION_LAWS", {"viscous": laws["springs"]})
     assert not told()
 
 

@@ -8,7 +8,7 @@ import pytest
 from made_up import INPUTS
 
 import lammps_jump as lj
-from lammps_jump.case.parts import other_words
+from lammps_jump.case import field_words
 from lammps_jump.errors import CaseError
 from lammps_jump.sweeps import read_study
 
@@ -31,13 +31,13 @@ def said(change: str) -> str:
 
 def test_every_word_leads_to_a_field_or_kind_that_exists():
     names = fields.names()
-    assert not [path for path, _, _ in other_words.MEANT if path not in names]
-    assert set(other_words.KINDS.values()) <= KINDS
+    assert not [path for path, _, _ in field_words.MEANT if path not in names]
+    assert set(field_words.KINDS.values()) <= KINDS
 
 
 def test_no_word_is_the_name_of_a_field_beside_the_one_that_it_leads_to():
     names = fields.names()
-    for path, words, _ in other_words.MEANT:
+    for path, words, _ in field_words.MEANT:
         group = path.rpartition(".")[0]
         beside = {name for name in names if name.rpartition(".")[0] == group}
         # fields of one group that belong to other kinds may have the name

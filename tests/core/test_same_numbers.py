@@ -15,8 +15,7 @@ from lammps_jump.analysis import fields
 from lammps_jump.analysis.contacts import close_pairs
 from lammps_jump.analysis.draw.painter import View, blank, paint_discs
 from lammps_jump.analysis.grains.layers import add_discs
-from lammps_jump.analysis.inlet_rows import OpenEnds
-from lammps_jump.analysis.profiles import FrameDiscs, bin_discs, connected, surface_of
+from lammps_jump.analysis.profiles import FrameDiscs, OpenEnds, bin_discs, connected, surface_of
 from lammps_jump.analysis.report.coder import encode
 from lammps_jump.analysis.report.player_check import holds_frames
 from lammps_jump.dump import rows

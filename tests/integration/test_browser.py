@@ -17,8 +17,7 @@ from PIL import Image
 from lammps_jump import load_case, open_run
 from lammps_jump.analysis import notebook
 from lammps_jump.analysis.flow import from_scene
-from lammps_jump.analysis.inlet_rows import OpenEnds
-from lammps_jump.analysis.profiles import FrameDiscs, bin_discs
+from lammps_jump.analysis.profiles import FrameDiscs, OpenEnds, bin_discs
 from lammps_jump.analysis.report import frames
 from lammps_jump.analysis.report import page as page_of
 from lammps_jump.analysis.report.frames import FramePacker

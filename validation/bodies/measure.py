@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from lammps_jump import Run
-from lammps_jump.analysis.devices.floating import around
+from lammps_jump.analysis.devices.bodies import around
 from lammps_jump.dump.side_files.bodies import BodyHistory, read_bodies
 from lammps_jump.files import BODIES
 from lammps_jump.physics.bodies import area_below, pendulum_period

@@ -19,7 +19,7 @@ import pandas as pd
 from lammps_jump import Case, load_case
 from lammps_jump.analysis.draw.style import BLUE, GREY, RED, drawing, save
 from lammps_jump.analysis.tables.markdown import markdown, with_error
-from lammps_jump.case.templates import scene_folder
+from lammps_jump.case.case import scene_folder
 from lammps_jump.engines import usable_kernels
 from lammps_jump.files import plain
 from lammps_jump.physics import jump

@@ -17,7 +17,7 @@ from lammps_jump.physics.elementary import cos, hypot, sin
 from lammps_jump.scene import Wall, Went
 from lammps_jump.scene.motion import Placed, Pose
 
-from .earlier import EarlierRun
+from .base import EarlierRun
 
 NOUNS = {"free": "body", "load": "lid", "hold": "tailgate"}
 """What walls are called, by how they move."""

@@ -27,7 +27,7 @@ from lammps_jump.scene.meeting import corner_names
 from lammps_jump.scene.scene import CONTACT, Earlier, Fixed, chains_of
 from lammps_jump.units import to_si
 
-from .earlier import EarlierDiscs, EarlierRun
+from .base import EarlierDiscs, EarlierRun
 from .places import depths
 from .pushed import GoingOn, renumbered
 

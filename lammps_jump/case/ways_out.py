@@ -14,13 +14,12 @@ from math import cos, inf, isfinite, radians, sqrt
 
 import numpy as np
 
-from lammps_jump.case.fields import CaseFields
-from lammps_jump.case.parts.inflow import PourInflow
 from lammps_jump.scene import Beginning, InletRow, Interval, MovingWall, Outlet, Wall
 from lammps_jump.scene.motion import largest_speed, way
 
-from .grains import LEAST_FRICTION
-from .speeds import expected, lowest_ground, starts
+from .fields import CaseFields
+from .parts.inflow import PourInflow
+from .speeds import LEAST_FRICTION, expected, lowest_ground, starts
 
 CELLS = 40_000
 """Most cells, for walls of few faces."""

@@ -12,15 +12,15 @@ from collections.abc import Iterator, Sequence
 from math import degrees
 
 from lammps_jump.analysis.quantities import LISTED
-from lammps_jump.case.discs import Column
-from lammps_jump.case.fields import CaseFields
-from lammps_jump.case.measures import Probes
-from lammps_jump.case.parts.beds import RoughBed
-from lammps_jump.case.parts.inflow import RowsInflow
 from lammps_jump.scene import MovingWall
 from lammps_jump.scene.tracks import Oscillate, each
 
-from .grains import LEAST_FRICTION
+from .discs import Column
+from .fields import CaseFields
+from .measures import Probes
+from .parts.beds import RoughBed
+from .parts.inflow import RowsInflow
+from .speeds import LEAST_FRICTION
 
 RIGHT_ANGLE = 0.1
 """Distance in degrees from a multiple of 90 at which a value times 180/pi is taken for a right angle: 3.14 is."""
