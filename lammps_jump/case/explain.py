@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Pydantic's errors in sentences: place, what is wrong and allowed, what to do; coefficients that are given as angles."""
+"""Pydantic's errors in sentences: place, what is wrong, what is allowed, what to do; coefficients given as angles."""
 
 from __future__ import annotations
 

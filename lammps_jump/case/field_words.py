@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Words of the fields of a case: meaning, short label, unit and range from the models; other words that people write."""
+"""Words of the fields of a case: meaning, label, unit and range from the models; other words that people write."""
 
 from __future__ import annotations
 
