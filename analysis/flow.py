@@ -64,6 +64,9 @@ class Flow:
         Places along x between which to tell the head lost, m.
     layers : ((float, float) or None, float or None) or None
         Stretch of x and height of the layers over which profiles over y are made, m; None: those of the analysis.
+    fit_stretch : float
+        Factor on the stretches over which a flank, a surface in a drum or tail water is fitted; a budget of error
+        changes it.
     """
 
     scene: Scene
@@ -83,6 +86,7 @@ class Flow:
     poses: PoseFile | None = field(default=None, compare=False)
     layers: tuple[Interval | None, float | None] | None = None
     heads_at: tuple[float, ...] = ()
+    fit_stretch: float = 1.0
 
     def count(self, frame: Frame) -> int:
         """Discs of a frame that move."""

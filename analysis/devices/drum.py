@@ -79,7 +79,7 @@ class SurfaceAngles:
         if self.drum is None:
             return
         x0, _, radius, rate = self.drum
-        near = np.abs(frame.x - x0) <= MIDDLE * radius
+        near = np.abs(frame.x - x0) <= MIDDLE * self.flow.fit_stretch * radius
         top = (frame.y + self.flow.radii(frame))[near]
         slope = surface_slope(frame.x[near] - x0, top, self.flow.scene.diameter)
         # a wall that turns counter-clockwise lifts the discs at the right

@@ -150,7 +150,7 @@ class Remains(NamedTuple):
     column: StandingColumn | None
 
 
-def flank_of(x: np.ndarray, surface: np.ndarray, depth: np.ndarray, side: int) -> Flank:
+def flank_of(x: np.ndarray, surface: np.ndarray, depth: np.ndarray, side: int, stretch: float = 1.0) -> Flank:
     """The flank of a heap to its left (`side` -1) or right (1).
 
     Its bins lie between the last one, seen from the top, that is higher than `HIGH` and the first one that is lower
@@ -161,14 +161,17 @@ def flank_of(x: np.ndarray, surface: np.ndarray, depth: np.ndarray, side: int) -
     x, surface, depth : ndarray, shape (bins,), m
         Surface is the height of the free surface, depth that over the bed.
     side : int
+    stretch : float
+        Factor on the range from `LOW` to `HIGH`.
     """
     height = depth.max(initial=0.0)
+    more = 0.5 * (stretch - 1.0) * (HIGH - LOW)
     highest = np.flatnonzero(depth == height)
     order = np.arange(highest[-1], len(x)) if side > 0 else np.arange(highest[0], -1, -1)
-    low = np.flatnonzero(depth[order] < LOW * height)
+    low = np.flatnonzero(depth[order] < (LOW - more) * height)
     if not height > 0 or not low.size:
         return Flank()
-    begin = np.flatnonzero(depth[order[: low[0]]] > HIGH * height)[-1] + 1
+    begin = np.flatnonzero(depth[order[: low[0]]] > (HIGH + more) * height)[-1] + 1
     part = order[begin : low[0]]
     if len(part) < FEWEST:
         return Flank()
@@ -231,8 +234,8 @@ def shape_of(frame: Frame, flow: Flow) -> Shape:
     found = bin_frames([frame], replace(flow, bin_width=flow.scene.diameter))
     x, bed, depth = found["x"].values, found["bed"].values, np.nan_to_num(found["surface_depth"].values[0])
     bed = np.where(np.isfinite(bed), bed, np.nanmin(bed) if np.isfinite(bed).any() else 0.0)
-    flanks = flank_of(x, bed + depth, depth, -1), flank_of(x, bed + depth, depth, 1)
-    return Shape(x, bed, depth, flanks)
+    left, right = (flank_of(x, bed + depth, depth, side, flow.fit_stretch) for side in (-1, 1))
+    return Shape(x, bed, depth, (left, right))
 
 
 def cut_to_discs(shape: Shape) -> Shape:

@@ -176,7 +176,7 @@ def _measure(
     toe, end = result.mass_toe, result.mass_end
     depth = result.downstream.mass_depth
     # water beyond a baffle is lower: it takes up momentum
-    tail = measure_tail(stream.isel(time=used, x=slice(stream.attrs["clear"])), front, depth)
+    tail = measure_tail(stream.isel(time=used, x=slice(stream.attrs["clear"])), front, depth, known.flow.fit_stretch)
     level = tail.depth.value if isfinite(tail.depth.value) else depth
     inlet = measure_stream(stream, track, used, speed, level, result.flow.gravity)
     found = frame.roller(moving, speed, toe, end)

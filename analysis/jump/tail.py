@@ -39,7 +39,7 @@ class Tail(Estimates):
     lower_bounds: tuple[str, ...] = ("slope",)
 
 
-def measure_tail(stream: xr.Dataset, front: np.ndarray, depth: float) -> Tail:
+def measure_tail(stream: xr.Dataset, front: np.ndarray, depth: float, stretch: float = 1.0) -> Tail:
     """Depth and slope of the tail water, frame by frame, between the jump and the end of the channel.
 
     Parameters
@@ -49,12 +49,14 @@ def measure_tail(stream: xr.Dataset, front: np.ndarray, depth: float) -> Tail:
     front : ndarray, shape (frames,), m
     depth : float
         Depth behind the jump, m: sets the zone, `BEHIND_FRONT` behind the front to `SILL_REACH` before the end.
+    stretch : float
+        Both distances are divided by it.
     """
     x, mass, surface = (stream[name].values for name in ("x", "mass_depth", "surface_depth"))
     half = 0.5 * (x[1] - x[0])
-    end = x[-1] + half - SILL_REACH * depth
+    end = x[-1] + half - SILL_REACH / stretch * depth
     rows = []
-    for s, h, start in zip(mass, surface, front + BEHIND_FRONT * depth, strict=True):
+    for s, h, start in zip(mass, surface, front + BEHIND_FRONT / stretch * depth, strict=True):
         inside = (x - half >= start) & (x + half <= end) & np.isfinite(s) & np.isfinite(h)
         if inside.sum() >= LEAST_BINS:
             rows.append((np.polyfit(x[inside], h[inside], 1)[0], s[inside].mean(), 2 * half * inside.sum()))

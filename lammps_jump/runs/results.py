@@ -214,6 +214,14 @@ def analyse_in_memory(case: ReadCase, folder: Path) -> ResultsInMemory:
     return ResultsInMemory(gathered, known, tuple(dict.fromkeys(gathered.warnings)))
 
 
+def looked_at(case: ReadCase, folder: Path, name: str, fit_stretch: float = 1.0) -> dict[str, Any]:
+    """One part of the summary of a run, analysed as a case asks; `fit_stretch` as of `Flow`. Nothing is written."""
+    gathered = collect(case, replace(flow_of(case, folder), fit_stretch=fit_stretch), folder, read_dump(folder))
+    quantity = quantities.QUANTITIES[name]
+    found = quantity.analyse(gathered)
+    return {} if found is None else {name: quantity.summary(found)}
+
+
 def analyse_dump(
     target: Path, case: ReadCase | None, given: AnalysisInputs = NO_INPUTS, out: Path | None = None
 ) -> tuple[dict[str, Any], Path]:
