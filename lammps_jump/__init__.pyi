@@ -26,6 +26,7 @@ from .runs.run import open_run as open_run
 from .runs.run import run as run
 from .runs.stepped import SteppedRun as SteppedRun
 from .scene.scene import Scene as Scene
+from .studies.budget import budget as budget
 from .studies.opening import open as open
 from .sweeps.find import find as find
 from .sweeps.sweep import Sweep as Sweep

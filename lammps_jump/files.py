@@ -127,6 +127,7 @@ STUDY_FILES = {
         "best.yaml",
         *(f"figures/calibration_*.{ending}" for ending in PICTURES),
     ),
+    "budget": ("budget.json", "budget.md", "budget.html", "budget.png"),
     "find": ("study.yaml", "find.json", "find.html", "figures/find.png"),
     "cross-validate": ("cross_validation.json", "cross_validation.html", "figures/*.png"),
     "validate": ("validation.json", "report.html", "figures/*.png"),

@@ -20,6 +20,7 @@ import lammps_jump as lj
 from lammps_jump.analysis.tables.markdown import markdown, paragraphs
 from lammps_jump.identity import scene_key
 from lammps_jump.provenance import machine, versions
+from lammps_jump.studies import sensitivity
 from lammps_jump.studies.bench import page
 from lammps_jump.studies.bench.collision import collision_scene
 from lammps_jump.studies.cross_validation.scenes import micro_scenes
@@ -34,7 +35,7 @@ import collisions  # noqa: E402
 from command_overhead import overhead_page  # noqa: E402
 from kernel_speed import speed_page  # noqa: E402
 
-sensitivity, stress = (load_module(TREE / name, "study") for name in ("sensitivity", "stress"))
+stress = load_module(TREE / "stress", "study")
 limits = load_module(TREE / "stress", "limits")
 
 FOLDER = ROOT / "docs" / "measured"
@@ -133,7 +134,7 @@ def _sensitivity(name: str) -> Measure:
     study = sensitivity.STUDIES[name]
     return Measure(
         f"sensitivity --only {name}",
-        lambda: case_keys(*(study.changes(value) for value in study.values)),
+        lambda: case_keys(*study.settings.values()),
         lambda folder: {"rows": json.loads((folder / "sensitivity.json").read_text())["studies"][name]},
         lambda data: markdown(sensitivity.COLUMNS, data["rows"]),
         partial(_draw_sensitivity, name),

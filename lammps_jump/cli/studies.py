@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Commands of many runs: sweep, cross-validate, validate, bench, stress, sensitivity, calibrate, fluid."""
+"""Commands of many runs: sweep, cross-validate, validate, bench, stress, budget, sensitivity, calibrate, fluid."""
 
 from __future__ import annotations
 
@@ -236,17 +236,47 @@ def stress(
 
 
 @app.command()
+def budget(
+    case: options.CaseFile,
+    of: Annotated[
+        str,
+        typer.Option("--of", metavar="KEY", help="The number, such as jump.y2, of summary.json.", show_default=False),
+    ],
+    out: Annotated[Path | None, options.results_place("Folder (default: runs/<name>_budget_<number>).")] = None,
+    by: Annotated[
+        float | None,
+        typer.Option(min=1.01, max=2, help="Each choice is made this factor less and more (default 1.25)."),
+    ] = None,
+    starts: Annotated[int | None, typer.Option(min=2, help="Starts of the case (default 8).")] = None,
+    each: Annotated[int | None, typer.Option(min=2, help="Starts of each changed case (default 4).")] = None,
+    joint: Annotated[
+        int | None, typer.Option(min=2, help="Runs with all choices drawn at once, to hold the sum against.")
+    ] = None,
+    set_: options.Sets = None,
+    fresh: options.Fresh = False,
+    quiet: options.QuietStudy = False,
+) -> None:
+    """Tell how much of the ± of a number is starts, step, discs, walls and analysis. Continues where it stopped."""
+    how = {"by": by, "starts": starts, "each": each, "joint": joint}
+    given: dict[str, Any] = {name: value for name, value in how.items() if value is not None}
+    read = lj.load_case(case, set_)
+    found = studies.budget.budget(read, of, out, fresh=fresh, say=options.sayer(quiet), **given)
+    print(found["verdict"])
+    print(f"page: {(out or studies.budget.default_folder(read, of)) / studies.budget.PAGE}")
+
+
+@app.command()
 def sensitivity(
     out: Annotated[Path | None, options.results_place("Folder (default: runs/sensitivity).")] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Short, coarse flows: seconds.")] = False,
     only: Annotated[str | None, typer.Option(help="Of diameter,restitution,friction,stiffness,froude,sill.")] = None,
-    place: options.Laws = None,
     fresh: options.Fresh = False,
     quiet: options.QuietStudy = False,
 ) -> None:
     """The jump against disc size, restitution, friction, stiffness and Froude number."""
-    how: dict[str, Any] = {"laws": place, "fresh": fresh, "say": options.sayer(quiet), "quick": quick, "only": only}
-    show_markdown(studies.points.run_named("sensitivity", out, **how)[1])
+    study = studies.sensitivity.study(quick=quick, only=only)
+    place = out or Path("runs/sensitivity")
+    show_markdown(studies.points.run_study(study, place, fresh=fresh, say=options.sayer(quiet))[1])
 
 
 @app.command()

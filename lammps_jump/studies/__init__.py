@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Studies of many runs: benchmarks, cross-validation, stability, sensitivity, calibration."""
+"""Studies of many runs: benchmarks, cross-validation, stability, budgets of error, calibration."""
 
 import lazy_loader
 

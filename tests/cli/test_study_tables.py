@@ -41,6 +41,7 @@ def on_a_terminal(tmp_path, monkeypatch):
     ):  # fmt: skip
         monkeypatch.setattr(place, name, lambda *_, **__: TABLE)
     monkeypatch.setattr(studies.points, "run_named", lambda *_, **__: ({"bad": []}, TABLE))
+    monkeypatch.setattr(studies.points, "run_study", lambda *_, **__: ({"bad": []}, TABLE))
     monkeypatch.setattr(sweeps.page, "doubts", lambda _: [])
     monkeypatch.setattr(sweeps.pool, "prepare_workers", lambda: None)
     unrun = SimpleNamespace(

@@ -11,8 +11,9 @@ import taking_turns
 from made_up import INPUTS
 
 from lammps_jump import load_case
+from lammps_jump.studies import sensitivity
 from lammps_jump.studies.bench.study import run_bench, stored_table
-from lammps_jump.studies.points import load_module, run_named
+from lammps_jump.studies.points import load_module, run_named, run_study
 
 pytestmark = pytest.mark.lammps
 
@@ -92,8 +93,9 @@ def test_stress_quick(tmp_path):
 
 @pytest.mark.long
 def test_sensitivity_smoke(tmp_path):
-    data, text = run_named("sensitivity", tmp_path, quick=True, only="friction", say=silent)
+    made = sensitivity.study(quick=True, only="friction")
+    data, text = run_study(made, tmp_path, say=silent)
     assert "friction coefficient" in text and (tmp_path / "sensitivity_friction.png").exists()
     said = []
-    again, _ = run_named("sensitivity", tmp_path, quick=True, only="friction", say=said.append)
+    again, _ = run_study(made, tmp_path, say=said.append)
     assert again["studies"] == data["studies"] and not said, "it was stored"

@@ -13,6 +13,7 @@ from lammps_jump.studies.folder import held_folder
 
 COMMANDS = sorted({*STUDY_FILES, "fluid", "sensitivity", "stress"})
 OF_A_CASE = {"bench", "fluid", "cross-validate"}
+OF_A_NUMBER = [INPUTS / "quick_jump.yaml", "--of", "jump.y2"]
 OF_A_STUDY = {"calibrate": [INPUTS.parent / "validation" / "calibrate" / "like_water.yaml"]}
 
 
@@ -25,6 +26,7 @@ def standing_names(command):
 )
 def test_a_study_starts_in_no_folder_with_files_of_a_person(command, tmp_path, monkeypatch, capsys):
     given = [INPUTS / "quick_jump.yaml"] if command in OF_A_CASE else OF_A_STUDY.get(command, [])
+    given = OF_A_NUMBER if command == "budget" else given
     words = [command, *given, "--out", tmp_path / "out"]
     (tmp_path / "out" / "figures").mkdir(parents=True)
     for name in standing_names(command):

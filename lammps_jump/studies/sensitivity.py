@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """``lammps-jump sensitivity``: the jump against disc size, restitution, friction, stiffness, Froude number and sill.
 
-The thesis' recommendation 1. Every study changes one value of a base case, the frictionless ``quick_jump`` (a jet of
-0.6 m at 10 m/s against a 1 m sill). It measures the jump in the frame of its moving front, from a few slightly moved
-starts. The runs are kept: an interrupted study continues. The tables are in ``sensitivity.json`` too.
+The thesis' recommendation 1: variations as of a budget (`budget.Variation`), over a wide range, as curves. Each changes
+one value of a base case, the frictionless ``quick_jump`` (a jet of 0.6 m at 10 m/s against a 1 m sill). It measures the
+jump in the frame of its moving front, from a few slightly moved starts. The runs are kept: an interrupted study
+continues. The tables are in ``sensitivity.json`` too.
 """
 
 from __future__ import annotations
@@ -13,37 +14,38 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import sqrt
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
 from lammps_jump import Case, load_case
 from lammps_jump.analysis.draw.style import BLUE, GREY, RED, drawing, save
-from lammps_jump.analysis.tables.markdown import markdown, with_error
+from lammps_jump.analysis.tables.markdown import Column, markdown, with_error
 from lammps_jump.case.case import scene_folder
 from lammps_jump.engines import usable_kernels
 from lammps_jump.files import plain
 from lammps_jump.physics import jump
-from lammps_jump.studies.points import FAILED, Found, Point, PointStudy
-from lammps_jump.studies.runs import middle
-from lammps_jump.studies.settings import StudySetting, listed, reference_setting, stable
 from lammps_jump.sweeps import Results
 
-from .measure import NUMBERS
+from .budget import Variation, numbers_of_run
+from .points import FAILED, Found, Point, PointStudy
+from .runs import middle
+from .settings import StudySetting, listed, reference_setting, stable
 
+NUMBERS = ("froude", "y1", "y2", "belanger_y2", "belanger_deviation", "length_over_y2", "length_usbr", "speed")
+"""Of a jump that was found."""
 DEPTH, GRAVITY = 0.6, 9.81
 BASE_FROUDE = jump.froude(10.0, DEPTH, GRAVITY)
 
 
 @dataclass(frozen=True)
-class ParameterStudy:
+class ParameterStudy(Variation):
     """One parameter and its values.
 
     Attributes
     ----------
-    label : str
-    values, quick : tuple of float
-    changes : callable
-        Parameter's value to changed values of the case.
+    quick : mapping
+        Settings of the short form.
     base : float
         Value of the base case.
     costly : float
@@ -52,10 +54,7 @@ class ParameterStudy:
         Axis of its figure.
     """
 
-    label: str
-    values: tuple[float, ...]
-    quick: tuple[float, ...]
-    changes: Callable[[float], dict[str, object]]
+    quick: Mapping[float, Mapping[str, object]]
     base: float
     costly: float = float("inf")
     logarithmic: bool = False
@@ -87,21 +86,34 @@ def _froude(froude: float) -> dict[str, object]:
 
 _HOLDING = jump.sill_holding_height(10.0, DEPTH, GRAVITY)
 
+
+def _parameter(
+    label: str,
+    changes: Callable[[float], Mapping[str, object]],
+    values: Sequence[float],
+    quick: float,
+    base: float,
+    **more: Any,
+) -> ParameterStudy:
+    """A parameter of the values, with the changes that each makes."""
+    return ParameterStudy(label, {value: changes(value) for value in values}, {quick: changes(quick)}, base, **more)
+
+
 STUDIES = {
-    "diameter": ParameterStudy("inflow depth over disc diameter", (5.0, 10.0, 20.0), (4.0,),
-        lambda rows: {"discs.diameter": DEPTH / rows}, 4.0, costly=20.0, logarithmic=True),
-    "restitution": ParameterStudy("restitution coefficient", (0.05, 0.2, 0.4, 0.6, 0.8, 0.95), (0.2,),
-        lambda e: {"contact.restitution": e}, 0.2),
-    "friction": ParameterStudy("friction coefficient μ", (0.0, 0.01, 0.02, 0.05, 0.1, 0.2), (0.1,),
-        lambda mu: {"contact.friction": mu}, 0.0),
-    "stiffness": ParameterStudy(
-        "diameter over largest overlap, n", (5.0, 10.0, 20.0, 40.0), (5.0,),
-        lambda n: {"contact.largest_overlap": 1 / n}, 10.0, logarithmic=True),
-    "froude": ParameterStudy(
-        "inflow Froude number", (2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0), (3.0,), _froude, BASE_FROUDE,
-        costly=7.0),
-    "sill": ParameterStudy(
-        "sill height (m)", (0.6, 0.8, 1.0, 1.2, 1.4), (1.0,), lambda s: {"walls.sill.y": [-5, s]}, 1.0),
+    "diameter": _parameter(
+        "inflow depth over disc diameter", lambda rows: {"discs.diameter": DEPTH / rows}, (5.0, 10.0, 20.0), 4.0, 4.0,
+        costly=20.0, logarithmic=True),
+    "restitution": _parameter(
+        "restitution coefficient", lambda e: {"contact.restitution": e}, (0.05, 0.2, 0.4, 0.6, 0.8, 0.95), 0.2, 0.2),
+    "friction": _parameter(
+        "friction coefficient μ", lambda mu: {"contact.friction": mu}, (0.0, 0.01, 0.02, 0.05, 0.1, 0.2), 0.1, 0.0),
+    "stiffness": _parameter(
+        "diameter over largest overlap, n", lambda n: {"contact.largest_overlap": 1 / n}, (5.0, 10.0, 20.0, 40.0), 5.0,
+        10.0, logarithmic=True),
+    "froude": _parameter(
+        "inflow Froude number", _froude, (2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0), 3.0, BASE_FROUDE, costly=7.0),
+    "sill": _parameter(
+        "sill height (m)", lambda s: {"walls.sill.y": [-5, s]}, (0.6, 0.8, 1.0, 1.2, 1.4), 1.0, 1.0),
 }  # fmt: skip
 QUICK_CHANGES = {"discs.diameter": 0.2}
 
@@ -148,21 +160,13 @@ def study(*, quick: bool = False, only: str | None = None) -> PointStudy:
 
 def points_of(name: str, base: Case, quick: bool) -> dict[float, Point]:
     """Return the point of each value of a parameter; runs of minutes are made twice, many discs scatter less."""
-    found, parameter = {}, STUDIES[name]
-    for value in parameter.quick if quick else parameter.values:
-        changes = settled(base, parameter.changes(value))
-        starts = 1 if quick else (2 if value >= parameter.costly else 4)
-        found[value] = Point(
-            f"{name} {value:zg}",
-            "jump_found",
-            base,
-            changes,
-            starts,
-            seed=base.fields.run.seed,
-            dump=False,
-            judged=True,
-        )
-    return found
+    parameter = STUDIES[name]
+    settings = parameter.quick if quick else parameter.settings
+    varied = Variation(parameter.label, {value: settled(base, changes) for value, changes in settings.items()})
+    options = {"paths": [f"jump.{number}" for number in NUMBERS], "looks": {}}
+    seed = base.fields.run.seed
+    plain = Point(name, numbers_of_run, base, seed=seed, options=options, dump=False, judged=True)
+    return varied.points(plain, lambda value: 1 if quick else 2 if value >= parameter.costly else 4)
 
 
 def settled(base: Case, changes: Mapping[str, object]) -> dict[str, object]:
@@ -173,14 +177,15 @@ def settled(base: Case, changes: Mapping[str, object]) -> dict[str, object]:
     return {**fast.changes(1.0), **changes}
 
 
-def row_of(value: float, starts: Sequence[Results]) -> Results:
+def row_of(value: float, starts: Sequence[Mapping[str, Any]]) -> Results:
     """Return the row of one value: means over the starts that found a jump, with standard errors ``<number>_error``.
 
     It holds each of `NUMBERS`, ``ratio`` (y2/y1), ``expected`` (that by Bélanger), ``value``, ``verdicts`` (starts by
     verdict), ``seconds`` (median processor time), and ``usbr`` (length of that curve over Bélanger's y2). None: no
     number.
     """
-    table = pd.DataFrame([one["jump"] for one in starts if one.get("jump")], columns=NUMBERS, dtype=float)
+    found = [one["numbers"] for one in starts if one.get("outcome") == "jump"]
+    table = pd.DataFrame([[one[f"jump.{name}"] for name in NUMBERS] for one in found], columns=NUMBERS, dtype=float)
     row: Results = {"value": value, "verdicts": dict(Counter(one.get("outcome", FAILED) for one in starts))}
     row["seconds"] = middle(one.get("seconds", 0.0) for one in starts)
     table["ratio"], table["expected"] = table.y2 / table.y1, table.belanger_y2 / table.y1
@@ -195,7 +200,7 @@ PANELS = (
     ("speed", "speed of the front (m/s)", "", ""),
 )
 """Panels of the figure: number, title, and the theory beside it with its label."""
-COLUMNS = {
+COLUMNS: dict[str, Column] = {
     "value:": "{value:zg}",
     "found": lambda row: ", ".join(f"{count} {word}" for word, count in row["verdicts"].items()),
     "Fr, front's frame:": with_error("froude"),
