@@ -9,7 +9,7 @@ from typing import Any
 
 from lammps_jump.case.field_words import fields_by_name
 from lammps_jump.case.fields import CaseFields
-from lammps_jump.units import unit_in_words
+from lammps_jump.units import to_si, unit_in_words
 
 from . import NONE
 
@@ -23,6 +23,19 @@ MOST = {"maxItems": "items", "maxLength": "characters"}
 WORDS = {"number": "number", "integer": "whole number", "string": "text", "boolean": "true or false"}
 PAGE = re.compile(r"(?<=[( ])([\w/]*?)(\w+\.md)(#[\w-]+)?(?=\))")
 """A page of the docs that a field names."""
+DIMENSIONS = {
+    "m": "length", "m/s": "speed", "m/s^2": "acceleration", "m^2/s": "discharge per metre of width", "s": "time",
+    "kg/m^3": "density", "degree": "angle", "degree/s": "rate of turn", "kg/m": "mass per metre of width",
+    "kg*m": "moment of inertia per metre of width", "Pa": "pressure", "N/m": "stiffness, force per metre of width",
+    "1/s": "rate", "1": "plain number",
+}  # fmt: skip
+"""What a number of each unit is."""
+TRIED = (
+    "mm um cm km in ft yd cm/s mm/s km/h ft/s mph knot cm/s^2 ft/s^2 N/kg m^3/s/m cm^2/s l/s/m ft^2/s us ms min h day "
+    "g/cm3 g/cm^3 t/m3 lb/ft^3 rad mrad turn rad/s rpm t/m g/cm lb/ft t*m kg*m^2/m kPa MPa GPa bar N/mm^2 psi kN/m "
+    "MN/m N/mm lbf/ft 1/ms 1/min Hz kHz % permille ppm"
+).split()
+"""Units that people give; each stands in the row of the fields that take it."""
 HEAD = """\
 # All fields of a case
 
@@ -35,10 +48,45 @@ written. Values outside the ranges are refused before the run. A number with a u
 def page() -> str:
     """The page, Markdown."""
     whole = CaseFields.model_json_schema()
-    blocks = [HEAD, *_section("the case", whole, whole)]
+    blocks = [HEAD, *_units(whole), *_section("the case", whole, whole)]
     for title, model in _models(whole):
         blocks += _section(title, model, whole)
     return "\n".join(blocks)
+
+
+def _units(whole: Schema) -> Iterator[str]:
+    """The units that are taken, each with what one of it is."""
+    yield "## Units that are taken\n"
+    yield "| a number that is | in | may also be given in (what one of it is) |\n|---|---|---|"
+    for unit in DIMENSIONS:
+        taken = [text for tried in TRIED if tried != unit if (text := _worth(tried, unit))]
+        yield f"| {DIMENSIONS[unit]} | {NONE if unit == '1' else unit_in_words(unit)} | {', '.join(taken)} |"
+    if unknown := set(_units_in(whole)) - set(DIMENSIONS):
+        raise KeyError(f"units of fields without a word for what they measure: {', '.join(sorted(unknown))}")
+    yield ""
+    yield (
+        "A friction coefficient may be given as an angle from 0 to below 90 degrees, whose tangent is taken. A count "
+        "has no unit.\n"
+    )
+
+
+def _worth(tried: str, unit: str) -> str:
+    """What 1 of a unit is in the unit of a field; empty where the field does not take it."""
+    try:
+        return f"`{tried}` ({to_si(f'1 {tried}', '' if unit == '1' else unit):.6g})"
+    except ValueError:
+        return ""
+
+
+def _units_in(part: Any) -> Iterator[str]:
+    if isinstance(part, dict):
+        if isinstance(part.get("unit"), str):
+            yield part["unit"]
+        for value in part.values():
+            yield from _units_in(value)
+    elif isinstance(part, list):
+        for value in part:
+            yield from _units_in(value)
 
 
 def names() -> set[str]:

@@ -21,6 +21,7 @@ from PIL import Image, ImageOps
 
 import lammps_jump as lj
 from lammps_jump.analysis.draw.film import still
+from lammps_jump.analysis.verdicts import verdict
 from lammps_jump.case.case import scene_names
 from lammps_jump.live import prepare, write_page
 from lammps_jump.provenance import versions
@@ -37,8 +38,8 @@ HEAD = """\
 # Gallery
 
 The scenes of `inputs/`, but for those that begin from the run of another. `lammps-jump new SCENE` prints its case.
-Pictures are moments of a run, and its report plays it. The build of this site shows stored results, and checks that
-they are of today's case.
+Pictures are moments of a run. The line below each is its verdict, and its report plays it. The build of this site shows
+stored results, and checks that they are of today's case.
 """
 LIVE = "_live.html"
 """Ends the names of live pages, which git does not keep: ``make gallery X=live`` makes them."""
@@ -49,6 +50,41 @@ FIRST_PAGE = (
     "becomes a case.\n"
 )
 NO_FIRST_PAGE = "[A live page](howto/live.md) of it lets a reader raise the sill while the flow runs.\n"
+GROUPS = {
+    "Water": {
+        "stable_jump": "A hydraulic jump that stands",
+        "quick_jump": "A hydraulic jump in seconds",
+        "tailgate": "A tailgate that finds its height",
+        "hydraulic_jump": "The jump of the thesis, with friction",
+        "hydraulic_jump_frictionless": "The jump of the thesis, without friction",
+        "hydraulic_jump_graded": "A jump of discs of many sizes",
+        "dam_break": "A dam break",
+        "dam_break_triangle": "A dam break over a triangular sill",
+        "spillway": "A spillway and its stilling basin",
+        "sluice_gate": "A gate that rises",
+        "wave_paddle": "Waves from a paddle",
+    },
+    "Grains": {
+        "heap": "A heap below a hopper",
+        "hopper": "A hopper that empties",
+        "column_collapse": "A column of grains that collapses",
+        "settled_bed": "A bed that has settled",
+        "inclined_flow": "A layer that flows down a rough bed",
+        "drum": "A turning drum",
+        "rockfall": "Boulders against a wall of blocks",
+    },
+    "Structures": {
+        "wave_structure": "A wave against a structure",
+        "caisson": "A wave against a caisson",
+        "flap_gate": "A flap on a hinge",
+        "floating_box": "A box that floats",
+    },
+    "Checks": {
+        "energy_box_7": "A closed box of 7 discs",
+        "energy_box_16": "A closed box of 16 discs",
+    },
+}
+"""Titles of the scenes, by what a reader looks for."""
 FILMED = "quick_jump", {"run.output_interval": 0.04, "analysis.figures": "none"}
 """Scene and changes of the film on the first page."""
 CARD = 480, 240
@@ -77,34 +113,45 @@ def make(docs: Path) -> None:
         shutil.copy(FOLDER / f"{name}{LIVE}", reports)
     (docs / "_made" / "live.md").write_text(FIRST_PAGE if FIRST in live else NO_FIRST_PAGE)
     blocks = [HEAD, "" if live else NO_LIVE, contents()]
-    for name in scenes():
-        case = lj.load_case(INPUTS / f"{name}.yaml")
-        for picture in (f"{name}.png", f"{name}_small.png"):
-            shutil.copy(FOLDER / picture, pictures)
-        data = json.loads((FOLDER / f"{name}.json").read_text())
-        said = f"made with lammps-jump {data['versions']['lammps_jump']}"
-        blocks += [
-            f"(scene-{name})=",
-            f"## {name}\n",
-            f"{case.fields.description}\n",
-            f"![{name}](_made/gallery/{name}.png)\n",
-            f"```console\n$ lammps-jump build-and-run inputs/{name}.yaml\n```\n",
-        ]
-        if (report := FOLDER / f"{name}.html").is_file():
-            shutil.copy(report, reports)
-            blocks.append(f'<a href="reports/{name}.html">Play its report</a>, {said}\n')
-        else:
-            blocks.append(f"Pictures {said}; `make gallery X={name}` and `make docs` put its report here.\n")
-        if name in live:
-            blocks.append(f'<a href="reports/{name}{LIVE}">Play it live</a>, with sliders: it runs in your browser.\n')
+    for group, titles in GROUPS.items():
+        blocks.append(f"## {group}\n")
+        for name, title in titles.items():
+            for picture in (f"{name}.png", f"{name}_small.png"):
+                shutil.copy(FOLDER / picture, pictures)
+            blocks += scene_of(name, title, reports, live=name in live)
     (docs / "_made" / "gallery.md").write_text("\n".join(blocks))
 
 
+def scene_of(name: str, title: str, reports: Path, *, live: bool) -> list[str]:
+    """Blocks of one scene, Markdown: picture, verdict, command, report; its report is put into a folder."""
+    case, data = lj.load_case(INPUTS / f"{name}.yaml"), json.loads((FOLDER / f"{name}.json").read_text())
+    said = f"made with lammps-jump {data['versions']['lammps_jump']}"
+    blocks = [
+        f"(scene-{name})=",
+        f"### {title}\n",
+        f"{case.fields.description}\n",
+        f"![{title}](_made/gallery/{name}.png)\n",
+        f"*{data['verdict']}*\n" if data.get("verdict") else "",
+        f"```console\n$ lammps-jump build-and-run inputs/{name}.yaml\n```\n",
+    ]
+    if (report := FOLDER / f"{name}.html").is_file():
+        shutil.copy(report, reports)
+        blocks.append(f'<a href="reports/{name}.html">Play its report</a>, {said}\n')
+    else:
+        blocks.append(f"Pictures {said}; `make gallery X={name}` and `make docs` put its report here.\n")
+    if live:
+        blocks.append(f'<a href="reports/{name}{LIVE}">Play it live</a>, with sliders: it runs in your browser.\n')
+    return blocks
+
+
 def contents() -> str:
-    """Cards that lead to all scenes, Markdown."""
-    card = ":::{grid-item-card} %s\n:img-top: _made/gallery/%s_small.png\n:link: scene-%s\n:link-type: ref\n:::"
-    cards = [card.replace("%s", name) for name in scenes()]
-    return "\n".join(["::::{grid} 2 2 3 3", ":gutter: 2", "", *cards, "::::", ""])
+    """Cards that lead to all scenes, in their groups, Markdown."""
+    card = ":::{grid-item-card} %t\n:img-top: _made/gallery/%s_small.png\n:link: scene-%s\n:link-type: ref\n:::"
+    blocks = []
+    for group, titles in GROUPS.items():
+        cards = [card.replace("%t", title).replace("%s", name) for name, title in titles.items()]
+        blocks += [f"**{group}**\n", "::::{grid} 2 2 3 3", ":gutter: 2", "", *cards, "::::", ""]
+    return "\n".join(blocks)
 
 
 def keep_film(made: lj.Run) -> None:
@@ -156,6 +203,7 @@ def store(name: str) -> None:
         if name == "film":
             keep_film(made)
         else:
+            data["verdict"] = verdict(made.summary)
             keep_scene(name, made)
     (FOLDER / f"{name}.json").write_text(json.dumps(data, indent=1) + "\n")
 

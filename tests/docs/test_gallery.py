@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Stored results of the gallery are of today's cases, and small."""
 
+import html
 import json
+import re
 import shutil
 import sys
 from pathlib import Path
@@ -36,6 +38,21 @@ def test_stored_results_are_whole_and_small():
     assert [f"!/docs/stored/{name}.html" for name in gallery.PLAYED] == [one for one in kept_by_git if one[0] == "!"]
 
 
+def test_each_scene_is_in_one_group():
+    grouped = [name for titles in gallery.GROUPS.values() for name in titles]
+    assert sorted(grouped) == sorted(gallery.scenes())
+
+
+def test_the_picture_of_the_report_in_readme_is_of_the_report_that_is_kept():
+    with Image.open(DOCS / "figures" / "report.png") as picture:
+        seen = json.loads(picture.text["numbers"])
+    page = (gallery.FOLDER / "quick_jump.html").read_text()
+    title = html.unescape(re.search("<h1>(.*?)</h1>", page)[1])
+    boxes = re.findall('<div><dt>(.*?)</dt><dd>(.*?)</dd>(?:<dd class="against".*?>(.*?)</dd>)?</div>', page, re.DOTALL)
+    shown = [title, *("".join(map(html.unescape, filter(None, re.split("<.*?>", "\n".join(box))))) for box in boxes)]
+    assert len(seen) >= 4 and [text.split() for text in seen] == [text.split() for text in shown]
+
+
 def test_a_stale_or_missing_result_stops_the_build(tmp_path, monkeypatch):
     stored = shutil.copytree(gallery.FOLDER, tmp_path / "stored")
     path = stored / "spillway.json"
@@ -53,7 +70,7 @@ def test_a_build_simulates_nothing(tmp_path, monkeypatch):
     gallery.make(tmp_path)
     page = (tmp_path / "_made" / "gallery.md").read_text()
     for name in gallery.scenes():
-        assert f"## {name}\n" in page and (tmp_path / "_made" / "gallery" / f"{name}_small.png").is_file()
+        assert f"inputs/{name}.yaml" in page and (tmp_path / "_made" / "gallery" / f"{name}_small.png").is_file()
     for name in gallery.PLAYED:
         assert f"reports/{name}.html" in page and (tmp_path / "_made" / "extra" / "reports" / f"{name}.html").is_file()
     cells = json.loads(gallery.NOTEBOOK.read_text())["cells"]
