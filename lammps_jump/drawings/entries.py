@@ -420,7 +420,7 @@ def yaml_text(found: Sequence[Entry], indent: str = "  ") -> str:
     rows = []
     for entry in found:
         rows.append(f"{indent}# {entry.wall['name']}, layer '{visible(entry.layer)}': {'; '.join(entry.facts)}")
-        parts = [f"{key}: {_flow(value)}" for key, value in entry.wall.items()]
+        parts = [f"{key}: {flow(value)}" for key, value in entry.wall.items()]
         rows.append(f"{indent}- {{{', '.join(parts)}}}" if sum(map(len, parts)) < 100 else _long(parts, indent))
     return "\n".join(rows) + "\n"
 
@@ -431,12 +431,12 @@ def _long(parts: Sequence[str], indent: str) -> str:
     return f"{indent}- " + f"\n{indent}  ".join(rows)
 
 
-def _flow(value: Any) -> str:
+def flow(value: Any) -> str:
     """A value in YAML's flow style."""
     if isinstance(value, list):
-        return f"[{', '.join(map(_flow, value))}]"
+        return f"[{', '.join(map(flow, value))}]"
     if isinstance(value, dict):
-        return f"{{{', '.join(f'{key}: {_flow(one)}' for key, one in value.items())}}}"
+        return f"{{{', '.join(f'{key}: {flow(one)}' for key, one in value.items())}}}"
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, str):

@@ -9,6 +9,7 @@ const LEAVE_AFTER = 1000;
 const LEAST = 480;
 
 const editor = new Editor(), places = new Places(editor);
+new Drawn(editor, places);
 const file = { key: null, name: "", saved: null, busy: false, timer: null, conflict: null };
 const open = { notes: false };
 const looks = { number: 0, since: null, timer: null, page: Math.random().toString(36).slice(2) };

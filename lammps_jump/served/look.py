@@ -125,6 +125,18 @@ def with_drawing(text: str, file: Path, dropped: DroppedFile) -> dict[str, Any]:
     }
 
 
+def with_shape(text: str, file: Path, what: str, points: list[tuple[float, float]]) -> dict[str, Any]:
+    """The text of a case with a shape that was drawn in its picture; a body has the density of the discs.
+
+    Raises
+    ------
+    CaseError
+        A text that is no case, and as `drawings.with_drawn`.
+    """
+    case = ReadCase.parse(text, str(file), folder=file.parent)
+    return {"text": drawings.with_drawn(text, what, points, case.fields.discs.density, file.name)}
+
+
 def located(message: str, file: str) -> dict[str, Any]:
     """A message about a case, without the name of its file, and the line that it is about."""
     hit = re.match(rf"{re.escape(file)}(?::(\d+))?: (.*)", message, re.DOTALL)

@@ -14,6 +14,7 @@ from pathlib import Path
 from threading import Lock
 from typing import Any, NamedTuple
 
+from lammps_jump import drawings
 from lammps_jump.case.case import ReadCase
 from lammps_jump.case.text import read_text
 from lammps_jump.errors import JumpError, ScaleError, SetupError
@@ -25,8 +26,8 @@ from lammps_jump.runs.folder import default_folder, require_case
 from .assets import HERE, asset, html
 from .bounded import OutOfDate, PageWork, prepare
 from .children import Children, ServedChild
-from .look import MOST_DRAWN, DroppedFile, flow_page, look, with_drawing
-from .run_pages import MOST_NAME, LivePages, RunPages
+from .look import MOST_DRAWN, DroppedFile, flow_page, look, with_drawing, with_shape
+from .run_pages import MOST_NAME, LivePages, RunPages, number_in
 from .server import Pages, Refused, Reply, answer
 from .study import StudyView
 
@@ -141,6 +142,8 @@ class CasePages(Opened):
             return self._look(asked)
         if path == "drawing":
             return self._drawing(asked)
+        if path == "shape":
+            return self._shape(asked)
         if path == "flow":
             return self._flow(asked)
         if path == "save":
@@ -165,6 +168,18 @@ class CasePages(Opened):
             return answer(self._bounded.run(PageWork(partial(look, text, file, wide), LOOK_SECONDS, remedy, page)))
         except OutOfDate:
             return answer({"refused": "a newer text has come", "left": True}, 409)
+
+    def _shape(self, asked: Mapping[str, Any]) -> Reply:
+        """The text of a page with a shape that was drawn in its picture; nothing is written."""
+        text, what, points = text_of(asked, "text"), text_of(asked, "what"), asked.get("points")
+        if what not in drawings.DRAWN:
+            raise Refused(400, "what is no shape")
+        two = isinstance(points, list) and [len(one) if isinstance(one, list) else 0 for one in points] == [2, 2]
+        if not two:
+            raise Refused(400, "points are no two points")
+        ends = [(number_in(x, "points"), number_in(y, "points")) for x, y in points]  # type: ignore[union-attr]
+        call = partial(with_shape, text, self.file.shown.absolute(), what, ends)
+        return answer(self._bounded.run(PageWork(call, LOOK_SECONDS, "write it into the text")))
 
     def _flow(self, asked: Mapping[str, Any]) -> Reply:
         """The address of a live page of a text; one for an older text of the same page is left."""

@@ -1,6 +1,9 @@
 "use strict";
 // The drawing, and the dots on it that can be dragged. A dot knows where its numbers stand in the text of the drawing.
 
+// Pixels between the ends of what is drawn, at least.
+const LEAST_DRAWN = 5;
+
 class Places {
   constructor(editor) {
     this.editor = editor;
@@ -134,5 +137,106 @@ class Places {
       this.editor.replace(this.moved({ found: this.found, text: this.text, index }, way[0] * step, way[1] * step, step));
       this.editor.release();
     }
+  }
+}
+
+// What a button above the drawing draws into the case: from where the pointer goes down to where it is let go.
+class Drawn {
+  constructor(editor, places) {
+    Object.assign(this, { editor, places, what: "", begun: null });
+    this.box = byId("drawing");
+    this.buttons = [...document.querySelectorAll("#tools button")];
+    for (const button of this.buttons) {
+      // a key gives a click without a count
+      button.addEventListener("click", ({ detail }) => (detail ? this.choose(button.value) : this.middle(button.value)));
+    }
+    this.box.addEventListener("pointerdown", (event) => this.begin(event), true);
+    document.addEventListener("pointermove", (event) => this.move(event));
+    for (const name of ["pointerup", "pointercancel"]) document.addEventListener(name, (event) => this.end(event));
+    document.addEventListener("keydown", ({ key }) => key === "Escape" && this.choose(""));
+  }
+
+  // Take a tool, or put it away where it is in hand.
+  choose(what) {
+    this.what = what === this.what ? "" : what;
+    this.buttons.forEach((one) => one.setAttribute("aria-pressed", String(one.value === this.what)));
+    this.box.classList.toggle("drawn-on", Boolean(this.what));
+    this.begun = null;
+    this.sketch(null);
+  }
+
+  get svg() {
+    return this.box.querySelector("svg");
+  }
+
+  // Pixels of the drawing under the pointer.
+  at({ clientX, clientY }) {
+    const { left, top } = this.svg.getBoundingClientRect();
+    return [clientX - left, clientY - top];
+  }
+
+  // Place in the case of a point of the drawing, m, in steps of a pixel or less.
+  placeOf([across, down]) {
+    const { left, top, x, y, scale } = this.places.found.view, { fine } = this.places;
+    return [x[0] + (across - left) / scale, y[1] - (down - top) / scale].map((one) => Number(this.places.written(one, fine)));
+  }
+
+  begin(event) {
+    if (!this.what || event.button !== 0 || this.editor.text !== this.places.text || !this.svg) return;
+    event.preventDefault();
+    event.stopPropagation(); // the dots are not taken meanwhile
+    this.begun = { id: event.pointerId, from: this.at(event) };
+  }
+
+  move(event) {
+    if (this.begun && event.pointerId === this.begun.id) this.sketch(this.begun.from, this.at(event));
+  }
+
+  end(event) {
+    if (!this.begun || event.pointerId !== this.begun.id) return;
+    const { from } = this.begun, to = this.at(event), { what } = this;
+    this.begun = null;
+    this.sketch(null);
+    if (event.type === "pointercancel" || Math.hypot(to[0] - from[0], to[1] - from[1]) < LEAST_DRAWN) return;
+    this.choose("");
+    this.add(what, [from, to]);
+  }
+
+  // The shape in the middle of the drawing, for who has no pointer: its dots are moved by keys then.
+  middle(what) {
+    const { left, top, x, y, scale } = this.places.found.view;
+    const [wide, high] = [(x[1] - x[0]) * scale, (y[1] - y[0]) * scale], half = Math.min(wide, high) / 10;
+    const [across, down] = [left + wide / 2, top + high / 2];
+    this.add(what, what.endsWith("circle") ? [[across, down], [across + half, down]] :
+      [[across - half, down + half], [across + half, down - half]]);
+  }
+
+  async add(what, ends) {
+    const points = ends.map((one) => this.placeOf(one));
+    let text, reply;
+    do {
+      ({ text } = this.editor);
+      reply = await ask("shape", { text, what, points });
+    } while (this.editor.text !== text); // typed meanwhile
+    if (!reply.ok) return void (byId("where").textContent = reply.data.refused);
+    this.editor.release();
+    this.editor.replace(reply.data.text);
+    this.editor.release();
+    return tellAll("dropped");
+  }
+
+  // What is being drawn, as a dashed line; null: nothing.
+  sketch(from, to) {
+    this.shape?.remove();
+    this.shape = null;
+    if (!from) return;
+    const [[x0, y0], [x1, y1]] = [from, to], kind = this.what.split(" ").pop();
+    const [tag, numbers] = {
+      line: ["line", { x1: x0, y1: y0, x2: x1, y2: y1 }],
+      circle: ["circle", { cx: x0, cy: y0, r: Math.hypot(x1 - x0, y1 - y0) }],
+    }[kind] || ["rect", { x: Math.min(x0, x1), y: Math.min(y0, y1), width: Math.abs(x1 - x0), height: Math.abs(y1 - y0) }];
+    this.shape = document.createElementNS("http://www.w3.org/2000/svg", tag);
+    for (const [name, value] of Object.entries({ ...numbers, class: "being-drawn" })) this.shape.setAttribute(name, value);
+    this.svg.append(this.shape);
   }
 }

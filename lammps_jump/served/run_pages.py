@@ -7,7 +7,7 @@ import hmac
 import secrets
 from collections.abc import Mapping
 from functools import partial
-from math import isfinite
+from math import inf
 from pathlib import Path
 from threading import Lock
 from typing import Any
@@ -112,7 +112,7 @@ class RunPages:
             self.children.start(run.folder, "run", run.folder, "--resume")
             return answer({})
         if part == "differently":
-            time = number_of(asked, "time")
+            time = number_in(asked.get("time"), "time")
             remedy = f"`{typed('live', run.folder, '--from', f'{time:.6g}')}` has no such limit"
             return self._live.make(
                 partial(flow_of_run, run.folder.absolute(), time), str(asked.get("page", "")), remedy
@@ -162,11 +162,10 @@ class RunPages:
         return Reply(read_file(found[0] / REPORT, MOST_TEXT), KINDS[".html"], policy=LIVE)
 
 
-def number_of(asked: Mapping[str, Any], name: str) -> float:
-    """A finite number that a page sends; Refused for something else."""
-    value = asked.get(name)
-    if isinstance(value, bool) or not isinstance(value, int | float) or not isfinite(value):
-        raise Refused(400, f"{name} is no number")
+def number_in(value: object, name: str) -> float:
+    """A finite number that a page sends as `name`; Refused for something else."""
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < inf:
+        raise Refused(400, f"{name}: is no number")
     return float(value)
 
 

@@ -5,7 +5,9 @@ import os
 import shutil
 import time
 
+import numpy as np
 import pytest
+import yaml
 from children import HOOK
 from chromium import PROGRAM, Address, Page, chromium
 from made_up import INPUTS, STUDY
@@ -140,6 +142,10 @@ def drag(page, name, right, down):
     mouse(page, "mouseReleased", x + right, y + down, clickCount=1)
 
 
+CENTRE = "((box) => [box.x + box.width / 2, box.y + box.height / 2])({}.getBoundingClientRect())"
+"""Middle of an element."""
+
+
 def saved(page, case, text):
     until(page, "byId('state').textContent === 'Saved'")
     assert text in case.read_text()
@@ -179,6 +185,48 @@ def test_a_corner_that_is_dragged_changes_its_number_in_the_file(browser, case):
             key(page, "z", modifiers=2) if page.run("byId('text').focus(), true") else None
         until(page, f"editor.text === {CASE!r} && file.saved === editor.text")
         assert case.read_text() == CASE and troubles(page, server) == []
+
+
+def test_what_is_drawn_with_the_mouse_or_put_there_by_a_key_is_in_the_text(browser, case):
+    with serving(case) as server:
+        page = opened(browser, server)
+        drawn(page)
+
+        def at(place):
+            view = page.run("places.found.view")
+            scale = view["scale"]
+            x, y = page.run("(({left, top}) => [left, top])(document.querySelector('.sketch').getBoundingClientRect())")
+            across, down = place[0] - view["x"][0], view["y"][1] - place[1]
+            return x + view["left"] + across * scale, y + view["top"] + down * scale
+
+        shapes = (("wall block", ((2.6, 0.2), (2.7, 0.6))), ("wall circle", ((1.7, 0.8), (1.8, 0.8))))
+        for number, (what, ends) in enumerate(shapes, 1):
+            button = f"document.querySelector(\"#tools [value='{what}']\")"
+            mouse(page, "mousePressed", *page.run(CENTRE.format(button)), clickCount=1)
+            mouse(page, "mouseReleased", *page.run(CENTRE.format(button)), clickCount=1)
+            assert page.run(f"{button}.getAttribute('aria-pressed')") == "true"
+            mouse(page, "mousePressed", *at(ends[0]), clickCount=1, buttons=1)
+            mouse(page, "mouseMoved", *at(ends[1]), buttons=1)
+            assert page.run("document.querySelectorAll('.being-drawn').length") == 1
+            mouse(page, "mouseReleased", *at(ends[1]), clickCount=1)
+            until(page, f"editor.text.includes('wall_{number}, kind: {what.split()[1]}')")
+            until(page, "places.text === editor.text && file.saved === editor.text")
+            assert page.run("document.querySelectorAll('.being-drawn').length") == 0
+        walls = yaml.safe_load(case.read_text())["walls"]
+        block, circle = walls[-2:]
+        fine = page.run("places.fine + 1 / places.found.view.scale")
+        assert (block["name"], block["kind"], circle["name"], circle["kind"]) == ("wall_1", "block", "wall_2", "circle")
+        assert np.allclose([*block["x"], *block["y"]], [2.6, 2.7, 0.2, 0.6], atol=fine)
+        assert np.allclose([*circle["centre"], circle["radius"]], [1.7, 0.8, 0.1], atol=2 * fine)
+        page.run("document.querySelector(\"#tools [value='body block']\").focus()")
+        for kind in ("keyDown", "keyUp"):
+            page.call(
+                "Input.dispatchKeyEvent", type=kind, key="Enter", code="Enter", windowsVirtualKeyCode=13, text="\r"
+            )
+        until(page, "editor.text.includes('name: body_1, kind: block')")
+        page.run("editor.back(), editor.back(), editor.back()")
+        until(page, f"editor.text === {CASE!r} && file.saved === editor.text")
+        assert troubles(page, server) == []
 
 
 def test_keys_do_what_the_mouse_does(browser, case):

@@ -5,6 +5,8 @@ import pytest
 import yaml
 
 from lammps_jump.case.text import parse_source
+from lammps_jump.drawings import DRAWN, with_drawn
+from lammps_jump.errors import CaseError
 from lammps_jump.served.places import Places
 
 TEXT = """\
@@ -92,3 +94,31 @@ def test_an_alias_moves_what_it_stands_for():
 def test_what_is_no_length_is_no_place():
     text = "walls: [{x: [a, 1], y: [0, 1]}, {centre: [1 kg, 2]}, {points: [[1], 2, {arc_to: x}]}]\ngauges: 3\n"
     assert places(text).found == []
+
+
+@pytest.mark.parametrize(
+    ("what", "points", "line"),
+    [
+        ("wall line", [(1, 2), (3, 2.5)], "  - {name: wall_1, kind: line, points: [[1, 2], [3, 2.5]], sheet: true}"),
+        ("wall block", [(3, 2), (1, 4)], "  - {name: wall_1, kind: block, x: [1, 3], y: [2, 4]}"),
+        ("wall circle", [(1, 2), (4, 6)], "  - {name: wall_1, kind: circle, centre: [1, 2], radius: 5}"),
+        ("body block", [(1, 2), (3, 1)], "  - {name: body_1, kind: block, x: [1, 3], y: [1, 2], density: 900}"),
+        ("body circle", [(1, 2), (1, 3)], "  - {name: body_1, kind: circle, centre: [1, 2], radius: 1, density: 900}"),
+        ("column", [(1, 2), (3, 1)], "  - {kind: column, x: [1, 3], y: [1, 2], gate: false}"),
+    ],
+)
+def test_a_shape_that_is_drawn_is_one_line_of_the_text(what, points, line):
+    text = with_drawn(TEXT, what, points, 900.0)
+    rows = text.split("\n")
+    assert line in rows and "\n".join(row for row in rows if row not in (line, "bodies:")) == TEXT
+    part = DRAWN[what][0]
+    assert len(yaml.safe_load(text)[part]) == len(yaml.safe_load(TEXT).get(part, [])) + 1
+    again = with_drawn(text, what, points, 900.0)
+    assert part == "initial" or line.replace("_1", "_2") in again.split("\n")
+
+
+def test_a_shape_without_size_or_without_a_place_in_the_text_is_refused():
+    with pytest.raises(CaseError, match="the column has no size"):
+        with_drawn(TEXT, "column", [(1, 2), (1, 3)], 900.0)
+    with pytest.raises(CaseError, match="walls: stand in brackets"):
+        with_drawn("walls: [{name: a, kind: block, x: [0, 1], y: [0, 1]}]", "wall block", [(1, 2), (2, 3)], 900.0)
