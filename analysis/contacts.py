@@ -20,8 +20,8 @@ from lammps_jump.core.library import INTEGER, INTEGERS, REAL, REALS, SHORTS, cor
 from lammps_jump.dump.frame import Frame
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.chains import FACE, records_of
+from lammps_jump.scene.faces import FaceGrid, grid_of
 from lammps_jump.scene.motion import Placed
-from lammps_jump.scene.near import FaceGrid, grid_of
 from lammps_jump.scene.walls import Wall
 
 from .beds.images import fixed_discs

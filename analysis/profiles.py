@@ -4,6 +4,14 @@
 Every disc is shared among the bins it straddles by the area on each side (exact circular segments), so mass,
 discharge and momentum over all bins and what lies outside add up to the discs' to round-off. Where rows of an inlet
 let discs in, each counts over the way that it goes from turn to turn (`inlet_rows`).
+
+Discs of a row follow each other at the distance v T, with the time T from turn to turn. Frames whose times are whole
+multiples of T see all of them at the same places, again and again: their mean is that of one picture, and a bin that
+holds two and a half discs of a row reads two or three. So a disc counts over the way that it goes within T. That is
+the mean over this time for all that goes straight on, and shifts nothing by more than v T/2 elsewhere.
+
+At an inlet and at an outlet discs come and go with their centres. There is none behind that plane whose area would
+stand for what those before it have behind the plane: the sums fold it back.
 """
 
 from __future__ import annotations

@@ -18,13 +18,13 @@ from .errors import RunError as RunError
 from .errors import RunInterrupted as RunInterrupted
 from .errors import SetupError as SetupError
 from .provenance import __version__ as __version__
-from .runs.frames import Frames as Frames
 from .runs.run import Case as Case
 from .runs.run import Run as Run
 from .runs.run import load_case as load_case
 from .runs.run import open_run as open_run
 from .runs.run import run as run
 from .runs.stepped import SteppedRun as SteppedRun
+from .runs.view import Frames as Frames
 from .scene.scene import Scene as Scene
 from .studies.budget import budget as budget
 from .studies.opening import open as open

@@ -86,7 +86,7 @@ NATIVE_TESTS = "contacts/test_contacts.py engines"
 MOTION, TRACKS = "lammps_jump/scene/motion.py", "lammps_jump/scene/tracks.py"
 HYDROGRAPH, DEVICES = "lammps_jump/physics/hydrograph.py", "lammps_jump/physics/devices.py"
 MOVING_TESTS = "contacts/test_moving_forms.py engines/test_moving_walls.py"
-CHAINS, FACES, NEAR, SHAPES = (f"lammps_jump/scene/{name}.py" for name in ("chains", "faces", "near", "shapes"))
+CHAINS, FACES, SHAPES = (f"lammps_jump/scene/{name}.py" for name in ("chains", "faces", "shapes"))
 SLOTS = "lammps_jump/physics/slots.py"
 SHEAR, SLOSH = (f"lammps_jump/studies/fluid/{name}.py" for name in ("shear", "slosh"))
 LIST_TESTS = f"{TWIN_TESTS} engines/test_native_contacts.py engines/test_native_sizes.py"
@@ -206,9 +206,9 @@ DEFECTS = [
     Defect("sign", FACES, "_candidate", "rho - r", "r - rho", RULE_TESTS),
     Defect("corner", FACES, "_candidate", "(joint == CORNER and front and not shared)", "False", RULE_TESTS),
     Defect("depth", FACES, "touching", "= 0.0 and gap <", "0.0 and gap < 0.5 *", RULE_TESTS),
-    Defect("ends", NEAR, "_plain.end", "< -", "<", RULE_TESTS),
-    Defect("reach", NEAR, "mark_cells.far", "reach + sqrt(0.5) / inverse", "0.5 * reach", RULE_TESTS),
-    Defect("behind", NEAR, "list_near", "faces.deep[wall] == 1 or", "", RULE_TESTS),
+    Defect("ends", FACES, "_plain.end", "< -", "<", RULE_TESTS),
+    Defect("reach", FACES, "mark_cells.far", "reach + sqrt(0.5) / inverse", "0.5 * reach", RULE_TESTS),
+    Defect("behind", FACES, "list_near", "faces.deep[wall] == 1 or", "", RULE_TESTS),
     Defect("factor", SHAPES, "Path.area", "0.5 * bend", "bend", "scene/test_chains.py"),
     Defect("sign", SHAPES, "_of_circles.along", "+ p * p -", "- p * p +", "scene/test_chains.py"),
     Defect("foot", SLOTS, "slot_of", "slots.sigma[i, best] = foot", "", "physics/test_slots.py"),

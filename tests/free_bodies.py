@@ -9,8 +9,8 @@ import numpy as np
 from lammps_jump.dump.side_files.bodies import BodyHistory
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.physics.bodies import section_of_circle, section_of_polygon
+from lammps_jump.scene.bodies import Free
 from lammps_jump.scene.build import handmade_scene
-from lammps_jump.scene.free import Free
 from lammps_jump.scene.motion import Motion, MovingWall
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.walls import Block, Box, Circle, Line, Plane, Polygon, Wall

@@ -1,5 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Bodies that move freely: how far each came, whether it rests, slides, tips or floats, and what hit it."""
+"""Bodies that move freely: how far each came, whether it rests, slides, tips or floats, and what hit it.
+
+Discs count as a fluid of their bulk density: the mass of those beside the body per area, away from bed and surface. The
+level is that of the mass: from a height within the bulk, the mass above it over bulk density and width; the mean over
+all such heights.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +27,7 @@ from lammps_jump.dump.side_files.bodies import BodyHistory, read_bodies
 from lammps_jump.errors import DumpError
 from lammps_jump.files import BODIES
 from lammps_jump.physics.bodies import depth_of_area
-from lammps_jump.scene.free import Free
+from lammps_jump.scene.bodies import Free
 from lammps_jump.scene.motion import MovingWall, Pose
 from lammps_jump.scene.walls import Wall
 from lammps_jump.units import Estimates, as_summary, estimate, known, number

@@ -4,6 +4,10 @@
 Which gaps these are is found from walls and tracks (`gaps`). The window runs by itself from flow on to flow off: from
 the first to the last time at which the discharge is at least half of its usual value. A window that the case asks for
 cuts it.
+
+A *gap* is a straight line from a corner or an end of a standing wall to the nearest place of another face. It is a
+narrow place: along both walls the distance grows. Of gaps that the same discs pass one after the other, the narrowest
+counts. The tracks of the discs decide which gaps are outlets: nothing is assumed of their place.
 """
 
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)

@@ -37,7 +37,7 @@ from lammps_jump.physics.stability import (
     moment_about,
     sliding_limit,
 )
-from lammps_jump.scene.free import Free
+from lammps_jump.scene.bodies import Free
 from lammps_jump.scene.motion import MovingWall, reference
 from lammps_jump.scene.scene import Weighed
 from lammps_jump.units import as_summary, known, number

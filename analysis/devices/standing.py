@@ -16,7 +16,7 @@ import numpy as np
 
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.dump.side_files.bodies import BodyHistory
-from lammps_jump.scene.free import Free
+from lammps_jump.scene.bodies import Free
 from lammps_jump.scene.motion import MovingWall
 
 MOVED = 0.01

@@ -2,6 +2,9 @@
 """Force on structures: history, impulse, peak behind a stated low-pass, estimates, and the impulse identity.
 
 Fx and fy are what the discs do to a structure, N per metre of width.
+
+A moment says nothing without its point. That of a body is recorded about its centre of mass or its hinge, where a
+structure is looked at about the toe over which it would turn.
 """
 
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)

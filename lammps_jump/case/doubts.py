@@ -12,7 +12,7 @@ import numpy as np
 
 from lammps_jump.physics import jump
 from lammps_jump.scene import Beginning, InletRow, MovingWall, Outlet, Scene, Wall
-from lammps_jump.scene.free import Free
+from lammps_jump.scene.bodies import Free
 from lammps_jump.scene.shapes import open_ends
 from lammps_jump.scene.tracks import Held
 from lammps_jump.scene.walls import bed_height

@@ -101,3 +101,7 @@ class Request(threading.Event):
 
 stop_request, save_request = Request(), Request()
 """Of this process: to end the run in order, as its parent asked; to write a checkpoint."""
+
+
+at_step: Callable[[int], None] | None = None
+"""Called in the engine's process with the number of the step; of several MPI ranks, the first calls it."""

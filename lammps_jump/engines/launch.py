@@ -20,8 +20,7 @@ from lammps_jump.folders import writable
 from lammps_jump.quoting import typed
 from lammps_jump.scene.scene import Scene
 from lammps_jump.script import write_continuation, write_script
-from lammps_jump.script.assemble import script_text
-from lammps_jump.script.resume import continuation_text
+from lammps_jump.script.assemble import continuation_text, script_text
 
 from .checkpoint import Checkpoint, last_saved
 from .child import Child, child_for

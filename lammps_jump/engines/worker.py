@@ -29,7 +29,11 @@ from lammps_jump.errors import JumpError
 from lammps_jump.files import MOST_TEXT, delete, read_file
 from lammps_jump.folders import engine_at_work
 
-from . import lammps, native, step_hook  # the first two load on first use: LAMMPS takes 0.2 s
+from . import (
+    interrupts,  # the first two load on first use: LAMMPS takes 0.2 s
+    lammps,
+    native,
+)
 from .interrupts import SIGNALS, stop_request
 from .result import MARK, Progress, RunResult
 from .setting import Job
@@ -129,7 +133,7 @@ def _work(engine: str, job_file: str = "") -> None:
         _serve(job)
         delete(Path(job_file))  # the parent may be gone
     else:
-        step_hook.at_step = step_hook.at_step and (lambda step: None)  # the first rank calls it
+        interrupts.at_step = interrupts.at_step and (lambda step: None)  # the first rank calls it
         os.chdir(job.home)
         with engine_at_work(job.folder):
             lammps.play(job, None)

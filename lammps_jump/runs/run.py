@@ -28,9 +28,8 @@ from lammps_jump.folders import holder, locked, require_replaceable
 from lammps_jump.scene.scene import Scene
 
 from .folder import default_folder, require_case, result_of
-from .frames import Frames
 from .summary import compose, open_results, read_summary, results_in
-from .view import case_html, number_table, write_preview
+from .view import Frames, case_html, number_table, write_preview
 
 if TYPE_CHECKING:
     import numpy as np

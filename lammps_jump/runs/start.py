@@ -21,10 +21,9 @@ from lammps_jump.folders import MARKER_FILE, clear, locked, read_marker, require
 from lammps_jump.quoting import typed
 from lammps_jump.script.job import Site, write_job
 
-from .conclude import Conclusion, signals_end
+from .conclude import Ahead, Conclusion, signals_end
 from .engine import choose_setting, with_header
 from .folder import require_case, result_of, run_folder, write_folder
-from .live_analysis import Ahead
 from .state import difference, has_output, left_to_do, marker_of, resumable
 from .summary import read_summary
 

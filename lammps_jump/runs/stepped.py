@@ -35,10 +35,9 @@ from lammps_jump.scene.motion import MovingWall, Pose
 from lammps_jump.scene.scene import InletRow, Scene
 from lammps_jump.scene.tracks import BEGIN, TableMotion
 
-from .conclude import Conclusion
+from .conclude import Ahead, Conclusion
 from .engine import choose_setting, with_header
 from .folder import case_text, run_folder, write_folder
-from .live_analysis import Ahead
 from .start import files_at_risk
 from .state import left_to_do, marker_of, resumable
 from .summary import read_summary

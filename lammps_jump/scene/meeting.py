@@ -14,7 +14,7 @@ from lammps_jump.scene.chains import lay
 from lammps_jump.scene.motion import MovingWall
 from lammps_jump.scene.scene import Scene
 
-from .corners import BodyCorner, corners_of, round_of
+from .bodies import BodyCorner, corners_of, round_of
 
 SLOTS = 8
 """Contacts that a corner remembers."""

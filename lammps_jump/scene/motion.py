@@ -15,8 +15,8 @@ from lammps_jump.errors import FieldError
 from lammps_jump.physics.devices import Holding
 from lammps_jump.physics.elementary import cos, sin
 
+from .bodies import Free
 from .chains import Chain, Faces, moved
-from .free import Free
 from .tracks import ANGLE, COLUMNS, KINDS, WAVE, Held, Loaded, fastest, pose_py, poses, track_of
 from .walls import Interval, Wall
 

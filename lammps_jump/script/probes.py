@@ -8,8 +8,7 @@ from math import isfinite
 from lammps_jump.files import BODIES, BODIES_HEADER, POSES, POSES_HEADER, forces_header
 from lammps_jump.scene import MovingWall, Scene
 
-from .numbers import number
-from .regions import way
+from .regions import number, way
 from .walls import fix_names, moved, pushing_extents, stock_wall
 
 MARGIN = 1.01

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Walls as LAMMPS' own regions, found from their chains of faces.
+"""Walls as LAMMPS' own regions, found from their chains of faces; numbers as LAMMPS reads them.
 
 One region is a rectangle, a segment (a rectangle without thickness), a circle or a half-plane, at any angle; it may
 move. A polyline is an intersection of the outsides of thin rectangles behind its faces. At convex joints these end
@@ -19,7 +19,17 @@ from lammps_jump.scene import MovingWall, Scene, Wall
 from lammps_jump.scene.chains import ARC, SMOOTH_TURN, Chain, Face, Point, faces_of_chain, turn
 from lammps_jump.scene.tracks import ANGLE, BEGIN, PHASE, RATE, WAVE, X, Y
 
-from .numbers import number, numbers
+
+def number(value: float) -> str:
+    """Shortest text that LAMMPS reads back as the same double."""
+    text = repr(float(value))
+    return text[:-2] if text.endswith(".0") else text
+
+
+def numbers(*values: float) -> str:
+    """Several numbers, between blanks."""
+    return " ".join(number(value) for value in values)
+
 
 MOST_FACES = 12
 """Faces of a polyline: each costs every disc 50 ns a step."""
@@ -277,7 +287,7 @@ def _coordinate(track: np.ndarray, first: int, k: int, now: str) -> str:
 def clock(scene: Scene) -> list[str]:
     """Variables of the time that motions go by, of the step before and of the step after.
 
-    `back` is 1 where a run that goes on looks at the step before (`lammps_jump.script.resume`).
+    `back` is 1 where a run that goes on looks at the step before (`lammps_jump.script.assemble`).
     """
     if not scene.moves:
         return []

@@ -14,9 +14,8 @@ from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.sizes import ID_STEP
 
-from .numbers import number, numbers
 from .probes import stock_probes
-from .regions import first_forces
+from .regions import first_forces, number, numbers
 from .walls import fix_names, granular_law, spring_words, stock_gates, stock_walls, unwritten
 
 DATA_FILE = "discs.data"
@@ -318,7 +317,7 @@ def schedule(scene: Scene, gates: list[str], inlets: list[str], kernel: str) -> 
     """Gates and the run; inlets that begin later need a second run, which begins without the gates' fixes.
 
     Inlets wait for gates. Where discs are not equal they also wait for a step of the raster on which ``fix set`` acts.
-    The second run goes on with the forces of the half step, as `lammps_jump.script.resume` explains.
+    The second run goes on with the forces of the half step, as `lammps_jump.script.assemble` explains.
     """
     first = first_step(scene)
     if not first:

@@ -18,8 +18,6 @@ from lammps_jump.scene import Block, Box, Interval, MovingWall, Plane, Scene, Wa
 from lammps_jump.scene.chains import WALL
 from lammps_jump.scene.meeting import LARGEST_OVERLAP, corners, laws_between, meets
 
-from .numbers import number as number
-from .numbers import numbers as numbers
 from .regions import (
     FAR,
     LammpsRegion,
@@ -32,6 +30,8 @@ from .regions import (
     single_regions,
     way,
 )
+from .regions import number as number
+from .regions import numbers as numbers
 
 JOIN = " &\n                "
 """Goes on with a command in the next line."""

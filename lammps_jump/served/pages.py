@@ -27,9 +27,8 @@ from .assets import HERE, asset, html
 from .bounded import OutOfDate, PageWork, prepare
 from .children import Children, ServedChild
 from .look import MOST_DRAWN, DroppedFile, flow_page, look, with_drawing, with_shape
-from .run_pages import MOST_NAME, LivePages, RunPages, number_in
+from .run_pages import MOST_NAME, LivePages, RunPages, StudyView, number_in
 from .server import Pages, Refused, Reply, answer
-from .study import StudyView
 
 LOOK_SECONDS, DRAWING_SECONDS = 20.0, 60.0
 """Seconds after which a look at a text, or a drawing that was dropped, is left."""

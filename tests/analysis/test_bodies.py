@@ -14,7 +14,7 @@ from lammps_jump.analysis.devices import bodies
 from lammps_jump.dump.side_files.bodies import BodyHistory
 from lammps_jump.physics.bodies import area_below, depth_of_area, section_of_polygon
 from lammps_jump.scene import MovingWall
-from lammps_jump.scene.free import Free
+from lammps_jump.scene.bodies import Free
 from lammps_jump.scene.motion import Motion
 from lammps_jump.scene.walls import Block
 

@@ -11,7 +11,7 @@ from children import run_program
 from made_up import BOX
 
 import lammps_jump as lj
-from lammps_jump.runs.live_analysis import Ahead
+from lammps_jump.runs.conclude import Ahead
 from lammps_jump.sweeps import Sweep, read_study
 
 sweep = import_module("lammps_jump.sweeps.sweep")

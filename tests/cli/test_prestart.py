@@ -5,7 +5,7 @@ import pytest
 from made_up import INPUTS
 
 from lammps_jump import engines
-from lammps_jump.cli.startup import start_early
+from lammps_jump.cli.app import start_early
 from lammps_jump.sweeps import pool
 
 CASE = str(INPUTS / "quick_jump.yaml")

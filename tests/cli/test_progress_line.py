@@ -13,8 +13,8 @@ import termios
 import pytest
 
 from lammps_jump.calibration import SearchProgress as CalibrationProgress
+from lammps_jump.cli.app import PatientStream
 from lammps_jump.cli.progress import CalibrationLine, ProgressLine, StudyLine
-from lammps_jump.cli.startup import PatientStream
 from lammps_jump.engines.result import Progress
 from lammps_jump.sweeps import SweepProgress
 

@@ -10,7 +10,7 @@ import sys
 import pytest
 from made_up import INPUTS
 
-from lammps_jump.cli.startup import PatientStream, patient_output
+from lammps_jump.cli.app import PatientStream, patient_output
 
 COMMAND = [sys.executable, "-m", "lammps_jump"]
 SHORT = ["--engine", "native", "--set", "run.duration=0.05", "--set", "analysis.figures=none"]

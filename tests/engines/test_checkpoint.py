@@ -270,13 +270,13 @@ def test_a_native_run_that_ends_anywhere_goes_on_from_its_last_checkpoint(dump_f
             if step == stop:
                 raise Killed
 
-        monkeypatch.setattr("lammps_jump.engines.step_hook.at_step", at_step)
+        monkeypatch.setattr("lammps_jump.engines.interrupts.at_step", at_step)
         with pytest.raises(Killed):
             run_native(scene, folder, dump_format=dump_format, resume=resume)
         resume = read_checkpoint(folder)
         assert resume.step == stop // 600 * 600 and resume.result.status == "interrupted"
         assert len(resume.result.resumed) == parts
-    monkeypatch.setattr("lammps_jump.engines.step_hook.at_step", None)
+    monkeypatch.setattr("lammps_jump.engines.interrupts.at_step", None)
     result = run_native(scene, folder, dump_format=dump_format, resume=resume)
     assert result.status == "complete" and result.resumed[-1] == scene.time(4800) and result.ledger == done.ledger
     if dump_format == "gz":

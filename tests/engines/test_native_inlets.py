@@ -10,7 +10,7 @@ import pytest
 from made_up import INPUTS
 
 from lammps_jump.case import load_case
-from lammps_jump.engines import step_hook
+from lammps_jump.engines import interrupts
 from lammps_jump.engines.native import NativeSimulation, run_native
 from lammps_jump.engines.native.cells import CellSimulation
 from lammps_jump.engines.native.events import OpenBoundaries, PourState
@@ -270,7 +270,7 @@ def test_control_c_waits_for_a_whole_step(monkeypatch, ctrl_c_heard):
     """Status, step count and balance are those of a whole step."""
     scene = channel(steps=10**7, output_steps=10**7)
     before = signal.getsignal(signal.SIGINT)
-    monkeypatch.setattr(step_hook, "at_step", lambda step: step == 700 and signal.raise_signal(signal.SIGINT))
+    monkeypatch.setattr(interrupts, "at_step", lambda step: step == 700 and signal.raise_signal(signal.SIGINT))
     result = run_native(scene, None)
     assert result.status == "interrupted"
     assert result.steps == 700

@@ -26,7 +26,7 @@ from lammps_jump import quoting
 from lammps_jump.analysis import pipeline
 from lammps_jump.analysis.draw.style import drawing
 from lammps_jump.analysis.report.run import write_report
-from lammps_jump.cli.startup import PatientStream
+from lammps_jump.cli.app import PatientStream
 from lammps_jump.dump.exports import write_table
 from lammps_jump.dump.write import DumpWriter
 from lammps_jump.errors import CaseError

@@ -23,7 +23,7 @@ save_at = {int(step) for step in os.environ.get("JUMP_TEST_SAVE", "").split(",")
 LIMIT = 600
 
 if signal_at or sleep or save_at or full:
-    from lammps_jump.engines import step_hook
+    from lammps_jump.engines import interrupts
     from lammps_jump.engines.interrupts import save_request, stop_request
 
     first = int(os.environ.setdefault("JUMP_TEST_PROCESS", str(os.getpid())))
@@ -43,7 +43,7 @@ if signal_at or sleep or save_at or full:
             if os.getpid() != first:
                 stop_request.wait(LIMIT)
 
-    step_hook.at_step = at_step
+    interrupts.at_step = at_step
 
 loads = os.environ.get("JUMP_TEST_LOADS")
 if loads and os.environ.setdefault("JUMP_TEST_PROCESS", str(os.getpid())) == str(os.getpid()):

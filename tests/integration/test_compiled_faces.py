@@ -16,8 +16,8 @@ import pytest
 
 from lammps_jump.core.library import CORE
 from lammps_jump.engines import plugin as plugin_package
+from lammps_jump.scene import faces
 from lammps_jump.scene import faces as rule
-from lammps_jump.scene import near
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.chains import SMOOTH_TURN, Chain, boxes, circle
 from lammps_jump.scene.motion import MovingWall
@@ -201,7 +201,7 @@ def test_constants_of_the_plugin_are_those_of_the_package():
     value = {
         name: re.search(rf" {name} = ([^;]+);", header)[1] for name in ("MOST", "FEW", "MOST_CELLS", "SMOOTH_TURN")
     }
-    assert (int(value["MOST"]), int(value["FEW"])) == (rule.MOST, near.FEW)
-    assert float(value["MOST_CELLS"]) == near.MOST_CELLS
+    assert (int(value["MOST"]), int(value["FEW"])) == (rule.MOST, faces.FEW)
+    assert float(value["MOST_CELLS"]) == faces.MOST_CELLS
     assert float(value["SMOOTH_TURN"]) * pi / 180.0 * (1 + 1e-6) == rule.SAME_TURN
     assert radians(float(value["SMOOTH_TURN"])) == SMOOTH_TURN

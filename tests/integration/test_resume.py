@@ -27,7 +27,7 @@ from lammps_jump.runs import engine
 from lammps_jump.scene.motion import gate
 from lammps_jump.scene.scene import Pour
 from lammps_jump.scene.walls import Plane
-from lammps_jump.script.resume import continuation_text
+from lammps_jump.script.assemble import continuation_text
 
 INPUTS = Path(__file__).parents[2] / "inputs"
 pytestmark = pytest.mark.lammps

@@ -8,8 +8,7 @@ import pytest
 from made_up import some_long
 
 from lammps_jump.scene.chains import Chain, circle, lay
-from lammps_jump.scene.faces import MOST, foot_at, touching
-from lammps_jump.scene.near import grid_of, list_near
+from lammps_jump.scene.faces import MOST, foot_at, grid_of, list_near, touching
 from lammps_jump.scene.shapes import flush
 from lammps_jump.scene.walls import Block, Box, Plane
 

@@ -7,7 +7,7 @@ import yaml
 from lammps_jump.case.text import parse_source
 from lammps_jump.drawings import DRAWN, with_drawn
 from lammps_jump.errors import CaseError
-from lammps_jump.served.places import Places
+from lammps_jump.served.look import Places
 
 TEXT = """\
 # \N{MULTIPLICATION SIGN} and \N{WAVE DASH}, in a comment

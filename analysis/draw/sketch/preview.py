@@ -10,7 +10,7 @@ from math import hypot, sqrt
 import numpy as np
 
 from lammps_jump.analysis.flow import from_scene
-from lammps_jump.scene.free import Free
+from lammps_jump.scene.bodies import Free
 from lammps_jump.scene.motion import MovingWall, Placed, Pose
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.shapes import rectangle, thin

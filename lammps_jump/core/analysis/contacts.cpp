@@ -44,7 +44,7 @@ using namespace jump;
 JUMP_INPUT(jump_touch_wall, JUMP_TOUCH_WALL)
 
 // Contacts of discs with one wall in its own frame: their number, of which what fits into `room` is written. Contact k is
-// of disc index[k]; found[k] takes its signed distance and normal. The cells are those of scene/near.py.
+// of disc index[k]; found[k] takes its signed distance and normal. The cells are those of scene/faces.py.
 JUMP_API int64_t jump_touch_wall(const jump_touch_wall_input *input)
 {
   JUMP_TOUCH_WALL(JUMP_LOCAL)

@@ -3,7 +3,7 @@
 
    1/m_eff is the sum of what the two give way to a force of 1 N. A body gives way by its mass, by its moment of inertia with the
    arm of the force, and only as it is free to; while it is held it is a wall. A dashpot is 2 xi sqrt(k m_eff), so that the
-   restitution is the same wherever a body is hit. lammps_jump/engines/twin/effective.py states the same; tests compare the two. */
+   restitution is the same wherever a body is hit. lammps_jump/engines/twin/pushed.py states the same; tests compare the two. */
 
 #ifndef JUMP_CORE_EFFECTIVE_H
 #define JUMP_CORE_EFFECTIVE_H

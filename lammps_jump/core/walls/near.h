@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /* Which faces of a wall are near a disc: cells that list the faces near them, in the wall's own frame.
 
-   lammps_jump/scene/near.py states the same; tests compare the two. */
+   lammps_jump/scene/faces.py states the same; tests compare the two. */
 
 #ifndef JUMP_CORE_NEAR_H
 #define JUMP_CORE_NEAR_H

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-from .diagnose import explain as explain
 from .drive import leave_ranks as leave_ranks
 from .drive import play as play
 from .drive import run_lammps as run_lammps
 from .loader import load_lammps as load_lammps
 from .loader import wheel_version as wheel_version
+from .log import explain as explain

@@ -16,13 +16,12 @@ from lammps_jump.engines.interrupts import save_request, stop_request
 from lammps_jump.engines.result import REPORT_SECONDS, Progress, RunResult
 from lammps_jump.engines.setting import Job
 from lammps_jump.files import END_FILE, delete, text_of
-from lammps_jump.script import resume
+from lammps_jump.script import assemble
 from lammps_jump.script.assemble import SCRIPTS, STOP_FILE
 
 from .finish import LOG, SteppingOutcome, conclude
 from .loader import load_lammps, new_engine
-from .save import Saver
-from .steps import Steps
+from .steps import Saver, Steps
 
 
 def run_lammps(job: Job, report: Callable[[Progress | None], None]) -> RunResult:
@@ -30,7 +29,7 @@ def run_lammps(job: Job, report: Callable[[Progress | None], None]) -> RunResult
 
     A run leaves checkpoints (see `lammps_jump.engines.checkpoint`), each at the end of a window of the probes. What
     goes on from there is the motion of an uninterrupted run to within the order of sums (see
-    `lammps_jump.script.resume`): the ten digits of a dump are the same for hundreds of steps, until collisions have
+    `lammps_jump.script.assemble`): the ten digits of a dump are the same for hundreds of steps, until collisions have
     blown up the last digit as they do between any two machines.
 
     Parameters
@@ -93,7 +92,7 @@ def play(job: Job, report: Callable[[Progress | None], None] | None) -> Stepping
             reporter.start()
         try:
             with stop_request.calls(steps.ask), save_request.calls(steps.ask):
-                script = SCRIPTS[job.setting.kernel] if job.resume is None else resume.SCRIPT
+                script = SCRIPTS[job.setting.kernel] if job.resume is None else assemble.SCRIPT
                 steps.play(job.script or text_of(Path(script)))
         except Exception as error:  # the module raises bare Exception for every ERROR of LAMMPS
             outcome.error = str(error)

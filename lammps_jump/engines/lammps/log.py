@@ -1,13 +1,23 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What the LAMMPS log tells of a run: disc balance, disc-steps, where the time went, errors."""
+"""The log of LAMMPS: disc balance, disc-steps, where the time went; its errors in words of a user."""
 
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
-from lammps_jump.files import text_of
+import numpy as np
+
+from lammps_jump.case.packing import deepest_overlap
+from lammps_jump.dump.find import read_dump
+from lammps_jump.dump.side_files.poses import PoseFile
+from lammps_jump.errors import DumpError
+from lammps_jump.files import POSES, text_of
+from lammps_jump.scene.motion import PUSHED_THERE, Pose, at_seam
+from lammps_jump.scene.scene import Scene
 
 
 @dataclass
@@ -81,3 +91,102 @@ def _take(summary: LogSummary, row: dict[str, float]) -> None:
     summary.removed = sum(summary.removed_by)
     if "c_top" in row and row["c_top"] > 0:
         summary.highest_id = max(summary.highest_id, int(row["c_top"]))
+
+
+def explain(error: str, scene: Scene, folder: Path, state: tuple[Any, ...] | None) -> str:
+    """One paragraph about a failed run.
+
+    Parameters
+    ----------
+    error : str
+        LAMMPS' own message.
+    scene : Scene
+    folder : Path
+        For the log (time of the last line) and the last frame.
+    state : (ids, positions) or None
+        What the engine still held.
+    """
+    log = read_log(folder / "log.lammps")
+    step, when = log.step, f"after t = {log.time:z.4g} s (step {log.step})"
+    if match := re.search(r"met on step (\d+)", error):
+        step = int(match[1])
+        when = f"at t = {scene.time(step):z.4g} s (step {step})"
+    remedy = f"{scene.stiffer}, or lower run.time_step_fraction"
+    kept = f"What was written up to there is kept in {folder}."
+    if "guard_overlap" in error:
+        where = _closest(scene, step, _loaded(scene, folder, step), *state) if state else ""
+        return f"discs overlap too deeply {when}{where}; the stiffness does not hold this load: {remedy}. {kept}"
+    if "guard_plane" in error:
+        where = _out_of_plane(*state) if state else ""
+        return f"a disc has left the plane z = 0 {when}{where}; look at what pushes it there in the script. {kept}"
+    if match := re.search(r"wall '(\w+)' comes to the seam on step (\d+)", error):
+        name, step = match[1], int(match[2])
+        wrong = at_seam(name, scene.domain[0], scene.domain[0], scene.largest)
+        return f"at t = {scene.time(step):z.4g} s (step {step}) {wrong}; {PUSHED_THERE}. {kept}"
+    if re.search(r"guard_finite|[Nn]on-numeric|not numeric|nan", error):
+        where = _not_finite(*state) if state else ""
+        return f"a position is no longer a number {when}{where}; the motion blew up: {remedy}. {kept}"
+    if "Lost atoms" in error:
+        (xlo, xhi), (ylo, yhi) = scene.domain
+        where = _missing(scene, folder, state[0]) if state else ""
+        return (
+            f"discs were lost {when}{where}; they left the domain x "
+            f"[{xlo:zg}, {xhi:zg}], y [{ylo:zg}, {yhi:zg}] unseen: widen domain, or add an outflow before its "
+            f"edge. {kept}"
+        )
+    first = error.strip().splitlines()[0] if error.strip() else "no message"
+    return f"LAMMPS stopped {when}: {first} (more in {folder}/log.lammps). {kept}"
+
+
+def _loaded(scene: Scene, folder: Path, step: int) -> dict[str, Pose]:
+    """Where walls are that the discs push, as far as the file of their places tells."""
+    if scene.lids:
+        with suppress(DumpError):
+            return PoseFile(folder / POSES, scene.lids).at(scene.time(step))
+    return {}
+
+
+def _closest(scene: Scene, step: int, loaded: dict[str, Pose], ids: np.ndarray, places: np.ndarray) -> str:
+    """The deepest overlap at a step, of two discs or of a disc and a wall that stands then."""
+    finite = np.isfinite(places).all(axis=1)
+    names, places = ids[finite], places[finite, :2]
+    diameters = scene.diameters(names)
+    pair = deepest_overlap(places, diameters)
+    found = [(pair[0], pair[1], f"discs {names[pair[1]]} and {names[pair[2]]}")] if pair else []
+    for wall in scene.walls_at(step, loaded) if len(names) else ():
+        distance = wall.distance(*places.T)
+        depths = np.where(wall.deep | (distance > -0.5 * diameters), 0.5 * diameters - distance, 0.0)
+        worst = int(np.argmax(depths))
+        found += [(depths[worst], worst, f"disc {names[worst]} and wall '{wall.name}'")] if depths[worst] > 0 else []
+    if not found:
+        return ""
+    depth, i, what = max(found)
+    x, y = places[i]
+    return f": {what} near ({x:z.4g}, {y:z.4g}) by {depth:z.3g} m, allowed is 2 d/n = {scene.overlap_limit:z.3g} m"
+
+
+def _out_of_plane(ids: np.ndarray, places: np.ndarray) -> str:
+    worst = int(np.argmax(np.abs(places[:, 2])))
+    return f": disc {ids[worst]} at z = {places[worst, 2]:z.3g} m"
+
+
+def _not_finite(ids: np.ndarray, places: np.ndarray) -> str:
+    bad = np.flatnonzero(~np.isfinite(places).all(axis=1))
+    return f": disc {ids[bad[0]]}" if bad.size else ""
+
+
+def _missing(scene: Scene, folder: Path, ids: np.ndarray) -> str:
+    """The disc of the last frame that is gone and was nearest to the edge of the domain."""
+    last = None
+    with suppress(DumpError):
+        for frame in read_dump(folder):
+            last = frame
+    if last is None or not last.n:
+        return ""
+    gone = ~np.isin(last.ids, ids)
+    if not gone.any():
+        return ""
+    x, y, names = last.x[gone], last.y[gone], last.ids[gone]
+    (xlo, xhi), (ylo, yhi) = scene.domain
+    worst = int(np.argmin(np.minimum.reduce([x - xlo, xhi - x, y - ylo, yhi - y])))
+    return f": disc {names[worst]}, last seen at ({x[worst]:z.4g}, {y[worst]:z.4g})"

@@ -4,15 +4,17 @@
 A pause is no part of the motion: ``run … pre no`` goes on with forces, lists and fixes as they stand. A run with pauses
 is the same to the last bit as one without. The restart file is written inside a run (command ``restart``);
 ``write_restart`` would move discs between ranks and leave lists that no longer suit. A restart file holds v_n. The
-velocities of the half step (see `lammps_jump.script.resume`) lie beside it, in an npz file.
+velocities of the half step (see `lammps_jump.script.assemble`) lie beside it, in an npz file.
 """
 
 from __future__ import annotations
 
 import os
 import re
+import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, nullcontext
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,17 +22,77 @@ import numpy as np
 
 from lammps_jump.dump.side_files.ended import ended, write_ended
 from lammps_jump.dump.side_files.pushed import PushedWalls, pushed_walls
-from lammps_jump.engines import step_hook
+from lammps_jump.engines import interrupts
+from lammps_jump.engines.checkpoint import CheckpointWriter
 from lammps_jump.engines.interrupts import save_request, stop_request
+from lammps_jump.engines.result import interruption
 from lammps_jump.engines.setting import Job
-from lammps_jump.files import END_FILE, delete, move, open_to_write, read_arrays
+from lammps_jump.files import (
+    BINARY_PART,
+    BODIES,
+    CONTACTS_FILE,
+    DUMP_NAMES,
+    END_FILE,
+    POSES,
+    delete,
+    move,
+    open_to_write,
+    read_arrays,
+    write_arrays,
+)
 from lammps_jump.scene.meeting import SLOTS as CORNER_SLOTS
 from lammps_jump.scene.meeting import corners
-from lammps_jump.script.assemble import STOP_FILE, stop_at
+from lammps_jump.script.assemble import STATE, STOP_FILE, stop_at
+from lammps_jump.script.probes import raw_forces
 from lammps_jump.script.regions import LOOK_BACK
-from lammps_jump.script.resume import STATE
 
-from .save import Saver
+from .finish import LOG, SteppingOutcome, result_of
+from .log import read_log
+
+
+class Saver(CheckpointWriter):
+    """Writes checkpoints of a part, in the current folder.
+
+    Parameters
+    ----------
+    job : Job
+    outcome : SteppingOutcome
+        Of the part; its clocks are kept up to date.
+    """
+
+    def __init__(self, job: Job, outcome: SteppingOutcome):
+        files = (LOG, DUMP_NAMES[job.setting.dump_format], BINARY_PART, POSES, BODIES, CONTACTS_FILE)
+        outputs = (*files, *map(raw_forces, job.scene.probes))
+        super().__init__(job.scene, Path(), outputs, job.setting.checkpoint_interval)
+        self.job, self.outcome = job, outcome
+        self._begin, self._processor = time.perf_counter(), time.process_time()
+
+    def tick(self) -> None:
+        """Bring the clocks of the part up to date."""
+        self.outcome.seconds = time.perf_counter() - self._begin
+        self.outcome.cpu_seconds = (time.process_time() - self._processor) * self.job.setting.ranks
+
+    def save_at(self, step: int, velocities: dict[str, np.ndarray]) -> str:
+        """Make a checkpoint of the restart file that LAMMPS has written; the reason where that cannot be.
+
+        Parameters
+        ----------
+        step : int
+        velocities : dict of ndarray
+            What is stored beside the restart file.
+        """
+        self.tick()
+        log = read_log(Path(LOG))
+        result = result_of(self.job, replace(self.outcome, interrupted=True), log)
+        result = replace(result, message=interruption(self.scene, step, self.job.folder, again=self.scene.time(step)))
+
+        def make() -> list[str]:
+            name = f"checkpoint-{step}.npz"
+            write_arrays(Path(name), **velocities)
+            return [STATE.format(step=step), name]
+
+        return self.save(make, result, log.removed_by[: len(self.scene.outlets)])
+
 
 HALF_STEP = "checkpoint-{step}.npz"
 END, SAVE = "end", "save"
@@ -88,7 +150,7 @@ class Steps:
         if self.setting.stop_at is not None:
             self._stop_step, commands = stop_at(self.scene, self.setting.stop_at)
             self.engine.commands_string("\n".join(commands))
-        if step_hook.at_step is not None:
+        if interrupts.at_step is not None:
             self._hook()
         elif self.resume is None and self.scene.earlier is not None and self.setting.kernel == "compiled":
             self._go_on()
@@ -175,8 +237,8 @@ class Steps:
 
         def call(_: object, step: int, count: int, ids: object, positions: object, forces: np.ndarray) -> None:
             forces[:] = 0.0  # LAMMPS leaves those of discs that have just come as they are
-            if step_hook.at_step is not None:
-                step_hook.at_step(step)
+            if interrupts.at_step is not None:
+                interrupts.at_step(step)
 
         self.engine.command(f"fix {STEP_HOOK} all external pf/callback 1 1")
         self.engine.set_fix_external_callback(STEP_HOOK, call)

@@ -23,7 +23,7 @@ import numpy as np
 from lammps_jump.core.law import LawNumbers
 from lammps_jump.physics.slots import Slots
 from lammps_jump.scene.chains import Faces
-from lammps_jump.scene.near import FaceGrid
+from lammps_jump.scene.faces import FaceGrid
 
 
 class StepConstants(NamedTuple):
@@ -194,7 +194,7 @@ class BodyState(NamedTuple):
 
 
 CORNER = np.dtype([*((name, float) for name in ("x", "y", "radius", "tx0", "ty0", "tx1", "ty1")), ("wall", np.int64)])
-"""A corner (`lammps_jump.scene.corners`) and its wall."""
+"""A corner (`lammps_jump.scene.bodies`) and its wall."""
 
 
 class Constants(NamedTuple):
@@ -398,4 +398,4 @@ class Loops(Protocol):
         self, faces: Faces, box: np.ndarray, ends: tuple[int, int], cells: tuple[float, float, float, int, int],
         reach: float, start: np.ndarray, listed: np.ndarray,
     ) -> None:  # fmt: skip
-        """As `lammps_jump.scene.near.mark_cells`."""
+        """As `lammps_jump.scene.faces.mark_cells`."""

@@ -13,7 +13,7 @@ from lammps_jump.core.columns import PlacedColumns, RunEnd, SumsOnWallColumns
 from lammps_jump.core.law import jump_law, laws_of
 from lammps_jump.core.library import INTEGER, INTEGERS, REAL, REALS, Struct, copied, entry, function
 from lammps_jump.scene.chains import Faces, records_of
-from lammps_jump.scene.near import FaceGrid
+from lammps_jump.scene.faces import FaceGrid
 
 from .arrays import BodyState, Constants, ContactVelocities, Lists, Memory, Moves, Near, PressedSums, State, StationStep
 
@@ -521,7 +521,7 @@ class Core:
         self, faces: Faces, box: np.ndarray, ends: tuple[int, int], cells: tuple[float, float, float, int, int],
         reach: float, start: np.ndarray, listed: np.ndarray,
     ) -> None:  # fmt: skip
-        """As `lammps_jump.scene.near.mark_cells`."""
+        """As `lammps_jump.scene.faces.mark_cells`."""
         *place, columns, rows = cells
         grid = jump_grid(
             address(self._records(faces)), address(box), None, None, 0, columns, rows, 0, *[0.0] * 4, *place, reach

@@ -18,7 +18,7 @@ from lammps_jump.dump.side_files.ended import write_ended
 from lammps_jump.dump.side_files.poses import PoseWriter
 from lammps_jump.dump.side_files.pressure import write_pressure
 from lammps_jump.dump.write import DumpWriter, run_writer
-from lammps_jump.engines import step_hook
+from lammps_jump.engines import interrupts
 from lammps_jump.engines.checkpoint import Checkpoint, CheckpointWriter, cut_back, remove_checkpoint
 from lammps_jump.engines.interrupts import counted_interrupts, save_request
 from lammps_jump.engines.result import (
@@ -197,11 +197,11 @@ class EnginePart:
         target = min(last, (simulation.step // every + 1) * every)
         started = perf_counter()
         self.between_steps = False
-        if step_hook.at_step is None:
+        if interrupts.at_step is None:
             simulation.run_some(target)
         else:
             simulation.run_some(simulation.step + 1)
-            step_hook.at_step(simulation.step)
+            interrupts.at_step(simulation.step)
         now = perf_counter()
         self.seconds += now - started
         if simulation.step == target:

@@ -21,9 +21,8 @@ from lammps_jump.core.columns import (
     WallMotion,
 )
 from lammps_jump.scene.chains import BEFORE, LENGTH, Faces, boxes, lay
-from lammps_jump.scene.faces import MOST
+from lammps_jump.scene.faces import MOST, FaceGrid, grid_of
 from lammps_jump.scene.motion import Motion, MovingWall, Pose, Went, at_seam
-from lammps_jump.scene.near import FaceGrid, grid_of
 from lammps_jump.scene.scene import Scene
 
 from .arrays import BodyState, Constants, Loops, Memory, Moves, Near, PressedSums

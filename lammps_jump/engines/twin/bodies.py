@@ -15,7 +15,7 @@ from lammps_jump.engines.native.arrays import State
 from lammps_jump.physics.law import contact_energy, contact_force, pressing
 from lammps_jump.scene.faces import foot_at, touching
 
-from . import contact, effective
+from . import contact, pushed
 from .pushed import Vector, wrench
 
 
@@ -87,7 +87,7 @@ def touches(state: State) -> Iterator[Touch]:
                 if not _is_there(record, *_turned_back(state, theirs, -nx, -ny)):
                     continue
                 point = x - radius * nx, y - radius * ny
-                if not sum(effective.yielding_at(moves, one, point, (nx, ny)) for one in (theirs, wall)) > 0.0:
+                if not sum(pushed.yielding_at(moves, one, point, (nx, ny)) for one in (theirs, wall)) > 0.0:
                     continue  # both are held
                 rate = PlacedColumns.RATE
                 (ax, ay), (bx, by) = (contact.wall_velocity(moves, one, rate, *point) for one in (theirs, wall))
@@ -104,14 +104,14 @@ def _turned_back(state: State, wall: int, dx: float, dy: float) -> tuple[float, 
     return c * dx + s * dy, c * dy - s * dx
 
 
-def _ways(state: State, found: Touch) -> tuple[effective.SharedContact, effective.SharedContact]:
+def _ways(state: State, found: Touch) -> tuple[pushed.SharedContact, pushed.SharedContact]:
     """A contact along its normal and across it."""
     moves, (nx, ny), (vx, vy) = state.walls.moves, found.normal, found.slip
     along, across = ((nx, ny), vx * nx + vy * ny), ((-ny, nx), vy * nx - vx * ny)
 
-    def way(direction: tuple[float, float], speed: float) -> effective.SharedContact:
-        alone = sum(effective.yielding_at(moves, wall, found.point, direction) for wall in found.walls)
-        return effective.SharedContact(found.walls, found.point, direction, speed, alone)
+    def way(direction: tuple[float, float], speed: float) -> pushed.SharedContact:
+        alone = sum(pushed.yielding_at(moves, wall, found.point, direction) for wall in found.walls)
+        return pushed.SharedContact(found.walls, found.point, direction, speed, alone)
 
     return way(*along), way(*across)
 
@@ -122,13 +122,13 @@ def _laws(state: State, found: Sequence[Touch]) -> list[LawNumbers]:
     assert own is not None
     groups: dict[tuple[int, int], list[int]] = {}
     for k, one in enumerate(found):
-        groups.setdefault(effective.partners(moves, one.walls), []).append(k)
+        groups.setdefault(pushed.partners(moves, one.walls), []).append(k)
     ways, laws = [_ways(state, one) for one in found], [LawNumbers(0, 0, 0, 0)] * len(found)
     for group in groups.values():
-        both = [effective.shared(moves, [ways[k][side] for k in group]) for side in (0, 1)]
+        both = [pushed.shared(moves, [ways[k][side] for k in group]) for side in (0, 1)]
         for k, along, across in zip(group, *both, strict=True):
             *numbers, lag = own.between[found[k].walls].tolist()
-            laws[k] = effective.law_between(LawNumbers(*numbers), lag, along, across)
+            laws[k] = pushed.law_between(LawNumbers(*numbers), lag, along, across)
     return laws
 
 
@@ -162,7 +162,7 @@ def _add(state: State, wall: int, point: Vector, parts: Sequence[np.ndarray]) ->
     if moving:
         columns = WallLoadsColumns.ALL, WallLoadsColumns.DASHPOTS, WallLoadsColumns.FRICTION
         for there, part in zip(columns, parts, strict=True):
-            moves.taken[wall, there] += wrench(part, point, effective.about(moves, wall))
+            moves.taken[wall, there] += wrench(part, point, pushed.about(moves, wall))
     if not contact.is_body(state, wall):
         about = walls.near.about[wall] + (moves.now[wall, PlacedColumns.NOW][:2] if moving else 0.0)
         walls.sums[wall, SumsOnWallColumns.FORCE] += wrench(parts[0], point, about)

@@ -21,7 +21,7 @@ from lammps_jump.physics.slots import FULL, held, slot_of
 from lammps_jump.scene.faces import foot_at, touching
 from lammps_jump.scene.tracks import pose_py
 
-from . import effective, pushed
+from . import pushed
 
 Three = tuple[float, float, float]
 HUGE = 1e150
@@ -193,8 +193,8 @@ def law_at(state: State, i: int, wall: int, point: Pair, normal: Pair) -> LawNum
     if not is_moving(moves, wall) or not is_body(state, wall):
         return _of_size(law, radius if sized else 1.0)
     mass = unit * radius**2 if sized else unit
-    disc = effective.DiscMass(mass, 0.5 * mass * radius**2, is_fixed(state, i))
-    return effective.law_at_body(law, unit, disc, moves, wall, point, normal)
+    disc = pushed.DiscMass(mass, 0.5 * mass * radius**2, is_fixed(state, i))
+    return pushed.law_at_body(law, unit, disc, moves, wall, point, normal)
 
 
 def is_moving(moves: Moves | None, wall: int) -> TypeGuard[Moves]:

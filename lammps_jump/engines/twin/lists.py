@@ -13,7 +13,7 @@ import numpy as np
 from lammps_jump.engines.native.arrays import LISTED, NO_ROOM, Near, State
 from lammps_jump.engines.native.discs import LISTS, DiscArrays
 from lammps_jump.scene.chains import Faces
-from lammps_jump.scene.near import FaceGrid, list_near
+from lammps_jump.scene.faces import FaceGrid, list_near
 
 from .contact import radius_of
 
@@ -184,5 +184,5 @@ def near_walls(
     near: Near,
     found: tuple[int, int],
 ) -> tuple[int, int]:
-    """Discs near one wall, by `lammps_jump.scene.near.list_near`."""
+    """Discs near one wall, by `lammps_jump.scene.faces.list_near`."""
     return list_near(seen, wall, faces, grid, (near.discs, near.plain, near.last, near.faces), found)

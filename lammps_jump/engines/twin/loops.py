@@ -17,8 +17,7 @@ from lammps_jump.core.columns import (
 from lammps_jump.engines.native.arrays import ContactVelocities, Moves, PressedSums, State, StepConstants
 from lammps_jump.engines.native.discs import DiscArrays
 from lammps_jump.physics.slots import end_step
-from lammps_jump.scene.faces import foot_at
-from lammps_jump.scene.near import mark_cells
+from lammps_jump.scene.faces import foot_at, mark_cells
 
 from . import bodies, contact, lists, pushed, sums
 from .pushed import wrench

@@ -21,9 +21,8 @@ from lammps_jump.engines.native.arrays import (
 )
 from lammps_jump.physics.slots import Slots
 from lammps_jump.scene.chains import Faces
-from lammps_jump.scene.faces import MOST
+from lammps_jump.scene.faces import MOST, grid_of
 from lammps_jump.scene.meeting import LARGEST_OVERLAP, SLOTS, corners, laws_between, meets
-from lammps_jump.scene.near import grid_of
 from lammps_jump.scene.scene import Scene
 
 
