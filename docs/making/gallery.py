@@ -131,7 +131,7 @@ def scene_of(name: str, title: str, reports: Path, *, live: bool) -> list[str]:
         f"### {title}\n",
         f"{case.fields.description}\n",
         f"![{title}](_made/gallery/{name}.png)\n",
-        f"*{data['verdict']}*\n" if data.get("verdict") else "",
+        f"*{data['verdict']}*\n" if data["verdict"] else "",
         f"```console\n$ lammps-jump build-and-run inputs/{name}.yaml\n```\n",
     ]
     if (report := FOLDER / f"{name}.html").is_file():

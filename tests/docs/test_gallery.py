@@ -38,9 +38,10 @@ def test_stored_results_are_whole_and_small():
     assert [f"!/docs/stored/{name}.html" for name in gallery.PLAYED] == [one for one in kept_by_git if one[0] == "!"]
 
 
-def test_each_scene_is_in_one_group():
+def test_each_scene_is_in_one_group_and_has_its_verdict():
     grouped = [name for titles in gallery.GROUPS.values() for name in titles]
     assert sorted(grouped) == sorted(gallery.scenes())
+    assert all("verdict" in json.loads((gallery.FOLDER / f"{name}.json").read_text()) for name in grouped)
 
 
 def test_the_picture_of_the_report_in_readme_is_of_the_report_that_is_kept():
