@@ -6,8 +6,10 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import asdict, dataclass
 from itertools import pairwise
-from math import hypot, sqrt
+from math import hypot, pi, sqrt
 from typing import Any
+
+import numpy as np
 
 from lammps_jump.files import plain
 from lammps_jump.physics import contact
@@ -20,6 +22,7 @@ from lammps_jump.units import numbers_of
 from . import speeds
 from .checks import twin_seconds
 from .design import Row, flow_rows
+from .discs import PackedBed
 from .fields import CaseFields
 from .parts.grading import GradingCurve
 from .speeds import TENTHS
@@ -195,6 +198,23 @@ def _size_rows(scene: Scene) -> list[Row]:
     return rows
 
 
+def _bed_rows(case: CaseFields, scene: Scene) -> list[Row]:
+    """Packing of each bed as it was asked for, and as the discs with centres in its rectangle make it."""
+    rows: list[Row] = []
+    diameters = scene.diameters(np.arange(1, len(scene.positions) + 1))
+    for index, bed in enumerate(case.initial):
+        if isinstance(bed, PackedBed):
+            (left, right), (low, high) = bed.x, bed.y
+            x, y = scene.positions.T
+            inside = (x > left) & (x < right) & (y > low) & (y < high)
+            found = float(pi / 4 * np.sum(diameters[inside] ** 2) / bed.area)
+            rows += [
+                (f"packing_{index}_asked", f"packing of initial[{index}], asked", bed.packing, ""),
+                (f"packing_{index}", f"packing of initial[{index}], of the discs in it", found, ""),
+            ]
+    return rows
+
+
 def _curve_rows(case: CaseFields, scene: Scene) -> list[Row]:
     """A grading curve: its sizes by mass, and what its finest and its coarsest tenth are in discs."""
     sizes, curve = scene.sizes, case.discs.sizes
@@ -224,6 +244,7 @@ def _contact_rows(case: CaseFields, scene: Scene) -> list[Row]:
         ("discs_at_start", "discs at the start", len(scene.positions) - fixed, ""),
         *([("fixed_discs", "fixed discs of rough beds", fixed, "")] if fixed else []),
         *([("period", "length of the periodic channel", scene.period, "m")] if scene.period else []),
+        *_bed_rows(case, scene),
         *_curve_rows(case, scene),
         *_size_rows(scene),
         *_described(c, "mass stiffness stiffness_wall restitution damping_ratio damping damping_wall"),

@@ -208,4 +208,30 @@ class DiscList(Strict):
     jitter: Jitter = 0.0
 
 
-InitialField = Annotated[Column | Lattice | DiscList | EarlierRun, Field(discriminator="kind")]
+class PackedBed(Strict):
+    """Discs at random that fill a rectangle to a chosen packing, at rest and without overlaps."""
+
+    kind: Literal["packed_bed"]
+    x: units.Extent = Field(description="from and to; the sides are as walls")
+    y: units.Rise = Field(description="from and to")
+    packing: units.Plain = Field(
+        gt=0.1,
+        le=0.84,
+        description="area of the discs over that of the rectangle, 0.1 to 0.84. Discs at random reach 0.82 to 0.84, "
+        "less in a narrow bed; below 0.8 they sink under their weight",
+    )
+    seed: Whole | None = Field(
+        default=None,
+        ge=0,
+        le=2**31 - 1,
+        description="of the places; without it `run.seed`: starts draw anew, and points with one seed share a bed",
+    )
+    jitter: Shift = Field(default=0.0, ge=0, le=0.2)
+
+    @property
+    def area(self) -> float:
+        """Area of the rectangle, m^2."""
+        return (self.x[1] - self.x[0]) * (self.y[1] - self.y[0])
+
+
+InitialField = Annotated[Column | Lattice | DiscList | PackedBed | EarlierRun, Field(discriminator="kind")]

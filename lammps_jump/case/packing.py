@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from functools import lru_cache
 from heapq import heappop, heappush
-from math import floor, hypot, sqrt
+from math import floor, hypot, pi, sqrt
 
 import numpy as np
 
@@ -13,8 +13,9 @@ from lammps_jump.physics.contact import Coefficients
 from lammps_jump.scene.sizes import Sizes
 from lammps_jump.scene.walls import Interval
 
-from .discs import BidisperseSizes, Column, DiscList, Discs, Lattice, UniformSizes
+from .discs import BidisperseSizes, Column, DiscList, Discs, Lattice, PackedBed, UniformSizes
 from .fields import CaseFields
+from .grown import bed_diameters, bed_positions
 from .parts.base import EarlierRun
 from .parts.grading import GradingCurve
 
@@ -65,13 +66,17 @@ def column_counts(column: Column, diameter: float) -> tuple[int, int]:
     return int(width + slack), int(height + slack)
 
 
-def disc_count(item: Column | Lattice | DiscList | EarlierRun, diameter: float, sizes: Sizes | None = None) -> int:
-    """Discs of one item of ``initial``, before any array of them is made; an estimate for columns with sizes."""
+def disc_count(
+    item: Column | Lattice | DiscList | PackedBed | EarlierRun, diameter: float, sizes: Sizes | None = None
+) -> int:
+    """Discs of one item of ``initial``, before any array of them is made; an estimate for those with sizes."""
     if isinstance(item, Column):
         if sizes:
             return int((item.x[1] - item.x[0]) * (item.y[1] - item.y[0]) / sizes.mean_square)
         nx, ny = column_counts(item, diameter)
         return nx * ny
+    if isinstance(item, PackedBed):
+        return round(item.packing * item.area / (pi / 4 * (sizes.mean_square if sizes else diameter**2)))
     if isinstance(item, EarlierRun):
         return item.found.count
     return item.nx * item.ny if isinstance(item, Lattice) else len(item.positions)
@@ -134,13 +139,14 @@ def pile(column: Column, sizes: Sizes, first: int) -> np.ndarray:
 
 
 def arrange(
-    item: Column | Lattice | DiscList,
+    item: Column | Lattice | DiscList | PackedBed,
     discs: Discs,
     gravity: float,
     contact: Coefficients,
     random: np.random.Generator,
     sizes: Sizes | None = None,
     first: int = 1,
+    seed: int = 1,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Positions and velocities, each of shape (n, 2), of one item of ``initial``, whose ids begin at `first`.
 
@@ -149,7 +155,11 @@ def arrange(
     ValueError
         Where nothing fits or the velocities do not belong to the discs (the caller adds the place).
     """
-    if isinstance(item, Column):
+    if isinstance(item, PackedBed):
+        diameters = bed_diameters(item, discs.diameter, sizes, first)
+        positions = bed_positions(item, diameters, seed if item.seed is None else item.seed)
+        velocities = np.zeros_like(positions)
+    elif isinstance(item, Column):
         positions = pile(item, sizes, first) if sizes else column_positions(item, discs, gravity, contact)
         if not len(positions):
             raise ValueError(

@@ -15,7 +15,7 @@ from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.scene import Beginning, MovingWall, Scene
 from lammps_jump.scene.motion import Motion, largest_speed
 
-from .discs import Column, DiscList, Lattice
+from .discs import Column, DiscList, Lattice, PackedBed
 from .fields import CaseFields
 from .parts.base import EarlierRun
 from .parts.beds import RoughBed
@@ -55,6 +55,8 @@ def starts(case: CaseFields) -> Iterator[DiscsAtStart]:
     for item in case.initial:
         if isinstance(item, Column):
             yield DiscsAtStart(item.x, item.y[1], float(np.hypot(*item.velocity)), "start")
+        elif isinstance(item, PackedBed):
+            yield DiscsAtStart(item.x, item.y[1], 0.0, "start")
         elif isinstance(item, Lattice):
             (x, y), wide, high = item.origin, (item.nx - 1) * item.spacing, (item.ny - 1) * item.spacing
             fastest = max(float(np.hypot(*v)) for v in (item.velocity, *item.velocities.values()))

@@ -376,7 +376,7 @@ def _discs(
         if isinstance(item, EarlierRun):
             continue
         try:
-            place, speed = arrange(item, case.discs, case.gravity, coefficients, random, sizes, first)
+            place, speed = arrange(item, case.discs, case.gravity, coefficients, random, sizes, first, case.run.seed)
         except TooSoft as error:
             factor = math.sqrt(error.factor)  # of the speed: overlaps by weight go as 1/k
             enough = case.contact.stiff_for((case.contact.impact_speed or 0.0) * factor, factor)
