@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Reads a dump once, runs the wanted analyses, and writes their numbers, tables and figures."""
+"""One pass over a dump: runs the wanted analyses, and writes their numbers, tables and figures."""
 
 from __future__ import annotations
 
@@ -317,7 +317,7 @@ def _titled(shown: Drawings, flow: Flow) -> dict[str, Chart | Bars | Map]:
 
 def figure(name: str, shown: Mapping[str, Chart | Bars | Map], dump: Path, flow: Flow) -> Figure:
     """The matplotlib figure of this name, of `drawings` or the discs themselves."""
-    return draw.snapshots.snapshots(open_dump(dump), flow) if name == DISCS else draw.style.drawn(shown[name])
+    return draw.film.snapshots(open_dump(dump), flow) if name == DISCS else draw.style.drawn(shown[name])
 
 
 def draw_figures(

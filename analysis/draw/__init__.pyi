@@ -2,7 +2,6 @@
 from . import film as film
 from . import maps as maps
 from . import sketch as sketch
-from . import snapshots as snapshots
 from . import style as style
 from .film import animate as animate
 from .film import still as still

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Figures of coarse-grained fields: a map, and the pressure at the bed against hydrostatic."""
+"""Figures of profiles and coarse-grained fields: depth, velocity, maps, pressure at the bed against hydrostatic."""
 
 from __future__ import annotations
 

@@ -7,12 +7,121 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from .bodies import BODIES
-from .gates import TAILGATE
+from lammps_jump.analysis.report.page import percent
+
+from .bodies import BODIES, TAILGATE
 from .grains import DRUM, HEAP, INCLINE, OUTLET
 from .jump import HYDRAULIC_JUMP
-from .plain import DISCS, ENERGY
+from .kinds import Doubt, Verdict, at, part, shown
 from .water import COLLAPSE, IMPACT, RUN_UP, WAVES
+
+
+def _conserved(summary: Mapping[str, Any]) -> Mapping[str, Any]:
+    energy = part(summary, "energy")
+    return energy if energy.get("conservative") and energy.get("max_deviation") is not None else {}
+
+
+def _energy(summary: Mapping[str, Any]) -> str:
+    energy = _conserved(summary)
+    return f"The energy stays within {percent(energy['max_deviation'])} of that of the start." if energy else ""
+
+
+def _energy_at_length(summary: Mapping[str, Any]) -> str:
+    energy = _conserved(summary)
+    return (
+        f"The energy deviates from that of the start by at most {percent(energy['max_deviation'], 4)}; exact "
+        "integration would keep it. The number is exact for this run."
+        if energy
+        else ""
+    )
+
+
+def _drifts(summary: Mapping[str, Any]) -> str:
+    off = at(summary, "energy.max_deviation")
+    return f"it changes by {shown(100 * off)} %: halve run.time_step_fraction" if off is not None and off > 0.02 else ""
+
+
+ENERGY = Verdict(
+    "Does a closed box keep its energy?",
+    "The energy stays within 0.9 % of that of the start.",
+    ("energy.max_deviation", "energy.drift", "energy.initial"),
+    _energy,
+    (Doubt("the energy changes by more than 2 %", _drifts),),
+    _energy_at_length,
+    alone=True,
+)
+
+
+SLOW = 0.01
+"""Median speed over √(g d) below which discs are slow."""
+
+
+def is_foreign(summary: Mapping[str, Any]) -> bool:
+    """Tells whether the summary is that of a dump of which no case is known."""
+    return "given" in summary and "case_yaml" not in summary
+
+
+def _size(summary: Mapping[str, Any]) -> str:
+    state = part(summary, "state")
+    return f"they take {shown(state['length'])} m along x and {shown(state['height'])} m in height"
+
+
+def _state(summary: Mapping[str, Any]) -> str:
+    state = part(summary, "state")
+    share = state.get("speed_over_root_gd")
+    discs = state.get("discs")
+    if not discs:
+        return ""
+    begin = f"A dump of {discs} discs, of whose scene nothing is known: " if is_foreign(summary) else ""
+    if state.get("at_rest"):
+        said = f"{discs} discs are at rest; {_size(summary)}."
+    elif state.get("speed") is None:
+        said = f"how fast the {discs} discs move is not known; {_size(summary)}."
+    elif share is not None and share < SLOW:
+        said = f"{discs} discs are slow, {shown(state['speed'])} m/s in the median; {_size(summary)}."
+    elif summary.get("gravity") == 0 or state.get("at_rest") is None:
+        said = f"{discs} discs move at {shown(state['speed'])} m/s, the median of their speeds at the end."
+    else:
+        said = f"{discs} discs still move, at {shown(state['speed'])} m/s in the median; {_size(summary)}."
+    said = said.replace(f"{discs} discs", "they", 1) if begin else said
+    return begin + said if begin else f"{said[:1].upper()}{said[1:]}"
+
+
+def _falls_on(summary: Mapping[str, Any]) -> str:
+    state = part(summary, "state")
+    share = state.get("speed_over_root_gd")
+    if state.get("at_rest") or share is None or share >= SLOW:
+        return ""
+    return "the discs are slow, and have not rested for 20 √(d/g) yet: run longer"
+
+
+def _lost(summary: Mapping[str, Any]) -> str:
+    state = part(summary, "state")
+    first, last = state.get("first_discs") or 0, state.get("discs") or 0
+    return f"{first - last} of {first} discs have left" if last < first else ""
+
+
+def _untold(summary: Mapping[str, Any]) -> str:
+    return (
+        "walls, inflow and the way of contacts are not in a dump: give the case with --case, or ask for what is there"
+        if is_foreign(summary)
+        else ""
+    )
+
+
+DISCS = Verdict(
+    "What do the discs do, where nothing else is asked or known?",
+    "812 discs are at rest; they take 2.0 m along x and 0.41 m in height.",
+    ("state.discs", "state.speed", "state.at_rest", "state.length", "state.height"),
+    _state,
+    (
+        Doubt("the discs are slow and do not rest", _falls_on),
+        Doubt("discs have left", _lost),
+        Doubt("a dump of which nothing is known", _untold),
+    ),
+    alone=True,
+)
+
 
 VERDICTS = (
     OUTLET,

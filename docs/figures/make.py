@@ -7,7 +7,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import lammps_jump as lj
-from lammps_jump.analysis.draw.snapshots import snapshots
+from lammps_jump.analysis.draw.film import snapshots
 from lammps_jump.runs.results import flow_of
 
 HERE = Path(__file__).parent

@@ -20,9 +20,8 @@ from lammps_jump.units import numbers_of
 
 from . import words
 from .besides import Besides, movers
-from .emulator import emulate
 from .model import Model, TargetPart
-from .posterior import Posterior, sobol
+from .posterior import Posterior, emulate, sobol
 from .study import Calibration
 
 WIDE = 0.5

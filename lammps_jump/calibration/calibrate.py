@@ -29,7 +29,7 @@ from lammps_jump.sweeps.members import RUNS
 
 from .answer import answer, no_answer, unmet, with_words
 from .besides import Besides, tried
-from .emulator import require_sklearn
+from .posterior import require_sklearn
 from .search import POINTS, Fit, Observed, Search, SearchProgress
 from .study import Calibration, read_calibration
 

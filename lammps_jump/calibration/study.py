@@ -25,8 +25,7 @@ from lammps_jump.runs.run import Case
 from lammps_jump.sweeps import study as sweep_study
 from lammps_jump.units import Plain, numbers_of
 
-from .measured import PROFILES
-from .targets import Target, TargetField, parse_target
+from .targets import PROFILES, Target, TargetField, parse_target
 
 KIND = "calibrate"
 MOST_VARIED = 5

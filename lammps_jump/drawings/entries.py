@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Walls of a drawing: strokes of a layer that meet are joined; each outline is an entry of a case, with what it is.
+"""Walls of a drawing: strokes that meet are joined, each outline is an entry of a case, which is put into its text.
 
 Crossings of walls.
 """

@@ -16,9 +16,8 @@ from lammps_jump.quoting import shortened
 from lammps_jump.units import to_si
 
 from .dxf import read_dxf
-from .geojson import read_geojson
 from .strokes import LayeredDrawing, Measure, Point
-from .survey import read_survey
+from .survey import read_geojson, read_survey
 from .svg import read_svg
 
 MOST_DRAWING = 100_000_000

@@ -13,9 +13,9 @@ from .frame import Frame as Frame
 from .frame import make_frame as make_frame
 from .read import Dump as Dump
 from .read import open_dump as open_dump
-from .side_files.slices import write_slice as write_slice
 from .tables import TextTable as TextTable
 from .tables import read_table as read_table
 from .tables import table_of as table_of
 from .tail import DumpTail as DumpTail
 from .write import DumpWriter as DumpWriter
+from .write import write_slice as write_slice

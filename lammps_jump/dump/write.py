@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Writer of LAMMPS dumps, byte for byte as ``dump custom`` writes them: text, gzipped text, binary.
+"""Writer of LAMMPS dumps, byte for byte as ``dump custom`` writes them; and a slice of a dump in three dimensions.
 
 Checked against files of LAMMPS 22Jul2025: see ``tests/dump/test_read.py``.
 """
@@ -17,7 +17,8 @@ from lammps_jump.errors import CaseError, DumpError
 from lammps_jump.files import DUMP_NAMES, open_to_write, writes
 from lammps_jump.scene.scene import Scene
 
-from .frame import Frame
+from .frame import Frame, make_frame
+from .read import open_dump
 
 INTEGER_COLUMNS = frozenset({"id", "mol", "type", "proc", "procp1", "ix", "iy", "iz"})
 """Columns that LAMMPS writes as integers in text."""
@@ -136,3 +137,71 @@ def run_writer(folder: Path, scene: Scene, dump_format: str = "text", *, append:
     if dump_format not in DUMP_NAMES:
         raise CaseError(f"dump format {dump_format!r} is not known: use one of {', '.join(DUMP_NAMES)}")
     return DumpWriter(folder / DUMP_NAMES[dump_format], scene.dump_columns, dump_format, append=append)
+
+
+AXES = {"x": ("y", "z"), "y": ("x", "z"), "z": ("x", "y")}
+"""Normal of the plane -> what becomes x and y of the slice: z is up, or y in a plane across z."""
+KEPT = ("id", "type", "radius", "diameter", "mass")
+
+
+def write_slice(source: Path, normal: str, at: float, out: Path, thickness: float | None = None) -> tuple[int, float]:
+    """Write a slice of a dump as a dump; the largest number of bodies of a frame, and the thickness, m.
+
+    Parameters
+    ----------
+    source : Path
+    normal : {'x', 'y', 'z'}
+        Axis across the plane.
+    at : float
+        Place of the plane along it, m.
+    out : Path
+        Must not be there.
+    thickness : float, optional
+        m; default the largest diameter in the dump.
+
+    Raises
+    ------
+    CaseError, DumpError
+        The file is there, no column z, no radius and no thickness, or no body near the plane.
+    """
+    if out.exists():
+        raise CaseError(f"{out}: is there already; name another file with --out")
+    dump = open_dump(source)
+    frames = [frame for frame in dump if frame.n]
+    if not frames or frames[0].z is None:
+        raise DumpError(f"{source}: has no column z, so that nothing can be cut; write it with 'dump … custom … z'.")
+    if thickness is None:
+        sizes = [float(frame.radii.max()) for frame in frames if frame.radii is not None]
+        if not sizes:
+            raise DumpError(f"{source}: has no radius column; give the thickness of the slice (--thickness).")
+        thickness = 2 * max(sizes)
+    cut = [_cut(frame, normal, at, thickness) for frame in frames]
+    most = max(frame.n for frame in cut)
+    if not most:
+        low, high = _ends(frames, normal)
+        raise DumpError(
+            f"{source}: no body lies within {0.5 * thickness:.4g} m of {normal} = {at:g} m; they run from "
+            f"{normal} = {low:.4g} to {high:.4g} m."
+        )
+    with DumpWriter(out, tuple(cut[0].columns), units=dump.units or "si") as writer:
+        for frame in cut:
+            writer.write_frame(frame)
+    return most, thickness
+
+
+def _ends(frames: list[Frame], axis: str) -> tuple[float, float]:
+    places = [getattr(frame, axis) for frame in frames]
+    return min(float(some.min()) for some in places), max(float(some.max()) for some in places)
+
+
+def _cut(frame: Frame, normal: str, at: float, thickness: float) -> Frame:
+    """The bodies near a plane, their places and velocities in it."""
+    along, up = AXES[normal]
+    near = np.abs(np.asarray(getattr(frame, normal)) - at) <= 0.5 * thickness
+    columns = {name: frame.columns[name] for name in KEPT if name in frame.columns}
+    columns |= {"x": np.asarray(getattr(frame, along)), "y": np.asarray(getattr(frame, up))}
+    for name, axis in (("vx", along), ("vy", up)):
+        if f"v{axis}" in frame.columns:
+            columns[name] = frame.columns[f"v{axis}"]
+    box = frame.box[["xyz".index(axis) for axis in (along, up)]]
+    return make_frame(frame.step, frame.time, box, {name: values[near] for name, values in columns.items()})

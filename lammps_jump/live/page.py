@@ -24,7 +24,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
 from markupsafe import Markup
 
 from lammps_jump.analysis.draw.chart import Chart, Panel, Trace
-from lammps_jump.analysis.draw.scope import disc_speeds, seen, top_of
+from lammps_jump.analysis.draw.painter import disc_speeds, seen, top_of
 from lammps_jump.analysis.report import page
 from lammps_jump.analysis.report.frames import FramePacker
 from lammps_jump.analysis.report.player import about_run

@@ -152,7 +152,7 @@ def load(case: ReadCase) -> None:
     """Load what loads on first use: the core; xarray, 0.4 s; matplotlib, 0.4 s; the page."""
     load_netcdf()
     if has_page(case):
-        import_module("lammps_jump.analysis.draw.snapshots")
+        import_module("lammps_jump.analysis.draw.film")
         page.render("", ())
     core()
 

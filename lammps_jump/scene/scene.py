@@ -135,7 +135,7 @@ class Fixed:
 
 
 CONTACT = np.dtype([("disc", np.int64), ("partner", np.int64), *((name, float) for name in ("foot", "spring", "roll"))])
-"""A contact that a disc remembers, of two discs that with the larger id: a slot of `lammps_jump.physics.slots`."""
+"""A contact that a disc remembers, of two discs that with the larger id: a slot of `lammps_jump.physics.law`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,7 +183,7 @@ class Earlier:
         return f"Earlier({found.hexdigest()})"
 
     def slots(self, count: int) -> dict[str, np.ndarray]:
-        """Contact history of each disc, arrays of shape (n, count), named as `lammps_jump.physics.slots.Slots`."""
+        """Contact history of each disc, arrays of shape (n, count), named as `lammps_jump.physics.law.Slots`."""
         return _slots(self.contacts, len(self.spins), count)
 
     def corner_slots(self, count: int) -> dict[str, np.ndarray]:

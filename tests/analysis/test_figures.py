@@ -12,7 +12,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from PIL import Image
 
-from lammps_jump.analysis.draw import depth_profile, painter, scope, snapshots, xt_map
+from lammps_jump.analysis.draw import depth_profile, film, painter, xt_map
 from lammps_jump.analysis.draw import style as figures
 from lammps_jump.analysis.profiles import compute_profiles
 from lammps_jump.analysis.report.page import picture, smaller
@@ -83,7 +83,7 @@ def test_a_painted_picture_fills_its_axes_pixel_for_pixel(larger):
     figure = Figure(figsize=(1.0, 1.0), dpi=100 * larger)
     FigureCanvasAgg(figure)
     axes = figure.add_axes((0.2, 0.3, 0.6, 0.4))
-    axes.add_image(snapshots.Painted(picture, axes, painter.View((0.0, 6.0), (0.0, 4.0), 60, 40)))
+    axes.add_image(film.Painted(picture, axes, painter.View((0.0, 6.0), (0.0, 4.0), 60, 40)))
     axes.set_axis_off()
     figure.canvas.draw()
     drawn = np.asarray(figure.canvas.buffer_rgba())[30 * larger : 70 * larger, 20 * larger : 80 * larger, :3]
@@ -101,16 +101,16 @@ def test_what_the_page_shows_of_a_picture_is_the_same_from_memory_and_from_its_f
 
 
 def test_ten_snapshots(tmp_path):
-    figure = snapshots.snapshots(frames(21), CONTEXT)
+    figure = film.snapshots(frames(21), CONTEXT)
     titles = [axes.texts[0].get_text() for axes in figure.axes if axes.images]
     assert len(titles) == 10 and titles[0].startswith("t = 0.00 s") and titles[-1].startswith("t = 10.00 s")
     picture = figure.axes[0].images[0].get_array()
     blue = (np.abs(picture.astype(int) - painter.colour_table()[-1]).sum(axis=2) < 30).mean()
     assert blue > 0.05  # all discs move at 5 m/s, the top of the scale
     figures.save(figure, tmp_path / "ten.png")
-    assert len([axes for axes in snapshots.snapshots(frames(3), CONTEXT).axes if axes.images]) == 3
+    assert len([axes for axes in film.snapshots(frames(3), CONTEXT).axes if axes.images]) == 3
     with pytest.raises(DumpError, match="no frame"):
-        snapshots.snapshots([], CONTEXT)
+        film.snapshots([], CONTEXT)
 
 
 def test_empty_flow_can_be_drawn(tmp_path):
@@ -120,14 +120,14 @@ def test_empty_flow_can_be_drawn(tmp_path):
     profiles = compute_profiles(empty, CONTEXT)
     figures.save(figures.drawn(depth_profile(profiles, CONTEXT, lines={}, marks={})), tmp_path / "a.png")
     figures.save(figures.drawn(xt_map(profiles)), tmp_path / "b.png")
-    figures.save(snapshots.snapshots(empty, CONTEXT), tmp_path / "c.png")
+    figures.save(film.snapshots(empty, CONTEXT), tmp_path / "c.png")
 
 
 def test_end_of_a_colour_scale():
-    assert scope.top_of([np.full(1000, 18.2)]) == 20.0
-    assert scope.top_of([np.full(1000, 0.31)]) == pytest.approx(0.35)
-    assert scope.top_of([np.zeros(3)]) == 1.0 and scope.top_of([]) == 1.0
-    assert scope.top_of([np.append(np.full(1000, 1.0), 500.0)]) == 1.0
+    assert painter.top_of([np.full(1000, 18.2)]) == 20.0
+    assert painter.top_of([np.full(1000, 0.31)]) == pytest.approx(0.35)
+    assert painter.top_of([np.zeros(3)]) == 1.0 and painter.top_of([]) == 1.0
+    assert painter.top_of([np.append(np.full(1000, 1.0), 500.0)]) == 1.0
 
 
 def test_a_figure_that_cannot_be_written(profiles, tmp_path):
@@ -142,14 +142,14 @@ def test_a_figure_that_cannot_be_written(profiles, tmp_path):
 )
 def test_pictures_do_not_overlap(pictures, wide, columns):
     """Places lie inside the figure, apart from each other, above the colour bar, and in the true proportion."""
-    figure, found, width = snapshots.layout(pictures, wide)
+    figure, found, width = film.layout(pictures, wide)
     places = [place.get_position(figure).bounds for place in found]
     across, high = figure.get_size_inches()
     assert found[0].get_gridspec().ncols == columns and across <= 9.6 + 1e-9
     for left, bottom, share, height in places:
         assert left > 0 and left + share < 1 and bottom + height < 1
         assert share * across == pytest.approx(width) and width / (height * high) == pytest.approx(wide)
-        assert bottom * high > sum(snapshots.BAR)
+        assert bottom * high > sum(film.BAR)
     for i, one in enumerate(places):
         for two in places[:i]:
             apart = [one[k] >= two[k] + two[k + 2] or two[k] >= one[k] + one[k + 2] for k in (0, 1)]

@@ -15,15 +15,13 @@ from hypothesis import strategies as st
 from made_up import columns_of_discs, disc_frame, examples, flow_context, numbers
 
 from lammps_jump.analysis.beds.slope import AlongBed, sloping_stretch
-from lammps_jump.analysis.jump.certainty import LOCAL_BOUNDS, LOWER_BOUNDS, MADE_OF, UNTOLD, inherited
-from lammps_jump.analysis.jump.found import Budget, Jump, Local
+from lammps_jump.analysis.jump.found import LOCAL_BOUNDS, LOWER_BOUNDS, MADE_OF, UNTOLD, Budget, Jump, Local, inherited
 from lammps_jump.analysis.jump.frame import Moving, Roller, growth_rate
 from lammps_jump.analysis.jump.result import analyse_jump, level_reach, without_baffles
 from lammps_jump.analysis.jump.section import analyse, certainty, section
 from lammps_jump.analysis.jump.stream import compression_front, measure_stream, running_median
-from lammps_jump.analysis.jump.summary import summarise_jump
+from lammps_jump.analysis.jump.summary import belongs_to, notes, summarise_jump, untimed, worded
 from lammps_jump.analysis.jump.track import JumpTrack, equivalent_position, fit_ramp, straight_motion
-from lammps_jump.analysis.jump.verdict import belongs_to, notes, untimed, worded
 from lammps_jump.analysis.passes import Gathered, feed
 from lammps_jump.analysis.profiles import compute_profiles
 from lammps_jump.analysis.report.page import Beside, Table, Text, errors_of, render

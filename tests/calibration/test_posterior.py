@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal, multivariate_t, norm
 
-from lammps_jump.calibration.emulator import emulate
 from lammps_jump.calibration.model import model_of
-from lammps_jump.calibration.posterior import log_t, sample, shortest, sobol
+from lammps_jump.calibration.posterior import emulate, log_t, sample, shortest, sobol
 from lammps_jump.calibration.targets import Target
 
 

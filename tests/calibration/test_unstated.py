@@ -9,10 +9,9 @@ import pytest
 from lammps_jump.calibration import words
 from lammps_jump.calibration.answer import along, partner, unmet
 from lammps_jump.calibration.besides import Besides, Change, movers
-from lammps_jump.calibration.model import MOST_POINTS, model_of
+from lammps_jump.calibration.model import MOST, MOST_POINTS, alike, model_of, possible_errors, scatter_of
 from lammps_jump.calibration.posterior import sample, sobol
 from lammps_jump.calibration.targets import Target
-from lammps_jump.calibration.unstated import MOST, alike, possible_errors, scatter_of
 
 SCATTER, OVER = 0.01, 0.3
 """Of a single heap over starts, m, and the length over which it is alike, m."""

@@ -18,7 +18,7 @@ from lammps_jump.analysis.grains.layers import add_discs
 from lammps_jump.analysis.profiles import FrameDiscs, OpenEnds, bin_discs, connected, surface_of
 from lammps_jump.analysis.report.coder import encode
 from lammps_jump.analysis.report.player_check import holds_frames
-from lammps_jump.dump import rows
+from lammps_jump.dump import formats
 
 pytestmark = pytest.mark.usefixtures("compiled_core")
 seeds, counts = st.integers(0, 2**31), st.integers(0, 60)
@@ -160,25 +160,25 @@ def test_rows_of_text(lines, item, cut):
 
     def read():
         out = np.full((2, 5), -1.0)
-        return out, rows.parse_rows(data, (0, len(data)), out, 0, np.array([False, False]))
+        return out, formats.parse_rows(data, (0, len(data)), out, 0, np.array([False, False]))
 
     (one, reached), (two, plain) = both(read)
     np.testing.assert_array_equal(one[:, : reached[0]], two[:, : reached[0]])
-    assert reached == plain or (reached[2] == rows.NOT_PLAIN and plain[0] >= reached[0])
+    assert reached == plain or (reached[2] == formats.NOT_PLAIN and plain[0] >= reached[0])
 
 
 @pytest.mark.parametrize(
     ("text", "status"),
     [
-        ("1 2\n3 4\n", rows.ROWS_DONE),
-        ("1 2\n3 4", rows.NEED_MORE),
-        ("1 2\nITEM: X\n", rows.NEW_ITEM),
-        ("1 2\nITEM", rows.NEW_ITEM),
-        ("1 2\n3\n", rows.NOT_PLAIN),
+        ("1 2\n3 4\n", formats.ROWS_DONE),
+        ("1 2\n3 4", formats.NEED_MORE),
+        ("1 2\nITEM: X\n", formats.NEW_ITEM),
+        ("1 2\nITEM", formats.NEW_ITEM),
+        ("1 2\n3\n", formats.NOT_PLAIN),
     ],
 )
 def test_rows_stop_where_they_should(text, status):
     data = np.frombuffer(text.encode(), np.uint8)
-    one, two = both(lambda: rows.parse_rows(data, (0, len(data)), np.zeros((2, 2)), 0, np.zeros(2, bool)))
+    one, two = both(lambda: formats.parse_rows(data, (0, len(data)), np.zeros((2, 2)), 0, np.zeros(2, bool)))
     assert one == two and one[2] == status
-    assert status == rows.NOT_PLAIN or rows.skip_rows(data, (0, len(data)), 0, 2) == one
+    assert status == formats.NOT_PLAIN or formats.skip_rows(data, (0, len(data)), 0, 2) == one

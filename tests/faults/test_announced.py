@@ -21,9 +21,9 @@ from mutants import LONGEST, mutant
 
 from lammps_jump.dump.find import read_forces
 from lammps_jump.dump.read import open_dump
-from lammps_jump.dump.side_files.bodies import read_bodies
 from lammps_jump.dump.side_files.contacts import ContactFile, ContactWriter
 from lammps_jump.dump.side_files.poses import PoseFile
+from lammps_jump.dump.side_files.pushed import read_bodies
 from lammps_jump.dump.tables import table_of
 from lammps_jump.dump.tail import DumpTail, GrowingDump
 from lammps_jump.dump.write import DumpWriter

@@ -21,10 +21,9 @@ from stand_in_runs import CASE, DENSITY, FRICTION, VARY
 import lammps_jump as lj
 from lammps_jump import sweeps
 from lammps_jump.calibration.calibrate import Calibrated
-from lammps_jump.calibration.measured import measured_of
 from lammps_jump.calibration.search import Search
 from lammps_jump.calibration.study import parse_vary, read_calibration
-from lammps_jump.calibration.targets import parse_target
+from lammps_jump.calibration.targets import measured_of, parse_target
 from lammps_jump.drawings import doubts, entries, read_drawing, yaml_text
 from lammps_jump.dump.exports import write_netcdf
 from lammps_jump.dump.find import forces_of

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from lammps_jump.physics.slots import FULL, Slots, end_step, slot_of
+from lammps_jump.physics.law import FULL, Slots, end_step, slot_of
 
 WALL = -1
 

@@ -11,7 +11,8 @@ import pytest
 import lammps_jump as lj
 from lammps_jump.errors import CaseError
 from lammps_jump.studies import fluid
-from lammps_jump.studies.fluid import flow, law, page, shear, slosh, sound, store, study
+from lammps_jump.studies.fluid import discs as fluid_discs
+from lammps_jump.studies.fluid import flow, page, slosh, sound, store, study
 from lammps_jump.sweeps.table import mean_of
 
 CASE = "inputs/hydraulic_jump_graded.yaml"
@@ -94,7 +95,7 @@ class TestShear:
 
     def test_friction_and_packing(self, discs):
         """0.254 and 0.811 at I = 0.1 (1,000 discs, three starts); here 200 discs and one start, scatter 0.02."""
-        (found,) = shear.sheared(discs, 60e3, 1, numbers=(0.1,), count=200)
+        (found,) = sound.sheared(discs, 60e3, 1, numbers=(0.1,), count=200)
         number = found.inertial
         expected = 0.083 + 0.541 * number**0.5
         assert found.friction == pytest.approx(expected, abs=0.02)
@@ -102,18 +103,20 @@ class TestShear:
 
     def test_fit(self):
         inertial = np.geomspace(0.003, 0.3, 5)
-        found = law.fit_friction(inertial, 0.083 + 0.541 * inertial**0.5)
+        found = fluid_discs.fit_friction(inertial, 0.083 + 0.541 * inertial**0.5)
         assert found == pytest.approx((0.083, 0.541, 0.5), rel=1e-6)
-        assert law.fit_friction(inertial, found.static + found.slope * inertial**0.5, 0.5) == pytest.approx(found)
+        assert fluid_discs.fit_friction(inertial, found.static + found.slope * inertial**0.5, 0.5) == pytest.approx(
+            found
+        )
 
     @pytest.mark.parametrize(("depth", "rate", "nu"), [(1, 1, 2.2), (1, 10, 0.5), (6, 1, 10), (6, 10, 2.1)])
     def test_viscosity(self, depth, rate, nu):
         """nu = mu(I) p/(rho rate), two digits of the trial."""
-        friction = law.Friction(0.083, 0.541, 0.5)
-        assert law.viscosity(friction, 9810.0 * depth, rate, 0.2, 1000.0) == pytest.approx(nu, rel=0.05)
+        friction = fluid_discs.Friction(0.083, 0.541, 0.5)
+        assert fluid_discs.viscosity(friction, 9810.0 * depth, rate, 0.2, 1000.0) == pytest.approx(nu, rel=0.05)
 
     def test_rate(self):
-        assert law.shear_rate(0.1, 0.2, 1000.0, 60e3) == pytest.approx(0.1 * 60**0.5 / 0.2)
+        assert fluid_discs.shear_rate(0.1, 0.2, 1000.0, 60e3) == pytest.approx(0.1 * 60**0.5 / 0.2)
 
 
 class TestSound:
@@ -290,5 +293,5 @@ def test_the_whole_command(tmp_path, monkeypatch):
 def test_springs_hold_a_slope():
     """Friction 0.5 with springs and spin: the yield is several times that of discs without friction."""
     rough = lj.load_case(CASE, {"contact.friction": 0.5, "contact.friction_law": "history", "contact.rotation": True})
-    (found,) = shear.sheared(fluid.discs_of(rough), 60e3, 1, numbers=(0.1,), count=100)
+    (found,) = sound.sheared(fluid.discs_of(rough), 60e3, 1, numbers=(0.1,), count=100)
     assert found.friction > 0.3

@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 
 from lammps_jump.case import load_case
-from lammps_jump.studies.fluid import loops
 from lammps_jump.studies.fluid.cell import Cell
 from lammps_jump.studies.fluid.discs import FluidDiscs, discs_of
 
@@ -59,7 +58,7 @@ def cools(packing: float, count: int, starts: int, restitution: float = 0.9, las
         cell, speed = gas_cell(elastic, packing, count, seed, 20.0)
         cell.discs = discs
         tau = 4.0 / (1.0 - restitution**2) * discs.diameter / speed / collision_rate(packing)
-        energy = cell.advance(last * tau, rows)[:, loops.KINETIC]
+        energy = cell.advance(last * tau, rows)[:, cell.KINETIC]
         time = (np.arange(rows) + 0.5) * last / rows
         rates.append(cooling(time, energy, 0.2, last))
     return {"rates": rates, "time": time, "energy": energy / energy[0]}
@@ -72,7 +71,7 @@ def presses(packing: float, count: int, starts: int, collisions: float) -> dict:
     for seed in range(1, starts + 1):
         cell, speed = gas_cell(discs, packing, count, seed, 20.0)
         record = cell.advance(collisions * discs.diameter / speed / collision_rate(packing), 20)
-        area = float(cell.box[loops.LX] * cell.box[loops.LY])
-        pressure = 0.5 * (record[:, loops.SXX] + record[:, loops.SYY])
-        found.append(float(np.mean(pressure) * area / np.mean(record[:, loops.KINETIC])))
+        area = float(cell.box[cell.LX] * cell.box[cell.LY])
+        pressure = 0.5 * (record[:, cell.SXX] + record[:, cell.SYY])
+        found.append(float(np.mean(pressure) * area / np.mean(record[:, cell.KINETIC])))
     return {"z": found}

@@ -7,7 +7,7 @@
 
 namespace {
 
-// Whether a row is there, and what stops the reading else; dump/rows.py has the same numbers.
+// Whether a row is there, and what stops the reading else; dump/formats.py has the same numbers.
 enum { ROWS_DONE, NEED_MORE, NOT_PLAIN, NEW_ITEM };
 
 constexpr int64_t LARGEST = 290;    // exponent of ten in the tables, from -LARGEST on

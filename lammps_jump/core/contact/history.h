@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-/* What a disc remembers of its contacts; lammps_jump/physics/slots.py states it, and tests compare the two.
+/* What a disc remembers of its contacts; lammps_jump/physics/law.py states it, and tests compare the two.
 
    A partner is the id of a disc, above 0, or -1 - c for chain c of the walls; 0 in an empty slot. At a chain the arc length
    of the foot tells the contacts apart, and the nearest one goes on.

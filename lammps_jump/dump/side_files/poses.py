@@ -12,11 +12,43 @@ from pathlib import Path
 import numpy as np
 
 from lammps_jump.errors import DumpError
-from lammps_jump.files import POSES_HEADER, open_to_read
+from lammps_jump.files import POSES_HEADER, open_to_read, open_to_write, writes
 from lammps_jump.foreign import number_of
 from lammps_jump.scene.motion import Pose
 
-from .writer import SideWriter
+
+class SideWriter:
+    """Writes a file frame by frame, each before its frame goes to the dump.
+
+    Parameters
+    ----------
+    path : Path
+    append : bool
+        Write behind what the file holds.
+    head : bytes
+        What a new file begins with.
+
+    Raises
+    ------
+    DumpError
+        The file cannot be written.
+    """
+
+    def __init__(self, path: Path, *, append: bool = False, head: bytes = b""):
+        with writes(path):
+            self._file = open_to_write(path, append=append)
+            if not append:
+                self._file.write(head)
+
+    def put(self, rows: bytes) -> None:
+        """Write, and hand it to the system for readers."""
+        self._file.write(rows)
+        self._file.flush()
+
+    def close(self) -> None:
+        """Finish the file."""
+        self._file.close()
+
 
 MOST_POSES = 200_000_000
 """Bytes of the file that are read: a million frames of two walls."""

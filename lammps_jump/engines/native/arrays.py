@@ -21,7 +21,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from lammps_jump.core.law import LawNumbers
-from lammps_jump.physics.slots import Slots
+from lammps_jump.physics.law import Slots
 from lammps_jump.scene.chains import Faces
 from lammps_jump.scene.faces import FaceGrid
 
@@ -148,7 +148,7 @@ class Memory(NamedTuple):
     ids : ndarray of int64
         Of the discs.
     chain : ndarray of int64, shape (faces,)
-        What stands for the chain of a face in the slots (`lammps_jump.physics.slots`).
+        What stands for the chain of a face in the slots (`lammps_jump.physics.law`).
     around : ndarray, shape (faces,)
         Length of the chain of a face where it is closed, else 0, m.
     full : ndarray of int64, shape (1,)

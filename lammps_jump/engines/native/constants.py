@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from lammps_jump.physics.slots import Slots
+from lammps_jump.physics.law import Slots
 from lammps_jump.scene.scene import Scene
 
 from .arrays import Constants, Lists, Memory, StepConstants

@@ -12,11 +12,11 @@ from typing import Any
 
 from lammps_jump.dump.find import write_forces
 from lammps_jump.dump.frame import Frame, make_frame
-from lammps_jump.dump.side_files.bodies import write_bodies
 from lammps_jump.dump.side_files.contacts import ContactWriter
 from lammps_jump.dump.side_files.ended import write_ended
 from lammps_jump.dump.side_files.poses import PoseWriter
 from lammps_jump.dump.side_files.pressure import write_pressure
+from lammps_jump.dump.side_files.pushed import write_bodies
 from lammps_jump.dump.write import DumpWriter, run_writer
 from lammps_jump.engines import interrupts
 from lammps_jump.engines.checkpoint import Checkpoint, CheckpointWriter, cut_back, remove_checkpoint

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lammps_jump.core.columns import SumsOnWallColumns
-from lammps_jump.dump.side_files.bodies import Row
+from lammps_jump.dump.side_files.pushed import Row
 from lammps_jump.physics.devices import Holding, gate_areas, gate_sees, gate_speed
 from lammps_jump.scene.motion import Pose
 from lammps_jump.scene.scene import Pour, Scene

@@ -16,8 +16,7 @@ from lammps_jump.core.columns import PlacedColumns, StepClockColumns, WallMotion
 from lammps_jump.core.law import LawNumbers
 from lammps_jump.engines.native.arrays import ContactVelocities, Memory, Moves, State
 from lammps_jump.physics.elementary import cos, sin
-from lammps_jump.physics.law import Pair, contact_force, pressing, slider
-from lammps_jump.physics.slots import FULL, held, slot_of
+from lammps_jump.physics.law import FULL, Pair, contact_force, held, pressing, slider, slot_of
 from lammps_jump.scene.faces import foot_at, touching
 from lammps_jump.scene.tracks import pose_py
 

@@ -16,7 +16,7 @@ from lammps_jump.core.columns import (
 )
 from lammps_jump.engines.native.arrays import ContactVelocities, Moves, PressedSums, State, StepConstants
 from lammps_jump.engines.native.discs import DiscArrays
-from lammps_jump.physics.slots import end_step
+from lammps_jump.physics.law import end_step
 from lammps_jump.scene.faces import foot_at, mark_cells
 
 from . import bodies, contact, lists, pushed, sums

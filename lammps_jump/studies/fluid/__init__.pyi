@@ -1,21 +1,21 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 from .cell import Cell as Cell
 from .discs import FluidDiscs as FluidDiscs
+from .discs import Friction as Friction
 from .discs import discs_of as discs_of
+from .discs import fit_friction as fit_friction
+from .discs import shear_rate as shear_rate
+from .discs import viscosity as viscosity
 from .flow import FlowScales as FlowScales
 from .flow import flow_of as flow_of
-from .law import Friction as Friction
-from .law import fit_friction as fit_friction
-from .law import shear_rate as shear_rate
-from .law import viscosity as viscosity
-from .shear import Sheared as Sheared
-from .shear import sheared as sheared
 from .slosh import Slosh as Slosh
 from .slosh import slosh_of as slosh_of
 from .slosh import swing_of as swing_of
 from .slosh import water_frequency as water_frequency
+from .sound import Sheared as Sheared
 from .sound import Sound as Sound
 from .sound import damped_cosine as damped_cosine
+from .sound import sheared as sheared
 from .sound import sound_speed as sound_speed
 from .store import flow_numbers_in_words as flow_numbers_in_words
 from .store import numbers_at as numbers_at

@@ -14,9 +14,8 @@ import numpy as np
 from lammps_jump.analysis.draw.style import BLACK, BLUE, GOLD, GREY, RED, drawing, save
 from lammps_jump.analysis.tables.markdown import markdown, paragraphs
 
-from .discs import FluidDiscs
+from .discs import FluidDiscs, Friction, viscosity
 from .flow import FlowScales
-from .law import Friction, viscosity
 
 WATER = {"viscosity": 1e-6, "sound": 1480.0}
 """Water at 20 degrees Celsius: kinematic viscosity, m^2/s, and speed of sound, m/s."""

@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Speed of sound in packed discs at rest, from a standing wave as long as a box without walls."""
+"""Discs in a box without walls: speed of sound from a standing wave; friction and packing sheared under a pressure."""
 
 from __future__ import annotations
 
-from math import hypot, pi
+from collections.abc import Sequence
+from math import hypot, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
-from . import loops
-from .cell import Cell
-from .discs import FluidDiscs
+from .cell import AREA, LX, SXX, SXY, SYY, WAVE, Cell
+from .discs import FluidDiscs, shear_rate
 
 LENGTH, HEIGHT = 104, 10
 """Discs along the wave and across it."""
@@ -92,13 +92,70 @@ def sound_speed(discs: FluidDiscs, pressure: float, seed: int, *, length: int = 
     cell.close(pressure)
     cell.advance(SETTLE * discs.root_time, 1, pressure=pressure)
     cell.stop()
-    long, guess = cell.box[loops.LX], EXPECTED * discs.signal_speed
+    long, guess = cell.box[LX], EXPECTED * discs.signal_speed
     speed = STRAIN * guess * pressure / (EXPECTED**2 * discs.coefficients.stiffness)
     cell.swarm.vx[:] = speed * np.sin(2.0 * pi * cell.swarm.x / long)
     cell.swarm.vy[:] = 0.0
     time = PERIODS * long / guess
-    mode = cell.advance(time, SAMPLES)[:, loops.WAVE]
+    mode = cell.advance(time, SAMPLES)[:, WAVE]
     every = max(1, round(time / SAMPLES / discs.coefficients.time_step)) * discs.coefficients.time_step
     swing = damped_cosine(every * np.arange(1, SAMPLES + 1), mode / speed, 2.0 * pi * guess / long)
     found = swing.undamped * long / (2.0 * pi)
     return Sound(found, found / discs.signal_speed, cell.packing)
+
+
+INERTIAL = (0.3, 0.1, 0.03, 0.01, 0.003)
+"""Inertial numbers, from quick to slow: each begins where the one before has ended."""
+COUNT = 600
+APART = {0.3: (3.0, 8.0), 0.1: (2.0, 6.0), 0.03: (1.0, 4.0), 0.01: (0.7, 2.5), 0.003: (0.4, 1.2)}
+"""Strain before and while the means are taken, by inertial number."""
+ROWS = 20
+EXPANDED = 0.4
+"""Packing below which discs are a gas, which expands for ever."""
+
+
+class Sheared(NamedTuple):
+    """Means of a sheared box: inertial number, friction mu, packing phi, pressure (Pa)."""
+
+    inertial: float
+    friction: float
+    packing: float
+    pressure: float
+
+
+def sheared(
+    discs: FluidDiscs, pressure: float, seed: int, *, numbers: Sequence[float] = INERTIAL, count: int = COUNT
+) -> list[Sheared]:
+    """Shear one start at each inertial number, from quick to slow; those at which discs expand are left out.
+
+    Parameters
+    ----------
+    discs : FluidDiscs
+    pressure : float
+        Held, Pa.
+    seed : int
+    numbers : sequence of float
+    count : int
+        Discs of the box.
+    """
+    cell, rate, found = Cell(discs, count, seed), 0.0, []
+    cell.close(pressure)
+    for number in sorted(numbers, reverse=True):
+        before, during = APART.get(number, (1.0, 3.0))
+        old, rate = rate, shear_rate(number, discs.diameter, discs.density, pressure)
+        cell.shear(old, rate)
+        cell.advance(before / rate, 1, rate=rate, pressure=pressure)
+        record = cell.advance(during / rate, ROWS, rate=rate, pressure=pressure)
+        one = of_record(record, rate, cell)
+        if one.packing > EXPANDED:
+            found.append(one)
+    return found
+
+
+def of_record(record: np.ndarray, rate: float, cell: Cell) -> Sheared:
+    """Means of a record of `Cell.advance` at a rate (1/s)."""
+    means = record.mean(axis=0)
+    pressure = 0.5 * float(means[SXX] + means[SYY])
+    inertial = rate * cell.discs.diameter * sqrt(cell.discs.density / pressure)
+    packing = cell.covered / float(means[AREA])
+    return Sheared(inertial, -float(means[SXY]) / pressure, packing, pressure)

@@ -15,9 +15,8 @@ from lammps_jump.files import plain, read_json
 from lammps_jump.foreign import foreign
 from lammps_jump.identity import DEFAULTS_SINCE_V1, short_hash
 
-from .discs import FluidDiscs, discs_of
+from .discs import FluidDiscs, Friction, discs_of, viscosity
 from .flow import FlowScales, flow_of
-from .law import Friction, viscosity
 
 METHOD = 1
 """Of the measurement; another number measures again what is stored."""

@@ -23,10 +23,9 @@ from lammps_jump.studies.folder import held_folder
 from lammps_jump.sweeps import Pool, Say, Store
 from lammps_jump.sweeps.table import mean_of
 
-from . import page, shear, slosh, sound
-from .discs import FluidDiscs, discs_of
+from . import page, slosh, sound
+from .discs import FluidDiscs, discs_of, fit_friction
 from .flow import FlowScales, flow_of, zones_of
-from .law import fit_friction
 from .store import Numbers, measured_key, numbers_at, slosh_depth, store_of
 
 STARTS, QUICK_STARTS = 3, 2
@@ -37,7 +36,7 @@ COMPRESSIBLE = 0.2
 
 def shear_start(discs: FluidDiscs, pressure: float, seed: int, numbers: tuple[float, ...]) -> list[Numbers]:
     """`shear.sheared` as plain data, for a worker."""
-    return [one._asdict() for one in shear.sheared(discs, pressure, seed, numbers=numbers)]
+    return [one._asdict() for one in sound.sheared(discs, pressure, seed, numbers=numbers)]
 
 
 def sound_start(discs: FluidDiscs, pressure: float, seed: int) -> Numbers:
@@ -143,7 +142,7 @@ def fluid(
         store = Store(store_of(measured_key(discs, flow)), fresh=fresh)
         pressure, h = flow.pressure(discs.density), slosh_depth(discs, flow)
         seeds = range(1, (QUICK_STARTS if quick else STARTS) + 1)
-        numbers = QUICK_NUMBERS if quick else shear.INERTIAL
+        numbers = QUICK_NUMBERS if quick else sound.INERTIAL
         calls: list[partial[Any]] = [partial(shear_start, discs, pressure, seed, numbers) for seed in seeds]
         calls += [partial(slosh_start, discs, h, flow.gravity, seed) for seed in seeds]
         calls += [partial(sound_start, discs, pressure, seed) for seed in seeds]

@@ -19,7 +19,7 @@ from lammps_jump.engines.native.arrays import (
     PressedSums,
     State,
 )
-from lammps_jump.physics.slots import Slots
+from lammps_jump.physics.law import Slots
 from lammps_jump.scene.chains import Faces
 from lammps_jump.scene.faces import MOST, grid_of
 from lammps_jump.scene.meeting import LARGEST_OVERLAP, SLOTS, corners, laws_between, meets
