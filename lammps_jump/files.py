@@ -88,6 +88,7 @@ RUN_FILES = (
     RANKS_FILE,
 )
 """What the engines read and write in a run folder (names and patterns)."""
+CRATE = "ro-crate-metadata.json"
 EXPORTS = {
     "csv": ("profiles.csv", "profiles_mean.csv"),
     "vtk": ("discs[0-9].vtp", "discs.pvd", "fields.vti", "walls.vtp", "walls[0-9].vtp", "walls.pvd"),
@@ -104,6 +105,7 @@ RESULT_FILES = (
     "report.html",
     "live.png",
     "fields.nc",
+    CRATE,
     *(name for names in EXPORTS.values() for name in names),
 )
 """What is made of them, tables and figures of the analyses besides (`lammps_jump.analysis.quantities`)."""
@@ -111,7 +113,7 @@ TABLE, FIGURE = re.compile(r"[a-z][a-z0-9_]*\.csv"), re.compile(rf"figures/[a-z0
 """What tables and figures of the analyses are called."""
 ARRAY_FILE = "sweep.slurm"
 SWEEP_FILES = (
-    "study.yaml", "points.json", "summary.json", "table.csv", "table.nc", "sweep.html", ARRAY_FILE,
+    "study.yaml", "points.json", "summary.json", "table.csv", "table.nc", "sweep.html", ARRAY_FILE, CRATE,
     *(f"figures/sweep_*.{ending}" for ending in PICTURES),
 )  # fmt: skip
 """What the folder of a study holds beside ``runs/`` (names and patterns)."""

@@ -58,6 +58,7 @@ FILES = {
     "walls[0-9].vtp": "walls of a frame, where they move",
     "walls.pvd": "list of these files with their times",
     "picture[0-9].dat": "pictures of the thesis' program (`export --pictures`)",
+    "ro-crate-metadata.json": "the folder as a bundle to cite (`export --crate`)",
 }
 """What each file holds that no analysis tells of; a name of the program that is missing here stops the build."""
 

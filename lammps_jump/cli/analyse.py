@@ -247,10 +247,21 @@ def export(
     csv: Annotated[bool, typer.Option("--csv", help="Profiles as tables.")] = False,
     pictures: Annotated[bool, typer.Option("--pictures", help="picture0.dat … picture9.dat of the thesis.")] = False,
     out: Annotated[Path | None, place("Folder for the files (default: the folder itself).")] = None,
+    crate: Annotated[
+        bool, typer.Option("--crate", help="ro-crate-metadata.json of a run or study: a bundle to cite.")
+    ] = False,
+    licence: Annotated[
+        str | None, typer.Option("--license", help="Of the bundle: a name of SPDX, such as CC-BY-4.0, or an address.")
+    ] = None,
 ) -> None:
     """Write what other programs read; prints the names of the files."""
     kinds = [name for name, wanted in (("vtk", vtk), ("csv", csv), ("pictures", pictures)) if wanted]
-    if not kinds:
-        raise CaseError("export: nothing to write; name one or more of --vtk, --csv and --pictures")
-    for path in runs.results.export(target, kinds, out):
-        print(path)
+    if not kinds and not crate:
+        raise CaseError("export: nothing to write; name one or more of --vtk, --csv, --pictures and --crate")
+    if crate and (licence is None or out is not None):
+        said = (
+            "--license, such as CC-BY-4.0" if licence is None else "no --out: a bundle lies in the folder it describes"
+        )
+        raise CaseError(f"export --crate: needs {said}")
+    written = runs.results.export(target, kinds, out) if kinds else []
+    print(*written, *([runs.crate.write_crate(target, licence or "")] if crate else []), sep="\n")
