@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import re
 import sys
+from collections.abc import Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import replace
 from functools import partial
@@ -16,12 +17,12 @@ import typer
 
 import lammps_jump as lj
 import lammps_jump.case as cases
-from lammps_jump import cli, compiling, core, drawings, engines, files, live, runs, served, studies
+from lammps_jump import cli, compiling, core, drawings, engines, files, live, runs, served, studies, sweeps
 from lammps_jump.engines import interrupts
-from lammps_jump.errors import CaseError, SetupError
+from lammps_jump.errors import CaseError, FieldError, SetupError
 from lammps_jump.foreign import bounded
 from lammps_jump.quoting import echoed, shortened, typed
-from lammps_jump.units import to_si, unit_in_words
+from lammps_jump.units import parse_accuracy, to_si, unit_in_words
 
 from .options import Accuracy, CaseFile, Commands, EngineName, Kernel, Sets, assignments, has_display, open_page, place
 
@@ -124,21 +125,54 @@ def check(
     set_: Sets = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")] = False,
     picture: Annotated[bool, typer.Option("--picture", help="Also draw the case, as `preview` does.")] = False,
+    of: Annotated[
+        list[str] | None,
+        typer.Option("--of", metavar="KEY", help="A number, such as jump.y2: how many starts it will take."),
+    ] = None,
+    within: Annotated[str, typer.Option("--within", help="Share of it that ± is to be (95 %), for --of.")] = "5%",
+    pilot: Annotated[
+        int | None,
+        typer.Option("--pilot", min=3, max=100, help="Run so many starts for --of, where none are known."),
+    ] = None,
 ) -> None:
-    """Check a case and print all numbers that follow from it. Runs nothing; writes nothing without --picture."""
-    loaded = cases.load_case(case, assignments(set_, engine=engine, kernel=kernel, accuracy=accuracy))
+    """Check a case; prints all numbers that follow from it. Runs nothing without --pilot, draws with --picture."""
+    loaded = lj.load_case(case, assignments(set_, engine=engine, kernel=kernel, accuracy=accuracy))
     resolved, chosen = engines.accuracy.with_accuracy(loaded)
     found = resolved.check()
     found = replace(found, scene=replace(found.scene, warnings=(*found.warnings, *chosen)))
     measured = studies.fluid.stored(resolved)
+    time, powers = foretold(loaded, of or (), within, pilot)
     if as_json:
         data = found.as_data() | ({"fluid": files.plain(measured)} if measured else {})
+        data |= files.plain(runs.known.as_data(time, powers))
         print(json.dumps(data, indent=2, allow_nan=False))
     else:
         print(found, *([studies.fluid.flow_numbers_in_words(measured)] if measured else []), sep="\n\n")
+        print(
+            "", "before it is run, by what is known on this machine", *(f"  {one}" for one in (time, *powers)), sep="\n"
+        )
     if picture:
         written = runs.view.write_preview(resolved)
         print(*written, sep="\n", file=sys.stderr if as_json else sys.stdout)
+
+
+def foretold(
+    case: lj.Case, of: Sequence[str], within: str, pilot: int | None
+) -> tuple[runs.known.RunTime, list[runs.known.Power]]:
+    """Time of a run, and starts that numbers will take; `pilot` starts are run for those of which none are known."""
+    share = parse_accuracy(within)
+    for path in of:
+        try:
+            sweeps.collected(path, case, "--of")
+        except FieldError as error:
+            raise CaseError(str(error)) from None
+    if pilot and not of:
+        raise CaseError("--pilot runs starts for a number; name it with --of, such as --of jump.y2")
+    if pilot and any(runs.known.scatter_of(case, path) is None for path in of):
+        lj.sweep(case, members=pilot, collect=list(of))
+    resolved, setting, _ = runs.engine.choose_setting(case)
+    time = runs.known.time_of(resolved, setting)
+    return time, [runs.known.power_of(case, path, share, time) for path in of]
 
 
 @app.command()

@@ -106,6 +106,7 @@ def _run(
         before = {"build": time.perf_counter() - begin}
     with files_at_risk(folder), Ahead(case, folder, setting, whole=checkpoint is None) as ahead:
         result, steady = _run_engine(case, folder, setting, checkpoint, watch)
+        runs.known.remember_run(case, setting, result)
         if checkpoint is not None:
             clear(folder, set(quantities.result_files()) - {SUMMARY_FILE})  # those of the part before
         Conclusion(case, folder, setting, result, steady, before, notes, watch[0], ahead).conclude()

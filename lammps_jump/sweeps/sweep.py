@@ -23,6 +23,7 @@ from lammps_jump.files import SWEEP_FILES, write_json, write_text
 from lammps_jump.folders import Marker, clear
 from lammps_jump.provenance import usable_cores
 from lammps_jump.quoting import typed
+from lammps_jump.runs import known
 from lammps_jump.runs.folder import run_folder
 from lammps_jump.runs.run import Case
 
@@ -252,7 +253,18 @@ def sweep(
         found = _complete(found, pool, retry, progress)
         pool.close()
         found.write()
+    _remember(found)
     return found
+
+
+def _remember(found: Sweep) -> None:
+    """Keep how much the starts of each point scatter: `check` foretells from it how many a number takes."""
+    study = found.study
+    cells = {item.path: sweeps.table.records(found.table, item.path) for item in study.collect}
+    for number, point in enumerate(study.points):
+        here = {path: ones[number] for path, ones in cells.items()}
+        numbers = {path: (one["mean"], one["sd"], int(one["n"])) for path, one in here.items()}
+        known.remember_scatter(study.case.replace(point), numbers)
 
 
 def _load_page() -> None:

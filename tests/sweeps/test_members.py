@@ -5,7 +5,7 @@ import json
 import shutil
 
 import pytest
-from made_up import BOX, STUDY, call, files
+from made_up import BOX, INPUTS, STUDY, call, files
 
 import lammps_jump as lj
 import lammps_jump.sweeps.study_folder as on_disk
@@ -184,3 +184,16 @@ def test_the_status_makes_only_the_members_that_have_a_folder(tmp_path, monkeypa
     monkeypatch.setattr(on_disk, "MOST_UNLISTED", 3)
     with pytest.raises(lj.CaseError, match="does not list these 4 runs"):
         open_sweep(found.folder).status()
+
+
+@pytest.mark.long
+def test_one_run_fixes_a_gauge_for_a_second_or_so(tmp_path):
+    """Discs 1e-12 d apart at the start: after 0.75 s of `dam_break` 0.01 d, and 1 % of the depth at x = 5 m by 1 s."""
+    depths = []
+    for name, shift in (("one", 0.0), ("other", 2e-13)):
+        case = lj.load_case(INPUTS / "dam_break.yaml", {"engine.name": "native", "run.duration": 1.5})
+        case = case.set({"analysis.figures": "none", "initial.0.x": [shift, case.fields.initial[0].x[1] + shift]})
+        profiles = case.run(tmp_path / name).profiles
+        depths.append(profiles.mass_depth.sel(x=5.0, method="nearest"))
+    off = abs(depths[0] - depths[1]) / depths[0].mean()
+    assert float(off.sel(time=slice(0, 0.4)).max()) < 1e-6 < 0.01 < float(off.sel(time=slice(0.9, 1.5)).max())
