@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import hashlib
 import io
+import re
 import struct
 import sys
 import threading
@@ -22,6 +23,11 @@ from .read import Dump
 
 MARKER = b"ITEM: TIME\n"
 """First line of each frame that our engines write."""
+HEAD = re.compile(
+    rb"ITEM: TIME\n[^\n]*\nITEM: TIMESTEP\n\d+\nITEM: NUMBER OF ATOMS\n(\d{1,10})\n"
+    rb"ITEM: BOX BOUNDS[^\n]*\n(?:[^\n]*\n){3}ITEM: ATOMS [^\n]*\n"
+)
+"""First lines of a frame that our engines write, with the number of lines behind them."""
 BINARY_MARKER = struct.pack("<q10s", -10, b"DUMPCUSTOM")
 """First bytes of each binary frame."""
 GZIP = 31
@@ -104,6 +110,8 @@ class _Arrived(DumpFile):
 class DumpTail:
     """The end of a dump that grows.
 
+    A frame of a text is whole with the last line that it announces, so that it is seen as soon as it is written.
+
     Parameters
     ----------
     path : Path
@@ -124,7 +132,7 @@ class DumpTail:
         self.at_end = False
 
     def new_frames(self, *, ended: bool = False, most: int = -1) -> Iterator[Frame]:
-        """Frames that have become whole since the last call; the newest is whole once another begins.
+        """Frames that have become whole since the last call; of a binary dump the newest once another begins.
 
         Where the run has `ended` the last is whole too. At most `most` bytes are read, by default all, and of a gzip
         file `MOST_UNPACKED` unpacked; `at_end` then says whether these were the last ones.
@@ -147,12 +155,21 @@ class DumpTail:
         self._read += len(arrived)
         data = self._left + (self._unpack(arrived) if self.format == "gz" else arrived)
         self.at_end = not rest and not self._packed
-        last = len(data) if ended and self.at_end else max(data.rfind(self._marker), 0)
+        last = len(data) if ended and self.at_end else self._whole(data)
         self._left = data[last:]
         if len(self._left) > MOST_LEFT:
             raise DumpError(f"{self.path}: no frame begins within {MOST_LEFT:,} bytes, so this is no dump of a run")
         if last:
             yield from self._frames(data[max(data.find(self._marker), 0) : last])
+
+    def _whole(self, data: bytes) -> int:
+        """Bytes from the beginning that hold whole frames alone."""
+        begun = max(data.rfind(self._marker), 0)
+        head = None if self.format == "binary" else HEAD.match(data, begun)
+        if head is None:
+            return begun
+        left = data.count(b"\n", head.end()) - int(head[1])
+        return len(data) if left == 0 and data.endswith(b"\n") else begun
 
     @property
     def was_cut(self) -> bool:

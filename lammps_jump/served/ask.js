@@ -53,11 +53,13 @@ function showRun(number) {
   byId("run-place").replaceChildren(frame);
 }
 
-// Do something again and again, so many milliseconds after it has ended, while the page is seen.
+// Do something again and again, so many milliseconds (a number, or what a function tells) after it has ended, while the
+// page is seen.
 function again(milliseconds, act) {
+  const pause = typeof milliseconds === "function" ? milliseconds : () => milliseconds;
   const turn = async () => {
     if (!document.hidden) await act();
-    setTimeout(turn, milliseconds);
+    setTimeout(turn, pause());
   };
   turn();
 }

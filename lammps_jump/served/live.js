@@ -4,6 +4,11 @@
 // Rows that there is room for at first.
 const ROOM = 1 << 16;
 const WORDS = 6;
+// Of gaps between frames that come: how many are remembered, the longest one that counts and the first one that is
+// expected, ms; how much slower than the longest of them the picture moves, so that it seldom stands.
+const GAPS = 5, LONGEST_GAP = 4000, FIRST_GAP = 400, SLOWER = 1.1;
+// Milliseconds between pictures of a run that grows: the run needs the processor, too.
+const DRAWN_EVERY = 45;
 
 class Growing {
   // About the run, as `about` of the server has it.
@@ -69,13 +74,69 @@ class Growing {
   }
 }
 
-// Show in a player what has been added to its run; the newest instant, if that was shown before.
-function showGrowth(p, seen) {
-  const { run } = p, newest = p.time >= p.end, [first, last] = [run.times[0], run.times[run.times.length - 1]];
+// The time that is shown of a run that grows. Frames come in bursts, and the picture goes on evenly between them: it
+// moves on to the newest frame so that it is there when the next one is to be expected.
+class Following {
+  constructor(time) {
+    Object.assign(this, { from: time, to: time, begun: 0, lasts: 0, gaps: [], arrived: null, shown: time });
+  }
+
+  // Frames up to a time (s) have come, at an instant (ms).
+  arrive(now, end) {
+    if (this.arrived !== null) this.gaps = [...this.gaps, Math.min(now - this.arrived, LONGEST_GAP)].slice(-GAPS);
+    const lasts = this.gaps.length ? SLOWER * Math.max(...this.gaps) : FIRST_GAP;
+    Object.assign(this, { from: this.at(now), to: end, begun: now, lasts, arrived: now });
+  }
+
+  // The time to be shown at an instant; it never goes back, nor beyond the newest frame.
+  at(now) {
+    const share = this.lasts ? Math.min(Math.max((now - this.begun) / this.lasts, 0), 1) : 1;
+    const time = share < 1 ? this.from + share * (this.to - this.from) : this.to;
+    return (this.shown = Math.max(this.shown, Math.min(time, this.to)));
+  }
+
+  get isThere() {
+    return this.shown >= this.to;
+  }
+}
+
+function isFollowing(p) {
+  return Boolean(p.following) && !p.playing;
+}
+
+// Show the newest of a player's run from now on, until its reader goes elsewhere.
+function followNewest(p) {
+  p.following = new Following(p.end);
+  setTime(p, p.end);
+  document.addEventListener("seek", ({ detail }) => { p.following = detail >= p.end ? new Following(p.end) : null; });
+  document.addEventListener("play", ({ detail }) => { if (detail.on) p.following = null; });
+  let drawn = 0;
+  const turn = (now) => {
+    if (!p.following && !p.playing && p.time >= p.end) p.following = new Following(p.end);
+    if (isFollowing(p) && now - drawn >= DRAWN_EVERY && !(p.following.isThere && p.time === p.following.to)) {
+      drawn = now;
+      setTime(p, p.following.at(now));
+    }
+    requestAnimationFrame(turn);
+  };
+  requestAnimationFrame(turn);
+}
+
+// Go on with the newest of another run of a player, which may have begun anew.
+function goOnFollowing(p, now) {
+  if (p.following.shown > p.end) p.following = new Following(p.end);
+  else p.following.arrive(now, p.end);
+  p.time = p.following.shown;
+}
+
+// Show in a player what has been added to its run, at an instant (ms).
+function showGrowth(p, seen, now) {
+  const { run } = p, [first, last] = [run.times[0], run.times[run.times.length - 1]];
   Object.assign(p, { end: last, oldest: oldest(run), found: roomFor(run) });
   Object.assign(part(p, "time"), { min: first, max: last });
   offerColours(p);
   if (JSON.stringify(seen) !== JSON.stringify(run.seen)) layOut(p);
-  if (newest && !p.playing) setTime(p, last);
-  else draw(p);
+  if (!isFollowing(p)) return void draw(p);
+  if (still.matches) setTime(p, (p.following = new Following(last)).shown);
+  else p.following.arrive(now, last);
 }

@@ -226,6 +226,7 @@ class CasePages(Opened):
         if not there:
             self._started[folder] = case.core
             self.children.start(folder, *self._words(case, folder))
+            self.runs.expect(folder, case)
         return answer({"number": self.runs.number(folder)})
 
     def _words(self, case: ReadCase, folder: Path) -> list[str | Path]:

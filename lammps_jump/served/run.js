@@ -1,7 +1,8 @@
 "use strict";
 // The page of a run: asks the server what is new, and shows it.
 
-const ASK_AGAIN = 400;
+// Milliseconds after an answer until the next question: of a run that goes on, of another one, and of curves.
+const ASK_SOON = 60, ASK_AGAIN = 400, CURVES_AGAIN = 1000;
 const WORDS_OF = {
   none: "There is no run yet", starting: "The run begins", running: "The run goes on", complete: "The run is complete",
   interrupted: "The run was stopped and can go on", failed: "The run failed", refused: "The command was refused",
@@ -10,18 +11,27 @@ const WORDS_OF = {
 
 const OWN_NAME = Math.random().toString(36).slice(2);
 
-let growing = null, shownOf = null, shownCurves = "";
+let growing = null, shownOf = null, shownCurves = "", status = "none", curvesOf = "";
 
 async function refresh() {
   const { ok, data } = await ask("state");
   if (!ok) return void (byId("error").textContent = data.refused);
   showState(data);
   if (data.about) await showFrames(data);
-  showCurves(data.curves || []);
   return data.more ? refresh() : undefined;
 }
 
+// Curves take longer than frames, and are asked for beside them where there are new frames.
+async function refreshCurves() {
+  const now = growing ? `${shownOf} ${growing.times.length} ${status}` : "";
+  if (now === curvesOf) return;
+  curvesOf = now;
+  const { ok, data } = await ask("curves");
+  if (ok) showCurves(data);
+}
+
 function showState(data) {
+  status = data.status;
   byId("error").textContent = ["failed", "refused"].includes(data.status) ? data.message : data.trouble || "";
   byId("name").textContent = data.name ? [data.name, data.description].filter(Boolean).join(": ") : data.folder;
   document.title = `${data.name || data.folder}: lammps-jump`;
@@ -57,12 +67,12 @@ async function showFrames(data) {
   const [p] = players;
   if (p.run !== growing) {
     pageData.players[0] = growing;
-    const newest = p.time >= p.end;
+    const newest = isFollowing(p);
     takeRun(p, 0);
-    p.time = newest ? p.end : p.time;
+    if (newest) goOnFollowing(p, performance.now());
     layOut(p);
   } else {
-    showGrowth(p, seen);
+    showGrowth(p, seen, performance.now());
   }
   tellAll("frames", growing.times.length);
 }
@@ -72,7 +82,7 @@ function begin() {
   pageData.players = [growing];
   byId("shown").replaceChildren(byId("player").content.cloneNode(true));
   const p = startPlayer(byId("shown").querySelector(".player"), 0);
-  setTime(p, p.end);
+  followNewest(p);
   tellAll("frames", growing.times.length);
 }
 
@@ -124,4 +134,5 @@ async function differently() {
 byId("differently").addEventListener("click", differently);
 byId("stop").addEventListener("click", () => act("stop"));
 byId("go-on").addEventListener("click", () => act("go-on"));
-again(ASK_AGAIN, refresh);
+again(() => (["starting", "running"].includes(status) ? ASK_SOON : ASK_AGAIN), refresh);
+again(() => CURVES_AGAIN, refreshCurves);

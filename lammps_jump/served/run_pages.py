@@ -13,6 +13,7 @@ from threading import Lock
 from typing import Any
 
 from lammps_jump import sweeps
+from lammps_jump.case.case import ReadCase
 from lammps_jump.errors import SetupError
 from lammps_jump.files import MOST_TEXT, read_file
 from lammps_jump.quoting import typed
@@ -84,8 +85,12 @@ class RunPages:
                 return len(known)
             return known.index(folder)
 
+    def expect(self, folder: Path, case: ReadCase) -> None:
+        """Show the start of a case whose run has just been asked for."""
+        self._runs[self.number(folder)].expect(case)
+
     def get(self, path: str, query: Mapping[str, str]) -> Reply | None:
-        """Page, state or frames of ``<number>/…``, or where its report is."""
+        """Page, state, curves or frames of ``<number>/…``, or where its report is."""
         run, part = self._found(path)
         if run is None:
             return None
@@ -93,6 +98,8 @@ class RunPages:
             return run_page()
         if part == "state":
             return answer(self._state(run))
+        if part == "curves":
+            return answer(run.curves())
         if part == "frames":
             first = query.get("first", "")
             if not (first.isascii() and first.isdigit() and len(first) < 9):

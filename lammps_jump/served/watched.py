@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from threading import Lock
 from time import perf_counter
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -27,7 +27,7 @@ from lammps_jump.analysis.report.player import about_run
 from lammps_jump.case.case import ReadCase
 from lammps_jump.dump import FrameCheck
 from lammps_jump.dump.find import ForceHistory, forces_of, read_forces
-from lammps_jump.dump.frame import Frame
+from lammps_jump.dump.frame import Frame, make_frame
 from lammps_jump.dump.tail import DumpTail
 from lammps_jump.engines.checkpoint import has_checkpoint
 from lammps_jump.engines.lammps.finish import forces_text
@@ -41,8 +41,9 @@ from lammps_jump.runs.state import has_output
 from lammps_jump.runs.summary import read_summary
 from lammps_jump.scene.scene import Scene
 
-PATIENCE = 1.0
-"""Seconds after which curves are made again of what has come."""
+if TYPE_CHECKING:
+    import xarray as xr
+
 PLACES = (0.25, 0.5, 0.75)
 """Of the channel, where the depth is followed if the case has no gauges."""
 TITLES = {
@@ -50,6 +51,13 @@ TITLES = {
     "forces": "Force on the structures",
     "energy": "Energy of the discs, that of contacts left out",
 }
+
+
+class GatheredSoFar(NamedTuple):
+    """Profiles and energies of the frames that have come, which later ones do not change."""
+
+    profiles: xr.Dataset
+    energy: energy.EnergyHistory
 
 
 class SoFar:
@@ -70,20 +78,16 @@ class SoFar:
         # elastic energy needs the contacts of every frame: the report has it
         self.energy = energy.EnergyLedger(flow, elastic=False)
         self.collectors: list[Collector] = [self.binner, self.energy]
-        self._made: list[dict[str, Any]] = []
-        self._made_at, self._of = 0.0, -1
 
-    def curves(self, *, live: bool) -> list[dict[str, Any]]:
-        """Title, key and described curve (or the reason why it is absent) of each; made again when it is time to."""
-        count = self.binner.frames
-        if count == self._of or (live and perf_counter() - self._made_at < PATIENCE and self._made):
-            return self._made
-        self._made_at, self._of = perf_counter(), count
-        self._made = self._make(live) if count else []
-        return self._made
+    def gathered(self) -> GatheredSoFar | None:
+        """What the curves are made of, of the frames that have come; None where there are none."""
+        if not self.binner.frames:
+            return None
+        return GatheredSoFar(self.binner.result(), self.energy.result())
 
-    def _make(self, live: bool) -> list[dict[str, Any]]:
-        profiles, absent = add_means(self.binner.result()), ""
+    def curves(self, so_far: GatheredSoFar, *, live: bool) -> list[dict[str, Any]]:
+        """Title, key and described curve (or the reason why it is absent) of each."""
+        profiles, history, absent = add_means(so_far.profiles), so_far.energy, ""
         records: dict[str, ForceHistory] = {}
         try:
             records = self._forces()
@@ -92,7 +96,6 @@ class SoFar:
         if not records and self.flow.scene.probes:
             late = self.engine != "lammps" and live
             absent = absent or f"the {self.engine} engine writes forces at its end" if late else "no force yet"
-        history = self.energy.result()
         gathered = Gathered(self.flow, profiles, None, {"energy": history}, records)
         shown: dict[str, Any] = {}
         if found := waves.analyse(gathered):
@@ -212,7 +215,7 @@ class Watched:
 
     def __init__(self, folder: Path):
         self.folder = folder
-        self._lock = Lock()
+        self._lock, self._drawing = Lock(), Lock()
         self._begun = 0
         self._forget()
 
@@ -225,7 +228,24 @@ class Watched:
         self._flow: Flow
         self._so_far: SoFar
         self._check: _Schedule
-        self._frames, self._trouble = 0, ""
+        self._frames, self._trouble, self._is_expected = 0, "", False
+
+    def expect(self, case: ReadCase) -> None:
+        """Show the discs of a case as it begins, until its run has written a frame; nothing where they cannot be had.
+
+        The command that makes the run takes a second or two to load what it needs.
+        """
+        with self._lock, suppress(JumpError):
+            self._forget()
+            scene = case.scene()
+            if not len(scene.positions) or scene.settle_steps or scene.earlier is not None:
+                return
+            self._case = case
+            self._prepare(case)
+            (x, y), (vx, vy) = scene.positions.T, scene.velocities.T
+            columns = {"id": np.arange(1, len(x) + 1), "x": x, "y": y, "vx": vx, "vy": vy}
+            self._packer.add(make_frame(0, 0.0, scene.domain, columns), 0.0)
+            self._is_expected = True
 
     @property
     def state(self) -> WatchedState:
@@ -254,14 +274,18 @@ class Watched:
         """Read the case of the folder once it is there."""
         if self._case is None and (self.folder / "case.yaml").is_file():
             case = ReadCase.load(require_case(self.folder))
-            self._flow = runs.results.flow_of(case, self.folder)
-            kind = case.fields.run.dump_format
-            self._packer = FramePacker(self._flow, maps=False)
-            self._tail = DumpTail(self.folder / DUMP_NAMES[kind], kind)
-            self._so_far = SoFar(case, self._flow, self.folder)
-            self._check = _Schedule(case.scene(), self._tail.path)
+            self._prepare(case)
             self._case = case
         return self._case is not None
+
+    def _prepare(self, case: ReadCase) -> None:
+        """Begin to read the frames of a case."""
+        self._flow = runs.results.flow_of(case, self.folder)
+        kind = case.fields.run.dump_format
+        self._packer = FramePacker(self._flow, maps=False)
+        self._tail = DumpTail(self.folder / DUMP_NAMES[kind], kind)
+        self._so_far = SoFar(case, self._flow, self.folder)
+        self._check = _Schedule(case.scene(), self._tail.path)
 
     def update(self) -> dict[str, Any]:
         """Read what is new, for a while at most; what a page is to know.
@@ -277,6 +301,8 @@ class Watched:
         with self._lock:
             state = self.state
             found: dict[str, Any] = {**state._asdict(), "frames": 0, "of": self._key, "trouble": ""}
+            if self._is_expected and self._tail.path.exists():
+                self._forget()
             if not self._open() or self._case is None:
                 return found
             if self._tail.was_cut:
@@ -293,8 +319,15 @@ class Watched:
             found["reached"] = reached(state, Times(found["time"], ended, asked.run.duration), whole=self._is_read)
             if any(len(rows) for _, rows in self._packer.kept):
                 found["about"] = {**about_run(self._packer, self.folder), **self._scale}
-            found["curves"] = self._so_far.curves(live=state.goes_on)
             return found
+
+    def curves(self) -> list[dict[str, Any]]:
+        """Curves of what has been read, as `SoFar.curves`; frames are answered while they are made."""
+        with self._drawing:
+            with self._lock:
+                found = self._so_far.gathered() if self._case is not None else None
+                so_far, live = self._so_far if found else None, self.state.goes_on
+            return so_far.curves(found, live=live) if found and so_far else []
 
     def _take_in(self, state: WatchedState) -> None:
         """Read frames that are new, for a while, and show them to the packer and to what makes curves."""

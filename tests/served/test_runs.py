@@ -5,6 +5,7 @@ import json
 import os
 import shutil
 import struct
+import subprocess
 from itertools import pairwise
 from pathlib import Path
 
@@ -15,8 +16,10 @@ from serving import asked, send, serving
 
 import lammps_jump as lj
 from lammps_jump import folders
+from lammps_jump.case.case import ReadCase
+from lammps_jump.served import watched as watched_module
 from lammps_jump.served.children import ServedChild
-from lammps_jump.served.watched import Times, Watched, WatchedState, reached
+from lammps_jump.served.watched import SoFar, Times, Watched, WatchedState, reached
 
 CASE = """\
 name: falls
@@ -64,7 +67,8 @@ def all_of(watched):
 
 def test_a_page_gets_the_frames_of_the_dump(finished):
     before = {one: (one.stat().st_mtime_ns, one.stat().st_size) for one in finished.rglob("*")}
-    found, data = all_of(Watched(finished))
+    watched = Watched(finished)
+    found, data = all_of(watched)
     assert (found["status"], found["frames"], found["time"]) == ("complete", 26, pytest.approx(0.5))
     q = found["about"]["q"]
     for (time, ids, places, speeds), frame in zip(rows(data, q), lj.open_run(finished).frames(), strict=True):
@@ -72,7 +76,7 @@ def test_a_page_gets_the_frames_of_the_dump(finished):
         assert time == frame.time and ids.tolist() == frame.ids.tolist()
         assert np.abs(places - [frame.x, frame.y]).max() <= 0.5 * q * (1 + 1e-9)
         assert np.allclose(speeds, [frame.vx, frame.vy], rtol=1e-6)
-    curves = {one["key"]: one["chart"] for one in found["curves"]}
+    curves = {one["key"]: one["chart"] for one in watched.curves()}
     assert list(curves) == ["gauges", "forces", "energy"]
     kinetic = next(line for line in curves["energy"]["panels"][0]["lines"] if line["label"] == "kinetic")
     assert kinetic["y"][-1] == pytest.approx(lj.open_run(finished).summary["energy"]["kinetic"], rel=1e-3)
@@ -88,7 +92,7 @@ def growing(finished, folder):
 
 
 def test_frames_come_as_they_are_written(finished, tmp_path):
-    """In any pieces; the newest once another begins, and the last one at the end."""
+    """In any pieces; each once its last line is there."""
     watched = Watched(tmp_path / "run")
     assert watched.update()["status"] == "none"
     whole = growing(finished, tmp_path / "run")
@@ -97,13 +101,13 @@ def test_frames_come_as_they_are_written(finished, tmp_path):
         assert watched.update() | {"status": "", "message": ""} == {
             **watched.update(), "status": "", "message": "", "frames": 0,
         }  # fmt: skip
-        for cut in (10, begins[1] + 1, begins[1] + 500, begins[3] + 11, begins[20]):
+        for cut in (10, begins[1] - 1, begins[1], begins[1] + 500, begins[3] + 11, begins[20]):
             (tmp_path / "run" / "dump.lammpstrj").write_bytes(whole[:cut])
             found, data = all_of(watched)
-            there = sum(begin + 11 <= cut for begin in begins)
-            assert found["status"] == "running" and found["frames"] == max(0, there - 1)
+            there = sum(end <= cut for end in begins[1:])
+            assert found["status"] == "running" and found["frames"] == there
             assert len(rows(data, 1.0)) == found["frames"]
-        assert "forces at its end" in str(found["curves"])
+        assert "forces at its end" in str(watched.curves())
         (tmp_path / "run" / "dump.lammpstrj").write_bytes(whole)
         shutil.copy(finished / "summary.json", tmp_path / "run")
     found, data = all_of(watched)
@@ -112,6 +116,73 @@ def test_frames_come_as_they_are_written(finished, tmp_path):
     assert sorted(one.name for one in (tmp_path / "run").iterdir()) == [
         folders.MARKER_FILE, "case.yaml", "dump.lammpstrj", "summary.json",
     ]  # fmt: skip
+
+
+def test_the_start_of_a_case_is_shown_before_its_run_has_written_a_frame(finished, tmp_path):
+    watched = Watched(tmp_path / "run")
+    watched.expect(ReadCase.load(finished))
+    found, data = all_of(watched)
+    assert (found["status"], found["frames"], found["time"]) == ("none", 1, 0.0) and found["about"]["walls"]
+    assert data == Watched(finished).frames(0, "") + first_of(all_of(Watched(finished))[1])
+    whole = growing(finished, tmp_path / "run")
+    (tmp_path / "run" / "dump.lammpstrj").write_bytes(whole)
+    shutil.copy(finished / "summary.json", tmp_path / "run")
+    now, all_data = all_of(watched)
+    assert now["of"] != found["of"] and (now["frames"], now["trouble"]) == (26, "")
+    assert all_data == all_of(Watched(finished))[1]
+
+
+def first_of(data):
+    """The first frame of those that the server has sent."""
+    return data[: 16 + 24 * struct.unpack_from("<dii", data)[1]]
+
+
+def test_frames_are_answered_while_curves_are_made(finished, monkeypatch):
+    watched, seen = Watched(finished), []
+    all_of(watched)
+    made = SoFar.curves
+    monkeypatch.setattr(SoFar, "curves", lambda *a, **k: seen.append(watched.update()["frames"]) or made(*a, **k))
+    assert [one["key"] for one in watched.curves()] == ["gauges", "forces", "energy"] and seen == [26]
+    assert Watched(finished.parent / "none").curves() == []
+
+
+FOLLOWED = """
+const fs = require("fs"), vm = require("vm"), page = vm.createContext({});
+vm.runInContext(fs.readFileSync(process.argv[1], "utf8") + "; this.Following = Following;", page);
+const arrivals = JSON.parse(process.argv[2]), shown = [], one = new page.Following(0);
+for (let now = 0, next = 0; now <= arrivals[arrivals.length - 1][0] + 6000; now += 50) {
+  for (; next < arrivals.length && arrivals[next][0] <= now; next++) one.arrive(arrivals[next][0], arrivals[next][1]);
+  shown.push([now, one.at(now), next ? arrivals[next - 1][1] : 0]);
+}
+console.log(JSON.stringify(shown));
+"""
+
+
+def followed(gaps, flow):
+    """Instant (ms), shown time and time of the newest frame (s), 20 a second; of gaps (ms) and the flow in each (s)."""
+    arrivals = np.column_stack([np.cumsum(gaps), np.cumsum(np.broadcast_to(flow, len(gaps)))]).tolist()
+    script = Path(watched_module.__file__).with_name("live.js")
+    done = subprocess.run(
+        ["node", "-e", FOLLOWED, str(script), json.dumps(arrivals)], capture_output=True, text=True, check=True
+    )
+    return np.array(json.loads(done.stdout))
+
+
+@pytest.mark.skipif(not shutil.which("node"), reason="node is not installed")
+def test_a_run_that_grows_is_shown_evenly():
+    """Frames come in bursts: each 100 ms there is another picture, but in the longest of gaps so far."""
+    now, shown, newest = followed([400] * 20, 0.3).T
+    assert (np.diff(shown) >= 0).all() and (shown <= newest + 1e-12).all() and shown[-1] == pytest.approx(6)
+    going = (now >= 800) & (now < 8000)
+    assert (shown[2:] > shown[:-2])[going[2:]].all()  # ten a second
+    steps = np.diff(shown)[going[1:]]
+    assert steps.max() < 1.5 * np.median(steps)
+    gaps = [400, 1000, 500, 2700, 400, 800, 2700, 600, 900, 2000, 400, 1000]
+    now, shown, newest = followed(gaps, np.array(gaps) * 3e-4).T
+    assert (np.diff(shown) >= 0).all() and (shown <= newest + 1e-12).all() and shown[-1] == newest[-1]
+    after = (now >= 4600) & (now < sum(gaps))  # the longest gap has been seen once
+    assert (shown[2:] > shown[:-2])[after[2:]].mean() > 0.95
+    assert (newest - shown)[after].max() < 2 * 2.7 * 0.3 * 1.1  # two of the longest gaps behind, s of the flow
 
 
 @pytest.mark.parametrize(
@@ -238,7 +309,7 @@ def test_a_damaged_dump_is_told_as_long_as_it_is_seen(finished, tmp_path, spoilt
     watched = Watched(tmp_path / "run")
     found, data = all_of(watched)
     if not ended and (shown == 0 or "of 26 frames" in said):
-        assert not found["trouble"] and found["frames"] == max(0, shown - 1)  # it may go on
+        assert not found["trouble"] and found["frames"] == shown  # it may go on
         return
     for _ in range(2):
         assert found["status"] == ("damaged" if ended else "interrupted")
@@ -382,7 +453,7 @@ def test_run_stop_and_go_on(finished, tmp_path, monkeypatch):
         assert plan == {"number": None, "command": f"lammps-jump build-and-run {tmp_path / 'falls.yaml'}"}
         assert send(server, "POST", f"/{server.token}/run", {"key": "other"})[0] == 422
         child = started(server)
-        while not asked(server, "run/0/state")["frames"] and child.status is None:
+        while asked(server, "run/0/state")["frames"] < 2 and child.status is None:
             pass  # it waits at step 400, behind some frames
         state = asked(server, "run/0/state")
         assert state["own"] and state["stop"] == f"kill -TERM {child.process.pid}" and state["frames"] < 26
@@ -412,7 +483,7 @@ def test_what_was_started_here_is_stopped_when_the_server_ends(tmp_path, monkeyp
     monkeypatch.delenv("JUMP_TEST_PROCESS", raising=False)
     with serving(tmp_path / "falls.yaml") as server:
         child = started(server)
-        while not asked(server, "run/0/state")["frames"] and child.status is None:
+        while asked(server, "run/0/state")["frames"] < 2 and child.status is None:
             pass
         assert server.pages.close() == [child]
     assert child.status == 75 and Watched(tmp_path / "runs" / "falls").update()["status"] == "interrupted"
