@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import difflib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 
 class JumpError(Exception):
@@ -93,19 +93,31 @@ class NearestNames:
     ----------
     in_words : str
         What an object of the class is, for the message: "a run".
+    habits : dict of str to str
+        Names that other libraries have for something of the class, and what is written here. The name ``[]`` is that of
+        brackets behind the object.
     """
 
     in_words = "this object"
+    habits: ClassVar[dict[str, str]] = {}
 
     def _missing(self, name: str) -> Any:
         """Raise the AttributeError for a name that is not there."""
         if name.startswith("_") or hasattr(type(self), name):
             return object.__getattribute__(self, name)  # raises what a property lacked
+        if name in self.habits:
+            raise AttributeError(f"{self.in_words} has no '{name}'; write {self.habits[name]}", name=name, obj=None)
         known = sorted(one for one in dir(self) if not one.startswith("_"))
         close = difflib.get_close_matches(name, known, n=1, cutoff=0.6)
         close = close or [one for one in known if name in one or one in name][:1]
         hint = f"did you mean '{close[0]}'?" if close else f"use one of {', '.join(known)}"
         raise AttributeError(f"{self.in_words} has no '{name}'; {hint}", name=name, obj=None)
 
+    def _no_item(self, key: object) -> Any:
+        """Raise the TypeError for brackets, or a loop, where there are none."""
+        hint = self.habits.get("[]", "one of its names behind a dot")
+        raise TypeError(f"{self.in_words} has no items; write {hint}")
+
     if not TYPE_CHECKING:
         __getattr__ = _missing
+        __getitem__ = _no_item

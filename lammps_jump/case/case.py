@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 import yaml
 from pydantic import ValidationError
@@ -128,9 +128,22 @@ class ReadCase(NearestNames):
     """
 
     in_words = "a case"
+    habits: ClassVar[dict[str, str]] = {
+        "save": 'Path("my.yaml").write_text(case.to_yaml())',
+        "to_dict": "case.fields.model_dump()",
+        "copy": "case.replace({…}), which makes another one; a case does not change",
+        "update": "case | {…}, which makes another one",
+        "plot": 'case.preview("folder")',
+    }
 
     fields: CaseFields
     source: CaseSource = field(repr=False, compare=False)
+
+    def __new__(cls, fields: object = None, source: object = None) -> Self:
+        """A case of what was read; TypeError for the name of a file, which `load` takes."""
+        if isinstance(fields, str | Path):
+            raise TypeError(f"Case() takes no file; write load_case({str(fields)!r})")
+        return super().__new__(cls)
 
     @classmethod
     def load(cls, source: str | Path | Mapping[str, object], changes: Changes | None = None) -> Self:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -53,6 +53,15 @@ class Frame(NearestNames):
     """
 
     in_words = "a frame"
+    habits: ClassVar[dict[str, str]] = {
+        "positions": 'frame.to_numpy("x", "y")',
+        "velocities": 'frame.to_numpy("vx", "vy")',
+        "head": "frame.to_dataframe().head()",
+        "describe": "frame.to_dataframe().describe()",
+        "plot": 'run.show(), which plays the run, or run.plot("snapshots")',
+        "n_atoms": "frame.n",
+        "[]": "frame.x, or frame.to_dataframe() for a table",
+    }
 
     step: int
     time: float | None

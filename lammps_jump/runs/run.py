@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack, cast, overload
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypedDict, Unpack, cast, overload
 
 from lammps_jump import runs
 from lammps_jump.analysis import notebook
@@ -90,7 +90,11 @@ def run(
         Before anything is written.
     RunError, RunInterrupted
         A run that failed or was ended; its folder is kept, and ``error.run`` is the run as far as it came.
+    TypeError
+        Something else than a case.
     """
+    if not isinstance(case, ReadCase):
+        raise TypeError(f"run() takes a case; write load_case({str(case)!r}).run()")
     if unknown := sorted(own.keys() - EngineOptions.__annotations__):
         raise TypeError(f"run() has no argument '{unknown[0]}'")
     paths = {f"engine.{'name' if name == 'engine' else name}": value for name, value in own.items()}
@@ -267,6 +271,29 @@ class Run(NearestNames):
     """
 
     in_words = "a run"
+    habits: ClassVar[dict[str, str]] = {
+        "[]": 'run.frames[10] for a frame, run.summary["jump"] for numbers, run.profiles.mass_depth for profiles',
+        "trajectory": "run.frames",
+        "n_frames": "len(run.frames)",
+        "time": "run.times",
+        "discs": "run.frames[-1], the discs of a frame",
+        "particles": "run.frames[-1], the discs of a frame",
+        "atoms": "run.frames[-1], the discs of a frame",
+        "positions": 'run.frames[-1].to_numpy("x", "y")',
+        "velocities": 'run.frames[-1].to_numpy("vx", "vy")',
+        "data": "run.profiles, run.summary or run.to_xarray()",
+        "savefig": 'run.plot().savefig("depth.png")',
+        "animate": "`lammps-jump animate FOLDER` in a terminal",
+        "to_csv": "`lammps-jump export FOLDER --csv` in a terminal, or run.profiles.to_dataframe()",
+        "to_dataframe": "run.profiles.to_dataframe(), or run.frames[-1].to_dataframe()",
+        "to_netcdf": 'run.profiles.to_netcdf("profiles.nc")',
+        "info": "print(run), or run.summary",
+        "describe": "print(run), or run.summary",
+        "close": "no close: a run holds no file open",
+        "params": "run.case",
+        "config": "run.case",
+        "load": "run.summary; nothing is to be loaded",
+    }
 
     def __init__(self, folder: str | Path, changes: Mapping[str, object] | None = None):
         self.folder = Path(folder)
@@ -405,14 +432,19 @@ class Run(NearestNames):
         given = {"analysis.window": window, "analysis.bin_width": bin_width}
         return Run(self.folder, self._changes | {path: value for path, value in given.items() if value is not None})
 
-    def plot(self, name: str = "") -> Figure:
+    def plot(self, name: str = "", **of_axes: Any) -> Figure:
         """The main figure of the report, or one whose name is `name` or begins so: ``run.plot("depth")``.
 
         Raises
         ------
         DumpError
             No figure, or none of that name; the message lists those that are.
+        TypeError
+            Axes, or anything else: a figure has its own.
         """
+        if of_axes:
+            said = f"run.plot has no {next(iter(of_axes))}: it makes a figure of its own, and returns it"
+            raise TypeError(f"{said}; for axes of yours write run.profiles.mass_depth.plot(…)")
         return runs.results.draw(self._found, self.folder, runs.results.figure_named(self._found, name))
 
     def show(self) -> Any:

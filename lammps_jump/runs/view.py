@@ -10,7 +10,7 @@ from dataclasses import fields
 from functools import cached_property
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, overload
+from typing import TYPE_CHECKING, ClassVar, overload
 
 import numpy as np
 
@@ -166,6 +166,11 @@ class Frames(NearestNames):
     """
 
     in_words = "the sequence of frames"
+    habits: ClassVar[dict[str, str]] = {
+        "to_dataframe": "frames[-1].to_dataframe(), or run.to_xarray().to_dataframe() for all",
+        "n_frames": "len(frames)",
+        "sel": "frames.at(1.5)",
+    }
 
     def __init__(self, folder: str | Path, time_step: float, settle_steps: int = 0):
         self.folder = Path(folder)

@@ -80,7 +80,7 @@ class SoFar:
         self.collectors: list[Collector] = [self.binner, self.energy]
 
     def gathered(self) -> GatheredSoFar | None:
-        """What the curves are made of, of the frames that have come; None where there are none."""
+        """Data of the curves, of the frames that have come; None where there are none."""
         if not self.binner.frames:
             return None
         return GatheredSoFar(self.binner.result(), self.energy.result())

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
 from threading import Thread
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import lammps_jump.sweeps as sweeps
 from lammps_jump.analysis.report.page import show_page
@@ -118,6 +118,13 @@ class Sweep(NearestNames, StudyResults):
     """
 
     in_words = "a study"
+    habits: ClassVar[dict[str, str]] = {
+        "[]": "study.runs[0] for a run, study.table for its numbers",
+        "to_dataframe": "study.table.to_dataframe()",
+        "df": "study.table.to_dataframe()",
+        "results": "study.table, or study.runs",
+        "to_xarray": "study.table",
+    }
 
     def __init__(self, study: str | Path | Study, folder: Path | None = None, starts: Sequence[Start] | None = None):
         if isinstance(study, str | Path):

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 import webbrowser
 
 import numpy as np
@@ -103,6 +104,46 @@ def test_a_miss_names_what_to_type(run, case, study, words, error, hint):
     with pytest.raises(error) as caught:
         eval(words, {"lj": lj, "run": run, "case": case, "study": study})
     assert hint in str(caught.value)
+
+
+HABITUAL = {lj.Run: "run", lj.Frame: "frame", lj.Frames: "frames", lj.Case: "case", lj.Sweep: "study"}
+
+
+@pytest.mark.parametrize("kind", HABITUAL, ids=HABITUAL.get)
+def test_what_is_to_be_written_for_a_habit_is_there(run, case, study, kind):
+    """Names of the hints exist, and those that they stand for do not."""
+    objects = {"run": run, "frame": run.frames[-1], "frames": run.frames, "case": case, "study": study}
+    one = objects[HABITUAL[kind]]
+    for name, hint in kind.habits.items():
+        assert name == "[]" or name not in dir(one)
+        for owner, part in re.findall(r"\b(run|frames?|case|study)\.([a-z_]+)", hint):
+            assert part in dir(objects[owner]), hint
+        with pytest.raises((AttributeError, TypeError), match=re.escape(hint)):
+            one["x"] if name == "[]" else getattr(one, name)
+
+
+@pytest.mark.parametrize("name", lj._HABITS)
+def test_what_is_to_be_written_for_a_habit_of_the_package_is_there(name):
+    with pytest.raises(AttributeError, match=f"no '{name}'; write") as caught:
+        getattr(lj, name)
+    named = re.findall(r"\b(?:lammps_jump\.)?(open|load_case|read_dump)\(", str(caught.value))
+    assert all(hasattr(lj, one) for one in named) and name not in dir(lj)
+    with pytest.raises(AttributeError, match="did you mean 'load_case'"):
+        lj.load_cas  # noqa: B018
+
+
+@pytest.mark.parametrize(
+    ("words", "hint"),
+    [
+        ("lj.Case('my.yaml')", "write load_case('my.yaml')"),
+        ("lj.run('my.yaml')", "write load_case('my.yaml').run()"),
+        ("run.plot(ax=None)", "run.plot has no ax"),
+        ("[one for one in study]", "study.runs"),
+    ],
+)
+def test_calls_by_habit_are_answered(run, study, words, hint):
+    with pytest.raises(TypeError, match=re.escape(hint)):
+        eval(words, {"lj": lj, "run": run, "study": study})
 
 
 def test_open_tells_what_a_path_is(run, case, study):
