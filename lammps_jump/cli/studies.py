@@ -343,6 +343,7 @@ def find(
     ] = None,
     members: Annotated[int | None, typer.Option(min=1, help="Starts of each value (default 3).")] = None,
     budget: Annotated[int | None, typer.Option(min=3, help="Most runs (default 30).")] = None,
+    seed: Annotated[int | None, typer.Option(min=0, help="Seed of the first start (default 1).")] = None,
     out: Annotated[Path | None, options.results_place("Folder (default: runs/<stem of the file>_find).")] = None,
     jobs: options.Jobs = None,
     set_: options.Sets = None,
@@ -350,7 +351,7 @@ def find(
 ) -> None:
     """Find the value of a number at which a result comes to what is asked. Continues where it stopped."""
     given: dict[str, Any] = {"set": dict(map(sweeps.parse_set, set_ or ()))}
-    given |= {"vary": dict([calibration.parse_vary(vary)]) if vary else None, "until": until}
+    given |= {"vary": dict([calibration.parse_vary(vary)]) if vary else None, "until": until, "seed": seed}
     line = StudyLine(quiet=quiet)
     try:
         found = sweeps.find(study, out=out, members=members, budget=budget, jobs=jobs, progress=line, **given)

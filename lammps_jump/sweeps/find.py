@@ -56,6 +56,7 @@ class Asked(Strict):
     until: str
     members: Annotated[Whole, Field(ge=1, le=MOST_MEMBERS)] = MEMBERS
     budget: Annotated[Whole, Field(ge=3, le=MOST_RUNS)] = BUDGET
+    seed: Annotated[Whole, Field(ge=0)] = 1
 
 
 class FindFields(Strict):
@@ -83,6 +84,8 @@ class Wanted:
     number : float
     members, budget : int
         Starts of each point, and most runs.
+    seed : int
+        Of the first start.
     """
 
     case: Case
@@ -93,6 +96,7 @@ class Wanted:
     number: float
     members: int
     budget: int
+    seed: int = 1
 
     @property
     def until(self) -> str:
@@ -102,7 +106,8 @@ class Wanted:
     def study(self, places: Sequence[float]) -> Study:
         """The points as a study, each with starts of its own."""
         axes = {ZIP: {self.path: list(places)}}
-        return read_study(self.case, axes=axes, members=self.members, starts="own", collect=[self.key])
+        seeds = list(range(self.seed, self.seed + self.members))
+        return read_study(self.case, axes=axes, members=seeds, starts="own", collect=[self.key])
 
     def rounded(self, place: float) -> float:
         """A place with six digits of the range: a case is to be read."""
@@ -112,7 +117,10 @@ class Wanted:
     def to_yaml(self) -> str:
         """The study as YAML, with the whole case in it, so that the folder can be moved."""
         asked = {"vary": {self.path: list(self.room)}, "until": self.until, "members": self.members}
-        data = {"find": {**asked, "budget": self.budget}, "case": yaml.safe_load(self.case.to_yaml())}
+        data = {
+            "find": {**asked, "budget": self.budget, "seed": self.seed},
+            "case": yaml.safe_load(self.case.to_yaml()),
+        }
         return yaml.safe_dump(plain(data), sort_keys=False, allow_unicode=True, width=110, default_flow_style=None)
 
 
@@ -175,7 +183,8 @@ def read_find(source: str | Path | Mapping[str, object] | ReadCase, **given: Any
         case.replace({path: low}), case.replace({path: high})
     except FieldError as error:
         raise file.located(error) from None
-    return Wanted(case, path, (low, high), key, sign, number, fields.find.members, fields.find.budget)
+    asked = fields.find
+    return Wanted(case, path, (low, high), key, sign, number, asked.members, asked.budget, asked.seed)
 
 
 def _source(source: str | Path | Mapping[str, object] | ReadCase) -> tuple[CaseSource, Path]:
@@ -222,7 +231,7 @@ def find(
     progress : callable, optional
         Called with a `SweepProgress`.
     more
-        members, starts of each point, default 3; set, changed values of the case.
+        members, starts of each point, default 3; seed, of the first of them; set, changed values of the case.
 
     Returns
     -------
@@ -296,7 +305,7 @@ def _write(
         "low": answer.low if held else None, "high": answer.high if held else None, "held": held,
         "holds": ("above" if above else "below") if held else None, "reason": reason,
         "verdict": _verdict(wanted, answer, reason), "runs": sum(map(len, tried.values())), "failed": len(failures),
-        "failures": failures, "members": wanted.members, "budget": wanted.budget,
+        "failures": failures, "members": wanted.members, "budget": wanted.budget, "seed": wanted.seed,
         "points": [{"value": place, "found": values.tolist()} for place, values in tried.items()],
         "name": wanted.case.name, "description": wanted.case.fields.description, "versions": versions(),
     })  # fmt: skip

@@ -45,6 +45,17 @@ def test_the_same_command_runs_nothing_again_and_a_larger_budget_goes_on(done):
     assert more["runs"] == 14 and before.items() <= written(folder).items()
 
 
+def test_a_seed_gives_other_starts_and_one_leads_to_other_starts_at_each_point():
+    """Ten searches of a case differ; no start of a search is used at two of its places."""
+    seeds = []
+    for seed in (1, 1001):
+        study = read_find(QUICK, vary=KNOWN["vary"], until=KNOWN["until"], members=3, seed=seed).study([400.0, 700.0])
+        seeds.append(set(study.fields.members))
+    assert seeds == [{1, 2, 3}, {1001, 1002, 1003}]
+    with pytest.raises(CaseError, match="seed"):
+        read_find(QUICK, vary=KNOWN["vary"], until=KNOWN["until"], seed=-1)
+
+
 def test_a_range_that_does_not_hold_it_ends_after_three_points(tmp_path, monkeypatch, capsys):
     (tmp_path / "box.yaml").write_text(yaml.safe_dump(QUICK))
     asked = ("--vary", "discs.density=400:800", "--until", f"{ENERGY} >= 1220", "--members", "1", "--jobs", "1")
