@@ -18,6 +18,10 @@ from .measured import USBR_JUMP_CLASSES, USBR_JUMP_LENGTH
 
 GRAVITY = 9.81
 """m/s^2, where a caller has no case at hand."""
+BRINK = 0.715
+"""Depth at the brink of a free fall over the critical depth (Rouse 1936, Civil Engineering 6:257)."""
+CONTRACTION = 0.61
+"""Depth of the jet below a sharp gate over its opening (Henderson 1966, Open Channel Flow, section 6.3)."""
 
 
 # --- moving shocks ----------------------------------------------------------------------------------------------
@@ -178,6 +182,21 @@ def critical_discharge(head: float, gravity: float = GRAVITY) -> float:
     The flow is critical there: its depth is two thirds of the head (Chow, Open-Channel Hydraulics, 1959, 3-7).
     """
     return sqrt(gravity) * (2.0 * head / 3.0) ** 1.5
+
+
+def brink_depth(critical: float) -> float:
+    """Depth at the brink of a free fall, m, by the critical depth: 0.715 y_c of a level bed (Rouse 1936)."""
+    return BRINK * critical
+
+
+def gate_discharge(opening: float, head: float, gravity: float = GRAVITY) -> float:
+    """Discharge of water under a gate, free behind it, m^2/s: C a sqrt(2 g (H - C a)), C = 0.61.
+
+    Opening a and head H over the bed, m; C is the contraction of a sharp edge (Henderson 1966, section 6.3). NaN where
+    the head is no higher than the jet.
+    """
+    jet = CONTRACTION * opening
+    return jet * sqrt(2.0 * gravity * (head - jet)) if head > jet else nan
 
 
 def fast_depth(discharge: float, energy: float, gravity: float = GRAVITY) -> float:

@@ -9,7 +9,7 @@ from made_up import disc_frame, flow_context
 
 from lammps_jump.analysis.devices.overtopping import CrestWatch, analyse, figures, section, structures_of, tables
 from lammps_jump.analysis.passes import Gathered
-from lammps_jump.physics.jump import critical_discharge
+from lammps_jump.physics.jump import critical_discharge, gate_discharge
 from lammps_jump.scene.walls import Block, Box, Plane
 
 D, U, DT, FRAMES = 0.2, 2.0, 0.05, 60
@@ -79,6 +79,39 @@ def test_only_structures_that_end_are_looked_at():
 def test_table_figure_and_section():
     found = found_of(flow_of(WEIR), stream(2, 1.0))
     (rows,) = tables(found).values()
-    assert set(rows) == {"time", "name", "volume", "depth", "head"} and set(rows["name"]) == {"weir"}
+    assert set(rows) == {"time", "name", "volume", "depth", "brink", "head", "below"} and set(rows["name"]) == {"weir"}
     assert rows["volume"][-1] == pytest.approx(found["weir"].volume)
     assert len(figures(found, None)["overtopping"].panels) == 3 and len(section(found).blocks) == 1
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+@pytest.mark.parametrize("rows", [2, 5])
+def test_what_goes_below_a_gate_has_its_discharge_and_head(rows, sense):
+    """q = u s below a gate of 1.2 m; the head is that over the bed, and water has C a sqrt(2 g (H - C a))."""
+    gate = Block("gate", (10.0, 12.0), (1.2, 4.0))
+    floor = Plane("floor", "y", 0.0, "above")
+    found = found_of(flow_of(gate, floor, probes=("gate",)), stream(rows, 0.0, sense))["gate"]
+    assert found.side == ("right" if sense > 0 else "left") and found.opening == pytest.approx(1.2)
+    assert found.below == pytest.approx(U * rows * D, rel=1 / 19) and found.discs == 0 and found.reason is None
+    head = rows * D + U * U / (2 * 9.81)
+    assert found.below_head == pytest.approx(head, rel=1e-6)
+    jet = 0.61 * 1.2
+    water = jet * np.sqrt(2 * 9.81 * (head - jet)) if head > jet else np.nan
+    assert found.gate_discharge == pytest.approx(water, nan_ok=True) == gate_discharge(1.2, head, 9.81)
+    assert np.isnan(found.discharge) and len(section({"gate": found}).blocks) == 1
+
+
+def test_a_gap_that_no_disc_passes_is_no_gate():
+    gate = Block("gate", (10.0, 12.0), (0.15, 4.0))
+    flow = flow_of(gate, Plane("floor", "y", 0.0, "above"), probes=("gate",))
+    found = found_of(flow, stream(5, 0.0))["gate"]
+    assert np.isnan(found.opening) and np.isnan(found.below) and found.reason == "nothing has gone over it"
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+def test_depth_at_the_brink_is_that_of_the_lower_end(sense):
+    """Of a stream of three rows; a free fall of water would have 0.715 critical depths there."""
+    found = found_of(flow_of(WEIR, Plane("floor", "y", 0.0, "above")), stream(3, 1.0, sense))["weir"]
+    assert found.brink == pytest.approx(3 * D, rel=0.3)  # whole discs on two diameters
+    assert found.critical_depth == pytest.approx((found.discharge**2 / 9.81) ** (1 / 3))
+    assert found.brink_ratio == pytest.approx(found.brink / (0.715 * found.critical_depth))
