@@ -89,11 +89,12 @@ def drawing(
         yield figure, figure.subplots(rows, columns, **subplots)
 
 
-def colour_bar(figure: Figure, colours: Any, label: str, **place: Any) -> None:
+def colour_bar(figure: Figure, colours: Any, label: str, **place: Any) -> Any:
     """Colour bar without a frame, of an image or map of colours; keywords go to ``Figure.colorbar``."""
     bar = figure.colorbar(colours, **place)
     bar.set_label(label)
     bar.outline.set_visible(False)
+    return bar
 
 
 def save(figure: Figure, path: str | Path, beside: Callable[[Image], None] | None = None) -> Path:

@@ -154,7 +154,7 @@ function showBody(p, tip, wall) {
   tip.hidden = false;
   tip.textContent = `${wall.name}\nmass ${short(mass)} kg/m` + pair(vx, vy, place, "m/s") +
     pair(fx, fy, short, "N/m").replace("\n", "\nforce of the discs ");
-  placeTip(p, tip, within(MARGIN.left + column(p, x), MARGIN.left, p.wide), within(MARGIN.legend + row(p, y), MARGIN.legend, p.high), 0);
+  placeTip(p, tip, within(MARGIN.left + column(p, x), MARGIN.left, p.wide), within(MARGIN.legend + row(p, y), MARGIN.legend, p.high), halfWide(p, wall));
 }
 
 // Name of a wall and the force of the discs on it now, beside the middle of what is seen of it.
@@ -162,7 +162,15 @@ function showWall(p, tip, wall) {
   const force = forceNow(p, wall), [x, y] = middleOf(p, wall);
   tip.hidden = false;
   tip.textContent = wall.name + (force ? `\nforce of the discs ${short(Math.hypot(...force))} N/m (${force.map(short).join(", ")})` : "");
-  placeTip(p, tip, MARGIN.left + column(p, x), MARGIN.legend + row(p, y), 0);
+  placeTip(p, tip, MARGIN.left + column(p, x), MARGIN.legend + row(p, y), halfWide(p, wall));
+}
+
+// Half of the width of what is pinned, in pixels, where that leaves room beside it: its arrow stays in sight.
+function halfWide(p, wall) {
+  if (!p.pinned) return 0;
+  const places = [...wall.outlines, ...wall.lines].flatMap((part) => placed(p, wall, part)).map(([x]) => x);
+  const half = (Math.max(...places) - Math.min(...places)) / 2 * p.view.scale;
+  return half < p.wide / 6 ? half : 0;
 }
 
 // Middle of what is seen of a wall, m; that of a body is its centre.

@@ -36,12 +36,15 @@ from lammps_jump.provenance import versions
 from lammps_jump.runs.run import Case
 from lammps_jump.units import shown, two_digits
 
+from . import rating
 from .players import by_member, by_point
 from .study import Axis, Collected, Study
 from .study_folder import StudyResults
 from .table import DISAGREE, flat, records, statistics
 from .words import heading, unit, words
 
+MOST_NAMED = 6
+"""Points that a sentence names."""
 MOST_LINES = 6
 """Lines of a panel, one for each point of the other axes."""
 COLOURS = (BLUE, GOLD, GREY, RED)
@@ -77,6 +80,7 @@ def figures_of(found: StudyResults) -> Iterator[tuple[str, str, Figure]]:
         yield f"sweep_{axis.name}", caption, draw_lines(found.table, study, axis)
     if len(axes) == len(study.axes) == 2:
         yield "sweep_map", "Means over both axes", draw_map(found.table, study, axes)
+    yield from rating.figures(found)
     if not study.axes and found.runs:
         yield "sweep_profiles", "Profiles, mean of the window; thin lines: members", draw_profiles(found)
 
@@ -138,6 +142,8 @@ def draw_lines(table: xr.Dataset, study: Study, axis: Axis) -> Figure:
                 panel.plot(axis.values, cells["mean"], dash, marker="o", ms=4, color=colour, label=", ".join(said))
                 if np.isfinite(cells["low"]).any():
                     panel.fill_between(axis.values, cells["low"], cells["high"], color=colour, alpha=0.18, lw=0)
+            if item.level is not None:
+                panel.axhline(item.level, color=RED, lw=1, ls=":")
             panel.set(ylabel="\n".join(wrap(item.heading, 30)))
             name_axis(panel, axis.name)
         if others:
@@ -165,8 +171,40 @@ def draw_map(table: xr.Dataset, study: Study, axes: list[Axis]) -> Figure:
             name_axis(panel, x.name)
             panel.set_ylabel(heading(y.name))
             panel.grid(visible=False)
-            colour_bar(figure, image, item.heading, ax=panel)
+            bar = colour_bar(figure, image, item.heading, ax=panel)
+            if item.level is not None:
+                low = item.scale * table[item.path].sel(statistic="low").transpose(y.name, x.name).values
+                _draw_level(panel, bar.ax, item.level, cells, low)
         return figure
+
+
+def _draw_level(panel: Any, bar: Any, level: float, mean: np.ndarray, low: np.ndarray) -> None:
+    """Draw where the mean over starts is at a level, and where the lower end of its interval is, in a map."""
+    bar.axhline(level, color=RED, lw=1.5)
+    for values, look in ((mean, "solid"), (low, "dashed")):
+        known = values[np.isfinite(values)]
+        if min(values.shape) > 1 and known.size and known.min() < level < known.max():
+            panel.contour(values, levels=[level], colors=[RED], linestyles=look)
+
+
+def holding(found: StudyResults) -> list[str]:
+    """Sentences on the points at which structures hold: the lower end of the interval of a factor is 1 or more."""
+    study, frame = found.study, flat(found.table, found.study)
+    names = [point_name(study, index) for index in range(len(frame))]
+    share = f"{100 * study.fields.confidence:zg} %"
+    said = []
+    for item in study.collect:
+        if item.level is None or not study.axes:
+            continue
+        mean, low = (np.asarray(frame[f"{item.path}{end}"], float) for end in ("", "_low"))
+        sure = [name for name, value in zip(names, low, strict=True) if value >= item.level]
+        some = [name for name, value, end in zip(names, mean, low, strict=True) if value >= item.level > end]
+        more = f"; and {len(sure) - MOST_NAMED} more" if len(sure) > MOST_NAMED else ""
+        name = f"{item.heading}, {item.path.split('.')[1]}"
+        text = f"{name}: 1 or more, sure to {share}, at {len(sure)} of {len(names)} points"
+        text += f" ({'; '.join(sure[:MOST_NAMED])}{more})." if sure else "."
+        said.append(text + (f" By the mean alone it is so at {len(some)} more." if some else ""))
+    return said
 
 
 def doubts(found: StudyResults) -> list[str]:
@@ -236,11 +274,14 @@ def sections(found: StudyResults) -> list[Section]:
         Section("", by_point(found) if study.axes else by_member(found)),
         Section("", [Items(doubts(found), "What to know")]),
         Section("Numbers", [Table(frame.values.tolist(), list(frame.columns)), *starmap(picture, draw(found).items())]),
+        Section("What holds", [Items(holding(found)), Text(HOLDS if holding(found) else "", "small")]),
+        rating.section(found),
         Section("Errors within single runs", [Table(*_own_errors(found)), Text(OWN_ERRORS)]),
         repeating(f"sweep {found.folder}", study.to_yaml()),
     ]  # fmt: skip
 
 
+HOLDS = "In the maps the factor is 1 along the solid line, and the lower end of its interval along the dashed line."
 OWN_ERRORS = (
     "A single run states an error of its own. chi2/dof compares the scatter of members with it: about 1 to 1.4 where "
     "the errors of single runs hold, above 1.5 where they are too small."

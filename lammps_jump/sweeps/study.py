@@ -148,6 +148,13 @@ class Collected(NamedTuple):
         return 1e-3 if self.unit.startswith("N") else 1.0
 
     @property
+    def level(self) -> float | None:
+        """Value at which a structure just holds: 1 of a factor of safety; None of other numbers."""
+        part, _, key = self.path.rpartition(".")
+        is_factor = part.startswith("stability.") and "_factor" in key and not key.endswith(("_at", "_below_1"))
+        return 1.0 if is_factor else None
+
+    @property
     def heading(self) -> str:
         """Heading of a number, in words, and its unit; of a force also the structure."""
         unit = f"k{self.unit}" if self.unit.startswith("N") else self.unit
