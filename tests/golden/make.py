@@ -33,6 +33,7 @@ SHORT = {
     "column_collapse": "run.duration=1.5; initial.0.settle=0.1",
     "dam_break": "run.duration=2",
     "dam_break_triangle": "run.duration=0.5; initial.0.settle=0.1",
+    "crown_wall": "run.duration=2",
     "drum": "run.duration=0.4; analysis.window=[0.2, 0.4]",
     "energy_box_16": "run.duration=5",
     "energy_box_7": "run.duration=5",
@@ -53,6 +54,7 @@ SHORT = {
     "tailgate": "run.duration=3",
     "wave_paddle": "run.duration=0.5",
     "wave_structure": "run.duration=5; initial.0.settle=0.3",
+    "weir_rating": "run.duration=1; analysis.window=[0.5, 1]",
 }
 """What makes a run of each scene short, and lets its page still show what the scene is of.
 
