@@ -76,6 +76,8 @@ GROUPS = {
     "Structures": {
         "wave_structure": "A wave against a structure",
         "caisson": "A wave against a caisson",
+        "crown_wall": "A wave against the wall on a breakwater",
+        "weir_rating": "A weir with a free fall",
         "flap_gate": "A flap on a hinge",
         "floating_box": "A box that floats",
     },
