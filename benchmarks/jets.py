@@ -28,9 +28,9 @@ import timed
 import lammps_jump as lj
 from lammps_jump.engines.lammps.drive import plugin_arguments
 from lammps_jump.engines.lammps.loader import load_lammps
+from lammps_jump.engines.launch import write_script
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.engines.plugin import plugin_path
-from lammps_jump.script import write_script
 
 CASE = Path(__file__).parent.parent / "inputs" / "stable_jump.yaml"
 BEGIN = 8.0

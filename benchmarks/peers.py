@@ -26,8 +26,8 @@ import numpy as np
 import timed
 
 import lammps_jump as lj
+from lammps_jump.engines.launch import write_script
 from lammps_jump.engines.plugin import plugin_path
-from lammps_jump.script import write_script
 
 RELEASED = 0.6
 """Time after the release from which all start, s."""

@@ -24,8 +24,8 @@ import numpy as np
 import timed
 
 import lammps_jump as lj
+from lammps_jump.engines.launch import write_script
 from lammps_jump.engines.plugin import plugin_path
-from lammps_jump.script import write_script
 
 WORK = 6e7
 """Disc-steps of a run, but at least `FEWEST` steps."""

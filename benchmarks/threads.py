@@ -30,11 +30,11 @@ from typing import NamedTuple
 
 import lammps_jump as lj
 from lammps_jump.engines.lammps.loader import new_engine
+from lammps_jump.engines.launch import write_script
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.engines.native.bound import Core
 from lammps_jump.engines.plugin import plugin_path
 from lammps_jump.errors import JumpError
-from lammps_jump.script import write_script
 
 INPUTS = Path(__file__).parent.parent / "inputs"
 COLUMN, JUMP = 48.0, 241.0

@@ -21,13 +21,13 @@ import numpy as np
 
 from lammps_jump.engines.lammps.drive import plugin_arguments
 from lammps_jump.engines.lammps.loader import load_lammps
+from lammps_jump.engines.launch import write_script
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.engines.plugin import plugin_path
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.chains import Chain
 from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.walls import Wall
-from lammps_jump.script import write_script
 
 MOST = 1.10
 """Largest ratio."""

@@ -36,6 +36,8 @@ DUMP_NAMES = {"text": "dump.lammpstrj", "gz": "dump.lammpstrj.gz", "binary": "du
 """File of the dump in a run folder, by its format."""
 CONTACTS_FILE = "contacts.bin"
 """Contacts of each frame with their forces, where the scene asks for them."""
+SCENE_FILE = "scene.image"
+"""Law, walls and events of a scene as the core has them, for the compiled styles of LAMMPS."""
 CURVES = "curves.json"
 """What the page draws, by the name of the figure."""
 PLAYER = "player.json"
@@ -64,6 +66,7 @@ RUN_FILES = (
     "case.yaml",
     "in.lammps",
     "in.plugin.lammps",
+    "scene.image",
     "discs.data",
     "disk.mol",
     "inflow.turns",

@@ -3,11 +3,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from uuid import uuid4
+
 import numpy as np
 
+from lammps_jump.engines.native import WithoutDiscs
+from lammps_jump.files import SCENE_FILE
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.walls import Box, Plane
-from lammps_jump.script.walls import JOIN, plugin_wall
+from lammps_jump.script.plugin import contact_law, motion_and_walls
+from lammps_jump.script.walls import JOIN
 
 DIAMETER = 0.2
 
@@ -94,20 +100,19 @@ def stock(case, folder):
     return [*lines, *(line for wall in case.permanent for line in stock_wall(wall, law)), *traffic(case, folder)]
 
 
-def styles(case, plugin, *, probe="", skin=0.3 * DIAMETER):
-    c = case.coefficients
-    words = f"law {case.friction_law} k {c.stiffness!r} gamma {c.gamma_normal!r} gammat {c.gamma_tangential!r}"
-    words += f" mu {c.friction!r} mass {case.mass!r} diameter {case.diameter!r} skin {skin!r}"
-    words += f" spin {'yes' if case.rotation else 'no'}"
-    words += f" smooth {case.touch_width!r}" if case.touch == "smooth" else ""
-    walls = " ".join(plugin_wall(one).replace(JOIN, " ") for one in case.walls)
-    fix = f"fix step all jump/step gravity {case.gravity[0]!r} {case.gravity[1]!r} k_wall {c.stiffness_wall!r}"
-    fix += f" gamma_wall {c.gamma_normal_wall!r} gammat_wall {c.gamma_tangential_wall!r} mu_wall {c.friction!r}"
-    return [f"plugin load {plugin}", f"pair_style jump/disc {words}", "pair_coeff * *", f"{fix} {walls} {probe}"]
+def styles(case, plugin, folder, *, probe="", skin=0.3 * DIAMETER):
+    """Lines of the plugin's styles, whose file of the scene is in the folder."""
+    case = replace(case, skin=skin, probes=())
+    scene_file = folder / f"{uuid4()}.image"
+    scene_file.write_bytes(WithoutDiscs(case).file())
+    style, coefficients = (line.replace(SCENE_FILE, str(scene_file)) for line in contact_law(case))
+    *_, words = motion_and_walls(case)
+    words = words.replace(JOIN, " ").replace("fix             motion", "fix step")
+    return [f"plugin load {plugin}", style, coefficients, f"{words} {probe}"]
 
 
 def compiled(case, plugin, folder, **options):
-    return [*start(case), *styles(case, plugin, **options), *traffic(case, folder)]
+    return [*start(case), *styles(case, plugin, folder, **options), *traffic(case, folder)]
 
 
 class Run:

@@ -43,7 +43,7 @@ from lammps_jump.cli.options import Commands
 from lammps_jump.cli.progress import show_markdown
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.dump.write import DumpWriter
-from lammps_jump.engines.native import NativeSimulation
+from lammps_jump.engines.native import NativeSimulation, WithoutDiscs
 from lammps_jump.errors import CaseError, SetupError
 from lammps_jump.folders import Marker, read_marker, require_ours
 from lammps_jump.physics.slip import FRICTION_LAWS
@@ -54,7 +54,6 @@ from lammps_jump.scene.motion import Motion, MovingWall
 from lammps_jump.scene.tracks import Kind, VelocityChange
 from lammps_jump.scene.walls import KINDS, Block, Wall, WallName
 from lammps_jump.script.stock import lacking
-from lammps_jump.script.walls import JOIN, plugin_walls
 from lammps_jump.studies.points import study as points_study
 from lammps_jump.sweeps import words
 from lammps_jump.sweeps.study import collected
@@ -354,8 +353,8 @@ def test_a_wall_of_a_new_shape_runs_without_another_change(monkeypatch):
     above = np.hypot(*simulation.positions.T)
     assert (above[:2] > 1.29).all() and above[2] < 0.71  # on the ring, and below it
     assert {name for _, name, *force in simulation.forces if any(force)} == {"arch"}
-    words = plugin_walls(scene)[1]
-    assert words.startswith("wall arch") and words.count("\n") == len(arch.faces.codes) >= 4
+    (*_, begin, end), (*_, last) = WithoutDiscs(scene).walls.faces.first, scene.walls
+    assert last.wall.name == "arch" and end - begin == len(arch.faces.codes) >= 4
     assert "'arch'" in lacking(scene)
     x = np.array([-0.6, 0.0, 1.0, 2.0])
     bed = [0.0, 0.0, np.sqrt(0.44), 0.0]  # it runs below the arch, and over its foot
@@ -390,8 +389,8 @@ def test_a_new_motion_runs_without_another_change():
     assert simulation.positions[0, 1] == pytest.approx(0.1 + up, abs=2e-3)  # a soft contact gives way
     (wall,) = from_scene(scene).walls_at(scene.time(simulation.step))
     assert wall.extent[1][1] == pytest.approx(up, abs=1e-4)
-    assert f" {len(moving.motion.track)} " in f"{plugin_walls(scene)[0]} ".replace(JOIN, " ")
-    assert "move" in plugin_walls(scene)[0]
+    found = WithoutDiscs(scene).walls.moves
+    assert found is not None and np.array_equal(found.track, moving.motion.track)
 
 
 class Sticky(Contact):

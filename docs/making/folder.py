@@ -18,6 +18,7 @@ FILES = {
     "in.plugin.lammps": "script for LAMMPS with the compiled styles",
     "discs.data": "discs at the start",
     "disk.mol": "shape that poured discs have in LAMMPS",
+    "scene.image": "law, walls and events of the scene as the core has them in memory, for the compiled styles",
     "inflow.turns": "row, step and speed of each disc of an inflow against time, for the compiled styles",
     "log.lammps": "log of LAMMPS",
     "dump.lammpstrj": "the frames: places, velocities and other values of all discs",

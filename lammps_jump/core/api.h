@@ -24,7 +24,7 @@
 
 namespace jump {
 // Of the interface; library.py has the same number. Raise both where a function or a struct changes.
-constexpr int64_t VERSION = 7;
+constexpr int64_t VERSION = 8;
 }    // namespace jump
 
 #endif

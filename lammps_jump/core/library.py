@@ -18,7 +18,7 @@ from lammps_jump.errors import SetupError
 
 from .columns import require_columns
 
-VERSION = 7
+VERSION = 8
 """Of the interface, as in ``api.h``."""
 
 CORE = Product(

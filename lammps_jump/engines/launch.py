@@ -14,14 +14,17 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from lammps_jump import script
 from lammps_jump.compiling.trust import open_to_others
-from lammps_jump.files import delete, write_text
+from lammps_jump.core.library import core
+from lammps_jump.files import SCENE_FILE, delete, write_bytes, write_text
 from lammps_jump.folders import writable
 from lammps_jump.quoting import typed
 from lammps_jump.scene.scene import Scene
-from lammps_jump.script import write_continuation, write_script
+from lammps_jump.script import write_continuation
 from lammps_jump.script.assemble import continuation_text, script_text
 
+from . import native
 from .checkpoint import Checkpoint, last_saved
 from .child import Child, child_for
 from .interrupts import handled_by
@@ -108,6 +111,17 @@ def write_inputs(job: Job) -> None:
         if setting.script is not None:
             write_text(path, setting.script)
         make_ready(job)
+
+
+def write_script(scene: Scene, folder: Path, **options: Any) -> Path:
+    """Write scripts and their side files into a folder; arguments and result as of `script.write_script`.
+
+    Law, walls and bodies of the compiled styles stand in a file of their own, the core's image of the scene.
+    """
+    path = script.write_script(scene, folder, **options)
+    if options.get("kernel") == "compiled" and core() is not None:  # else nothing compiled can run it either
+        write_bytes(folder / SCENE_FILE, native.WithoutDiscs(scene).file())
+    return path
 
 
 def _options(job: Job) -> dict[str, Any]:

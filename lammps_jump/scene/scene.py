@@ -450,6 +450,12 @@ class Scene(Measures):
         return len(self.positions) + brought + sum(item.count for item in self.pours)
 
     @property
+    def most_discs(self) -> int:
+        """Largest id that a disc can have, where rows let in as many as they have turns."""
+        turns = sum(len(row.turns) or self.steps // row.every_steps + 1 for row in self.inlets)
+        return max(self.expected_discs, len(self.positions) + turns)
+
+    @property
     def drawn_discs(self) -> int:
         """Of `expected_discs` those whose diameter is drawn: not of rough beds, nor of an earlier run."""
         own = sum(last - first + 1 for first, last, _ in self.sizes.own) if self.sizes else 0

@@ -4,15 +4,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import inf
 
-from lammps_jump.files import CONTACTS_FILE, POSES
-from lammps_jump.physics.slip import FRICTION_LAWS
+from lammps_jump.files import BODIES, CONTACTS_FILE, POSES, SCENE_FILE
+from lammps_jump.scene.meeting import LARGEST_OVERLAP, corners
 from lammps_jump.scene.scene import Scene
-from lammps_jump.scene.sizes import ID_STEP
 
 from . import stock
 from .probes import plugin_probes
-from .walls import JOIN, number, numbers, plugin_bodies, plugin_walls
+from .walls import JOIN, number, numbers
 
 probes = plugin_probes
 TURNS_FILE = "inflow.turns"
@@ -78,29 +78,9 @@ def turns_text(scene: Scene) -> Iterator[str]:
 
 
 def contact_law(scene: Scene) -> list[str]:
-    """The plugin's pair style; what the scene lacks (friction, spin, sizes, soft touch) is left out, not computed."""
-    c, springs = scene.coefficients, scene.springs
-    # where nothing has friction no spring is there, and the law of springs asks for them
-    law = "viscous" if springs is None and FRICTION_LAWS[scene.friction_law].remembers else scene.friction_law
-    words = [
-        f"pair_style      jump/disc law {law} k {number(c.stiffness)} gamma {number(c.gamma_normal)}",
-        f"gammat {number(c.gamma_tangential)} mu {number(c.friction)} mass {number(c.mass)} diameter "
-        f"{number(scene.diameter)} skin {number(scene.skin)}",
-    ]
-    if scene.touch == "smooth":
-        words.append(f"smooth {number(scene.touch_width)}")
-    words += [f"{name} {number(value)}" for name, value in stock.more_numbers(scene).items()]
-    if scene.rotation:
-        words.append("spin yes")
-    if springs is not None:
-        words.append(f"springs {number(springs.tangential_ratio)}")
-        if roll := springs.rolling:
-            words.append(f"rolling {numbers(roll.stiffness_ratio, roll.damping, roll.friction)}")
-    if scene.sizes:
-        words.append(f"sizes {numbers(scene.smallest, scene.largest)}")
-    if scene.fixed:
-        words.append(f"fixed {scene.fixed.first} {scene.fixed.last}")
-    return [" ".join(words), "pair_coeff      * *"]
+    """The plugin's pair style; law, walls and all that belongs to them stand in the file beside the script."""
+    fixed = f" fixed {scene.fixed.first} {scene.fixed.last}" if scene.fixed else ""
+    return [f"pair_style      jump/disc {SCENE_FILE}{fixed}", "pair_coeff      * *"]
 
 
 def neighbours(scene: Scene) -> list[str]:
@@ -122,23 +102,24 @@ def neighbours(scene: Scene) -> list[str]:
 
 def motion_and_walls(scene: Scene) -> list[str]:
     """One fix for integration, gravity, every wall and the force on the probed ones."""
-    c = scene.coefficients
     lines = [f"timestep        {number(scene.time_step)}"]
     words = ["fix             motion all jump/step"]
     if scene.pours:  # fix pour wants the stock gravity fix: it computes the fall from it
         lines += stock.gravity(scene)
     elif any(scene.gravity):
         words.append(f"gravity {numbers(*scene.gravity)}")
-    words.append(
-        f"k_wall {number(c.stiffness_wall)} gamma_wall {number(c.gamma_normal_wall)} "
-        f"gammat_wall {number(c.gamma_tangential_wall)} mu_wall {number(c.friction)}"
-    )
+    names = [one.wall.name for one in scene.walls]
+    words += [" ".join(["walls", str(len(names)), *names])] if names else []
     words += [
-        *plugin_walls(scene),
-        *plugin_bodies(scene),
-        *sizes(scene),
-        *([f"slots {scene.slots}"] if scene.slots else []),
+        f"went {wall.name} {numbers(*motion.went.speed)}" for wall, motion in scene.walls if motion.went is not None
     ]
+    if scene.bodies:
+        smallest = min((corner.radius for _, corner in corners(scene)), default=inf)
+        limit = min(LARGEST_OVERLAP * smallest, scene.overlap_limit or inf)
+        words.append(f"bodies {scene.probe_steps} {BODIES} {number(limit)}")
+    if scene.sizes and (scene.inlets or scene.pours):
+        words.append(f"sizes {scene.most_discs} {number(scene.density)}")
+    words += [f"slots {scene.slots}"] if scene.slots else []
     if scene.contact_output:
         words.append(f"contacts {scene.output_steps} {CONTACTS_FILE}")
     if scene.lids:
@@ -146,16 +127,6 @@ def motion_and_walls(scene: Scene) -> list[str]:
     if scene.probes:
         words.append(f"probe {scene.probe_steps} {' '.join(scene.probes)}")
     return [*lines, JOIN.join(words)]
-
-
-def sizes(scene: Scene) -> list[str]:
-    """Words of the fix that give inserted discs their own size: raster of steps, density, size by id (`Sizes`)."""
-    if not scene.sizes or not (scene.inlets or scene.pours):
-        return []
-    pieces = scene.sizes.pieces
-    law = numbers(scene.density, scene.sizes.shift, ID_STEP)
-    known = [f"known {len(scene.sizes.given)}"] if scene.sizes.given else []
-    return [f"sizes {scene.size_steps} {law} {len(pieces)} {numbers(*pieces.ravel())}", *known]
 
 
 def guards(scene: Scene) -> list[str]:

@@ -9,14 +9,8 @@ from __future__ import annotations
 
 from math import inf, nan, sqrt
 
-import numpy as np
-
-from lammps_jump.core.law import LawNumbers
-from lammps_jump.files import BODIES
 from lammps_jump.physics.contact import WallLaw, restitution_of
 from lammps_jump.scene import Block, Box, Interval, MovingWall, Plane, Scene, Wall
-from lammps_jump.scene.chains import WALL
-from lammps_jump.scene.meeting import LARGEST_OVERLAP, corners, laws_between, meets
 
 from .regions import (
     FAR,
@@ -256,73 +250,3 @@ def _plain_gate(moving: MovingWall, law: str, tail: str) -> list[str]:
         f"region          shut_{wall.name} plane {point} {inward} {away}",
         f"fix             wall_{wall.name} all wall/gran/region {law} region shut_{wall.name}",
     ]
-
-
-def plugin_walls(scene: Scene) -> list[str]:
-    """Words of the plugin's fix for every wall and gate."""
-    return [plugin_wall(one, scene.own_laws.get(one.wall.name), seam=scene.crosses(one.wall)) for one in scene.walls]
-
-
-def plugin_bodies(scene: Scene) -> list[str]:
-    """Words of the plugin's fix for the corners of walls, their contacts with bodies, and the file of bodies."""
-    if not scene.bodies:
-        return []
-    springs, smallest = scene.springs, inf
-    lines = []
-    for wall, corner in corners(scene):
-        lines.append(f"{numbers(*corner)} {wall}")
-        smallest = min(smallest, corner.radius)
-    laws = laws_between(scene, scene.walls)
-    pairs = []
-    for one, other in np.argwhere(meets(scene.walls)).tolist():
-        *own, lag = laws[one, other].tolist()
-        law = LawNumbers(*own)
-        told = law.stiffness, law.damping, law.tangential, lag, law.friction if scene.rubs else 0.0
-        pairs.append(f"{one} {other} {numbers(*told)}")
-    limit = min(LARGEST_OVERLAP * smallest, scene.overlap_limit or inf)
-    damping = springs.tangential_damping_ratio if springs else 0.0
-    head = f"bodies {scene.probe_steps} {BODIES} {numbers(limit, damping)}"
-    held = []
-    if scene.earlier is not None:
-        kept = scene.earlier.corners
-        held = [f"held {len(kept)}"] * bool(len(kept))
-        held += [
-            f"{row['disc'] - 1} {row['partner']} {numbers(row['foot'], row['spring'], row['roll'])}" for row in kept
-        ]
-    return [JOIN.join([f"{head} {len(lines)}", *lines, f"{len(pairs)}", *pairs, *held])]
-
-
-def plugin_wall(moving: MovingWall, own: WallLaw | None = None, *, seam: bool = False) -> str:
-    """Words of one wall: its name, moment point and faces, own law, seam and motion (``fix_jump_step.h``)."""
-    wall, motion = moving
-    codes, shape, _, (deep,) = wall.faces
-    kept = [column for column in range(codes.shape[1]) if column != WALL]
-    lines = [f"wall {wall.name} {numbers(*wall.moment_point)} {deep} {len(codes)}"]
-    lines += [
-        f"{' '.join(map(str, code))} {numbers(*row)}" for code, row in zip(codes[:, kept].tolist(), shape, strict=True)
-    ]
-    if own:
-        lines.append(f"law {numbers(own.stiffness, own.gamma_normal, own.gamma_tangential, own.friction)}")
-        lines += [f"roll {number(own.rolling)}"] if own.rolling is not None else []
-    lines += ["seam"] if seam else []
-    lines += [] if motion.gone == inf else [f"until {int(motion.gone)}"]
-    place = f"{numbers(*motion.about)} {motion.start}"
-    if body := motion.free:
-        free = " ".join(str(int(axis)) for axis in body.freedom)
-        speeds = (value * axis for value, axis in zip((*body.velocity, body.spin), body.freedom, strict=True))
-        weight = numbers(body.mass, body.inertia_there, *body.weight, *body.arm)
-        lines += [f"body {place} {weight} {free} {numbers(max(body.begin, BEFORE_ALL), *speeds)}"]
-    elif load := motion.load:
-        free = f"{int(load.axis != 'y')} {int(load.axis != 'x')}"
-        lines += [f"lid {place} {numbers(load.mass, *load.force)} {free} {number(max(load.begin, BEFORE_ALL))}"]
-    elif hold := motion.holding:
-        gains = numbers(hold.proportional, hold.integral, hold.speed, hold.lowest, hold.highest)
-        looks = f"{numbers(hold.low, hold.high)} {hold.bins} {numbers(hold.target, hold.level)}"
-        lines += [f"hold {numbers(*motion.about)} {motion.start} {hold.first} {hold.every} {looks} {gains}"]
-    elif motion.kind:
-        lines += [f"move {numbers(*motion.about)} {motion.start} {len(motion.track)}"]
-        lines += [numbers(*row) for row in motion.track]
-    if went := motion.went:
-        lines += [f"went {numbers(*went.pose, *went.speed, *(went.half or went.speed))}"]
-        lines += [] if went.area is None else [f"saw {number(went.area)}"]
-    return JOIN.join(lines)

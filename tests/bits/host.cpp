@@ -3,42 +3,23 @@
 
    host IMAGE STEP OUT; see engines/native/image.py for the file. The exit status is that of `jump_run`, or 9. */
 
-#include "step/events.h"
+#include "step/image.h"
 
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <vector>
 
 namespace {
 
-struct Head {
-  int64_t magic, word, size, pointers, state, events;
-};
-
-template <class T> bool read(std::FILE *file, T *to, size_t count) { return std::fread(to, sizeof(T), count, file) == count; }
-
-/** The image in memory, its pointers moved to where it is; empty where the file is none. */
-std::vector<int64_t> load(const char *path, Head &head)
+std::vector<char> bytes_of(const char *path)
 {
-  std::vector<int64_t> image;
-  std::FILE *file = std::fopen(path, "rb");
-  if (!file) return image;
-  if (read(file, &head, 1) && head.magic == 0x31474D494D4C4A && head.word == (int64_t) sizeof(void *)) {
-    std::vector<int64_t> places((size_t) head.pointers);
-    image.resize((size_t) head.size / 8 + 1);
-    char *const base = reinterpret_cast<char *>(image.data());
-    if (!read(file, places.data(), places.size()) || !read(file, base, (size_t) head.size)) image.clear();
-    if (!image.empty())
-      for (const int64_t place : places) {
-        uintptr_t there;
-        std::memcpy(&there, base + place, sizeof there);
-        there += reinterpret_cast<uintptr_t>(base);
-        std::memcpy(base + place, &there, sizeof there);
-      }
-  }
+  std::vector<char> bytes;
+  char part[4096];
+  std::FILE *const file = std::fopen(path, "rb");
+  if (!file) return bytes;
+  while (const size_t count = std::fread(part, 1, sizeof part, file)) bytes.insert(bytes.end(), part, part + count);
   std::fclose(file);
-  return image;
+  return bytes;
 }
 
 }    // namespace
@@ -46,12 +27,10 @@ std::vector<int64_t> load(const char *path, Head &head)
 int main(int count, char **words)
 {
   if (count != 4) return 9;
-  Head head;
-  std::vector<int64_t> image = load(words[1], head);
-  if (image.empty()) return 9;
-  char *const base = reinterpret_cast<char *>(image.data());
-  jump_state *const state = reinterpret_cast<jump_state *>(base + head.state);
-  jump_events *const events = reinterpret_cast<jump_events *>(base + head.events);
+  jump::SceneImage image;
+  if (!image.take(bytes_of(words[1]))) return 9;
+  jump_state *const state = image.state;
+  jump_events *const events = image.events;
   jump::ThreadPartition *const threads = jump_partition("1");
   const int64_t end = jump_run(state, events, threads, std::atoll(words[2]));
   std::FILE *const file = std::fopen(words[3], "wb");

@@ -41,7 +41,7 @@ class LammpsEngine:
     def __init__(self, scene: Scene, spins: list[float], folder: Path, *, compiled: bool):
         from lammps_jump.engines.lammps.drive import plugin_arguments
         from lammps_jump.engines.lammps.loader import load_lammps
-        from lammps_jump.script import write_script
+        from lammps_jump.engines.launch import write_script
 
         self.scene = scene
         plugin = plugin_or_skip() if compiled else None
@@ -49,6 +49,7 @@ class LammpsEngine:
         commands = path.read_text().partition("# --- run")[0]
         for name in (
             "discs.data",
+            "scene.image",
             "dump.lammpstrj",
             "walls.csv",
             "contacts.bin",

@@ -33,7 +33,7 @@ def loaded(file: bytes) -> tuple[np.ndarray, int, int]:
     begin = struct.calcsize("<8s5q")
     places = np.frombuffer(file, "<i8", pointers, begin)
     memory = np.frombuffer(file[begin + 8 * pointers :], np.uint8).copy()
-    assert memory.size == size
+    assert memory.size == size + 24  # the version and two sizes are behind it
     base = memory.ctypes.data
     for place in places.tolist():
         memory[place : place + 8].view(np.uint64)[0] += np.uint64(base)

@@ -23,6 +23,7 @@ from lammps_jump.engines.lammps.drive import plugin_arguments
 from lammps_jump.engines.lammps.loader import program
 from lammps_jump.engines.launch import Setting, run
 from lammps_jump.errors import RunError, RunInterrupted
+from lammps_jump.files import SCENE_FILE
 from lammps_jump.runs import results, start
 from lammps_jump.runs.engine import choose_setting
 
@@ -108,9 +109,10 @@ def test_the_folder_runs_alone_elsewhere_with_the_same_dump(kernel, tmp_path):
     assert scripts == ["in.lammps", "in.plugin.lammps"][: 1 + (kernel == "compiled")]
     alone = tmp_path / "alone"
     alone.mkdir()
-    for name in (*scripts, "disk.mol", "discs.data"):
+    image = [SCENE_FILE] if kernel == "compiled" else []
+    for name in (*scripts, *image, "disk.mol", "discs.data"):
         shutil.copy(tmp_path / "run" / name, alone)
-        assert str(plugin) not in (alone / name).read_text()
+        assert str(plugin).encode() not in (alone / name).read_bytes()
     subprocess.run(
         [program("lmp"), "-in", scripts[-1], *plugin_arguments(plugin)], cwd=alone, check=True, capture_output=True
     )

@@ -7,22 +7,18 @@ Each wall is one run of 0 steps. Its discs lie across each other and may: their 
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import cos, pi, radians, sin, tan
-from pathlib import Path
 
 import numpy as np
 import pytest
+from plugin_scripts import styles
 
 from lammps_jump.core.library import CORE
-from lammps_jump.engines import plugin as plugin_package
-from lammps_jump.scene import faces
 from lammps_jump.scene import faces as rule
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.chains import SMOOTH_TURN, Chain, boxes, circle
-from lammps_jump.scene.motion import MovingWall
 from lammps_jump.scene.walls import Block, Box, Plane, Wall
-from lammps_jump.script.walls import JOIN, plugin_wall
 
 D = 0.2
 POINTS = 300
@@ -129,8 +125,12 @@ def evaluate(plugin, tmp_path_factory):
     module = load_lammps()
 
     def forces(wall, points):
-        words = plugin_wall(MovingWall(wall)).replace(JOIN, " ")
-        scene = handmade_scene(points, np.zeros_like(points), diameter=D)
+        scene = handmade_scene(points, np.zeros_like(points), (wall,), diameter=D, gravity=(0.0, 0.0))
+        soft = replace(
+            scene.coefficients, stiffness=1e-290, stiffness_wall=STIFFNESS, gamma_normal=0.0, gamma_normal_wall=0.0
+        )
+        scene = replace(scene, coefficients=soft)
+        lines = "\n".join(styles(scene, plugin, tmp_path_factory.mktemp("scene"), probe="probe 1 wall"))
         engine = module.lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
         try:
             engine.commands_string("""
@@ -139,10 +139,8 @@ def evaluate(plugin, tmp_path_factory):
             x = np.column_stack([points, np.zeros(len(points))])
             engine.create_atoms(len(points), list(range(1, len(points) + 1)), [1] * len(points), x.ravel().tolist())
             engine.commands_string(f"""
-                set group all diameter {D} mass {scene.mass!r}\nneighbor {D} bin\nplugin load {plugin}
-              pair_style jump/disc law viscous k 1e-290 gamma 0 gammat 0 mu 0 mass {scene.mass!r} diameter {D} skin 0.01
-                pair_coeff * *
-                fix step all jump/step k_wall {STIFFNESS} {words} probe 1 wall
+                set group all diameter {D} mass {scene.mass!r}\nneighbor {D} bin
+                {lines}
                 run 0 post no""")
             order = np.argsort(engine.numpy.extract_atom("id")[: len(points)])
             found = engine.numpy.extract_atom("f")[order, :2].copy()
@@ -195,13 +193,9 @@ def test_at_the_border_of_face_and_joint_the_plugin_has_one_contact(evaluate, co
     assert np.abs(force - expected.T).max() < 1e-12 * STIFFNESS * D
 
 
-def test_constants_of_the_plugin_are_those_of_the_package():
-    plugin = Path(plugin_package.__file__).parent
-    header = "".join(path.read_text() for path in (plugin / "near_faces.h", CORE.folder / "walls" / "faces.h"))
-    value = {
-        name: re.search(rf" {name} = ([^;]+);", header)[1] for name in ("MOST", "FEW", "MOST_CELLS", "SMOOTH_TURN")
-    }
-    assert (int(value["MOST"]), int(value["FEW"])) == (rule.MOST, faces.FEW)
-    assert float(value["MOST_CELLS"]) == faces.MOST_CELLS
+def test_constants_of_the_core_are_those_of_the_package():
+    header = (CORE.folder / "walls" / "faces.h").read_text()
+    value = {name: re.search(rf" {name} = ([^;]+);", header)[1] for name in ("MOST", "SMOOTH_TURN")}
+    assert int(value["MOST"]) == rule.MOST
     assert float(value["SMOOTH_TURN"]) * pi / 180.0 * (1 + 1e-6) == rule.SAME_TURN
     assert radians(float(value["SMOOTH_TURN"])) == SMOOTH_TURN

@@ -35,14 +35,19 @@ def crowded(**more):
 def lines_of(case, plugin, folder):
     """The case with the inlets of the plugin."""
     outlets = [line for line in traffic(case, folder) if " out" in line]
-    return [*start(case), *styles(case, plugin), *outlets, *(line.replace(" &\n", " ") for line in inlets(case))]
+    return [
+        *start(case),
+        *styles(case, plugin, folder),
+        *outlets,
+        *(line.replace(" &\n", " ") for line in inlets(case)),
+    ]
 
 
 def test_the_discs_are_those_of_fix_deposit_to_the_last_bit(lammps, plugin, tmp_path):
     case = crowded()
     names = ("id", "x", "v", "radius", "rmass")
     more = ["atom_modify sort 70 0.3", "run 1000"]
-    with Run(lammps, [*start(case), *styles(case, plugin), *traffic(case, tmp_path), *more]) as run:
+    with Run(lammps, [*start(case), *styles(case, plugin, tmp_path), *traffic(case, tmp_path), *more]) as run:
         expected = [run.discs(name) for name in names]
     with Run(lammps, [*lines_of(case, plugin, tmp_path), *more]) as run:
         found = [run.discs(name) for name in names]
@@ -58,7 +63,7 @@ def test_a_row_lets_in_as_many_as_it_may_over_a_restart(lammps, plugin, tmp_path
     row = InletRow(5.0, 5.0, 12.0, 0.0, 10, 100, 0.999 * DIAMETER, limit=3)
     case = scene(*CLOUD, FLOOR, inlets=(row,))
     inlet = [line.replace(" &\n", " ") for line in inlets(case)]
-    plug, *rest = styles(case, plugin)
+    plug, *rest = styles(case, plugin, tmp_path)
     with Run(lammps, [*start(case), plug, *rest, *inlet]) as run:
         assert [run.do(f"run {n}").engine.get_natoms() - 144 for n in (9, 1, 150)] == [0, 1, 2]
         run.do(f"write_restart {tmp_path / 'half'}")
@@ -88,7 +93,7 @@ def test_named_turns_are_those_of_the_interval_to_the_last_bit(lammps, plugin, t
     names, found = ("id", "x", "v", "radius", "rmass"), []
     outlets = [line for line in traffic(case, tmp_path) if " out" in line]
     for one in (case, timed_rows(case)):
-        lines = [*start(one), *styles(one, plugin), *outlets, *with_turns(one, tmp_path)]
+        lines = [*start(one), *styles(one, plugin, tmp_path), *outlets, *with_turns(one, tmp_path)]
         with Run(lammps, [*lines, "atom_modify sort 70 0.3", "run 1000"]) as run:
             found.append([run.discs(name) for name in names])
     assert found[0][0].max() > 87
@@ -135,7 +140,7 @@ engine: {kernel: compiled}
 def test_named_turns_go_on_over_a_restart(lammps, plugin, tmp_path):
     case = timed_rows(scene(*CLOUD, FLOOR, inlets=(InletRow(5.0, 5.0, 12.0, 0.0, 10, 100, 0.999 * DIAMETER),)))
     inlet = with_turns(case, tmp_path)
-    plug, *rest = styles(case, plugin)
+    plug, *rest = styles(case, plugin, tmp_path)
     with Run(lammps, [*start(case), plug, *rest, *inlet]) as run:
         assert [run.do(f"run {n}").engine.get_natoms() - 144 for n in (9, 1, 150)] == [0, 1, 2]
         run.do(f"write_restart {tmp_path / 'half'}")
@@ -159,7 +164,7 @@ def test_a_bad_file_of_turns_is_refused(lammps, plugin, tmp_path, turns, message
     case = scene(*cloud(2, 3, 3), FLOOR)
     if turns is not None:
         (tmp_path / "turns").write_text(turns)
-    with Run(lammps, [*start(case), *styles(case, plugin)]) as run, pytest.raises(Exception, match=message):
+    with Run(lammps, [*start(case), *styles(case, plugin, tmp_path)]) as run, pytest.raises(Exception, match=message):
         run.do(f"fix in all jump/inlet 0.2 40 turns {tmp_path / 'turns'} row 1 0 0 0.2 0 0 1 0")
 
 
@@ -175,7 +180,7 @@ def test_a_bad_file_of_turns_is_refused(lammps, plugin, tmp_path, turns, message
         ("-0.2 40 row 1 30 0 0.2 0 0 1 0", "DIAMETER and MASS must be above 0"),
     ],
 )
-def test_bad_rows_are_refused(lammps, plugin, words, message):
+def test_bad_rows_are_refused(lammps, plugin, tmp_path, words, message):
     case = scene(*cloud(2, 3, 3), FLOOR)
-    with Run(lammps, [*start(case), *styles(case, plugin)]) as run, pytest.raises(Exception, match=message):
+    with Run(lammps, [*start(case), *styles(case, plugin, tmp_path)]) as run, pytest.raises(Exception, match=message):
         run.do(f"fix in all jump/inlet {words}")

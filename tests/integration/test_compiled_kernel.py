@@ -234,7 +234,7 @@ def test_a_restart_goes_on_as_if_never_stopped(lammps, plugin, tmp_path):
     with Run(lammps, compiled(case, plugin, tmp_path, **options)) as run:
         run.do("run 500", f"write_restart {tmp_path / 'half'}", "run 100")
         expected, force = run.discs(), run.vector(3)
-    plug, *again = styles(case, plugin, **options)  # no restart file holds them
+    plug, *again = styles(case, plugin, tmp_path, **options)  # no restart file holds them
     lines = [plug, "newton off", f"read_restart {tmp_path / 'half'}", "comm_modify vel yes", "neighbor 0.06 bin"]
     with Run(lammps, [*lines, f"timestep {case.time_step!r}", *again]) as run:
         run.do("run 100")
@@ -247,32 +247,20 @@ def test_a_restart_goes_on_as_if_never_stopped(lammps, plugin, tmp_path):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (("law viscous", "law stone"), "law is viscous, sign or history, not 'stone'"),
-        ((" k 2", " k -2"), "must be above 0"),
-        ((" mu 0.2", " mu -0.2"), "must not be negative"),
-        (("spin no", "spin maybe"), "maybe"),
-        *((("spin no", f"{word} no"), f"unknown keyword '{word}'") for word in ("colour", "ledger", "halo", "touch")),
-        (("skin 0.06", ""), "needs k, mass, diameter and skin"),
-        (("spin no", "smooth 0"), "smooth touch must be above 0"),
+        ((".image", ".image none"), "takes the file of a scene"),
+        ((".image", ".images"), "of the scene cannot be read"),
         (("newton off", "newton on"), "needs newton off, processors"),
         (("boundary f f p", "boundary f p p"), "needs .* no periodic y"),
         (("fix step all jump/step", "#"), "needs fix jump/step"),
-        (("diameter 0.2", "diameter 0.21"), "has diameter 0.2"),
-        (("mass 40", "mass 41"), "and mass 40.*, the pair style says .* mass 41"),
-        (
-            ("wall floor 0 0 1 1 0 ", "wall floor 0 0 1 1 2 "),
-            r"a face of wall 'floor' is a segment \(0\) or an arc \(1\), not 2",
-        ),
-        (("-1 -1 4 4", "-1 -1 4 5"), "a joint of wall 'floor' has the unknown kind 5"),
-        (("-1 -1 4 4", "-1 -1 4 2"), "a joint of wall 'floor' has no face -1"),
-        (("wall floor 0 0 1 1", "wall floor 0 0 1 9"), "wall 'floor' needs 22 numbers for each of 9 faces"),
-        (("wall floor 0 0 1 1", "wall floor 0 0 1 0"), "wall 'floor' needs 22 numbers for each of 0 faces"),
-        (("wall floor 0 0 1 1", "wall floor 0 0 maybe 1"), "maybe"),
-        (("wall left", "wall floor"), "two walls are called 'floor'"),
+        (("walls 2", "walls 1"), "number of walls of the scene, 2, and their names"),
         (("probe 10 floor", "probe 10 roof"), "unknown wall 'roof'"),
         (("probe 10 floor", "probe 0 floor"), "must be above 0"),
+        (("probe 10 floor", "went floor 0 0 0"), "wall 'floor' that went is no lid, gate or body"),
+        (("probe 10 floor", "bodies 5 file 1"), "a scene that has bodies"),
+        (("probe 10 floor", "sizes 9 1"), "a scene with sizes"),
+        (("probe 10 floor", "slots 65"), "allowed is 1 to 64"),
         (("fix step all", "fix step part"), "its group is all"),
-        (("k_wall", "kwall"), "unknown keyword 'kwall'"),
+        (("walls", "doors"), "unknown keyword 'doors'"),
     ],
 )
 def test_bad_commands_are_refused_by_name(lammps, plugin, tmp_path, change, message):
@@ -281,15 +269,48 @@ def test_bad_commands_are_refused_by_name(lammps, plugin, tmp_path, change, mess
     known = ("pair_style", "fix step", "newton", "boundary")
     changed = [line.replace(*change) if line.startswith(known) else line for line in lines]
     assert changed != lines
+    refused(lammps, changed, message)
+
+
+def refused(lammps, lines, message):
     engine = lammps(cmdargs=["-log", "none", "-screen", "none", "-nocite"])
     try:
         with pytest.raises(Exception, match=message):
-            for line in ("region part block 0 1 0 1 -1 1", *changed, "run 1"):
+            for line in ("region part block 0 1 0 1 -1 1", *lines, "run 1"):
                 engine.command(line)
                 if line.startswith("create_box"):
                     engine.command("group part region part")
     finally:
         engine.close()
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (("diameter 0.2", "diameter 0.19"), "has diameter 0.19"),
+        (("all mass 4", "all mass 5"), "and mass 5.*, the scene says .* mass 4"),
+    ],
+)
+def test_discs_of_another_scene_are_refused(lammps, plugin, tmp_path, change, message):
+    lines = compiled(scene(*cloud(2, 3, 3), FLOOR[:2]), plugin, tmp_path)
+    changed = [line.replace(*change) for line in lines]
+    assert changed != lines
+    refused(lammps, changed, message)
+
+
+@pytest.mark.parametrize("change", ["cut", "version", "magic", "longer"])
+def test_a_damaged_file_of_the_scene_is_refused(lammps, plugin, tmp_path, change):
+    lines = compiled(scene(*cloud(2, 3, 3), FLOOR[:2]), plugin, tmp_path)
+    (file,) = tmp_path.glob("*.image")
+    data = bytearray(file.read_bytes())
+    if change == "version":
+        data[-24] ^= 1
+    elif change == "magic":
+        data[0] ^= 1
+    else:
+        data = data[:-8] if change == "cut" else data + bytes(8)
+    file.write_bytes(data)
+    refused(lammps, lines, "is no scene of this version of the plugin")
 
 
 RANKS_PROGRAM = """
@@ -373,6 +394,6 @@ def test_sums_of_single_discs_are_refused(lammps, plugin, tmp_path, command):
 def test_another_atom_style_is_refused(lammps, plugin, tmp_path):
     lines = ["units si", "dimension 2", "newton off", "boundary f f p", "atom_style atomic"]
     lines += ["region domain block 0 1 0 1 -0.1 0.1", "create_box 1 domain", "mass 1 40"]
-    with Run(lammps, [*lines, *styles(scene(*CLOUD, FLOOR), plugin)]) as run:
+    with Run(lammps, [*lines, *styles(scene(*CLOUD, FLOOR), plugin, tmp_path)]) as run:
         with pytest.raises(Exception, match="needs atom_style sphere"):
             run.do("run 0")

@@ -10,12 +10,12 @@ import pytest
 
 from lammps_jump.dump.side_files.poses import PoseFile
 from lammps_jump.engines.lammps.loader import load_lammps
+from lammps_jump.engines.launch import write_script
 from lammps_jump.engines.native.simulation import NativeSimulation
 from lammps_jump.files import POSES
 from lammps_jump.physics.contact import WallLaw
 from lammps_jump.scene import Block, Box, Motion, MovingWall, Sizes, handmade_scene
 from lammps_jump.scene.tracks import Loaded, Oscillate, Rotate, TableMotion, Translate
-from lammps_jump.script.assemble import write_script
 
 D = 0.2
 STEPS = 1000

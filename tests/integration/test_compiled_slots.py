@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 from lammps_jump.engines.lammps.loader import load_lammps, program
+from lammps_jump.engines.launch import write_script
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.scene import Outlet
 from lammps_jump.scene.walls import Plane
-from lammps_jump.script.assemble import write_script
 
 S, DISCS, STEPS = 3, 60, 3000
 pytestmark = pytest.mark.lammps

@@ -11,8 +11,8 @@ from made_up import plugin_or_skip
 
 from lammps_jump.engines.lammps.drive import plugin_arguments
 from lammps_jump.engines.lammps.loader import load_lammps
+from lammps_jump.engines.launch import write_script
 from lammps_jump.scene import InletRow, Plane, Sizes, gate, handmade_scene
-from lammps_jump.script import write_script
 
 pytestmark = pytest.mark.lammps
 
@@ -38,7 +38,7 @@ def end(scene, folder, kernel):
     folder.mkdir()
     path = write_script(scene, folder, kernel=kernel)
     commands = path.read_text()
-    for name in ("discs.data", "disk.mol", "dump.lammpstrj"):
+    for name in ("discs.data", "disk.mol", "scene.image", "dump.lammpstrj"):
         commands = commands.replace(name, str(folder / name))
     lmp = load_lammps().lammps(cmdargs=["-log", "none", "-screen", "none", *plugin_arguments(plugin)])
     try:

@@ -15,13 +15,13 @@ from pydantic import Field, TypeAdapter, ValidationError
 from lammps_jump.analysis.draw.painter import PAPER, SOLID, View, blank, paint_walls
 from lammps_jump.analysis.flow import from_scene
 from lammps_jump.case.fields import WallField
+from lammps_jump.engines.launch import write_script
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.scene import walls
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.motion import Motion, MovingWall
 from lammps_jump.scene.tracks import Rotate
 from lammps_jump.scene.walls import Block, Line, Plane
-from lammps_jump.script import write_script
 
 PAGE = (Path(__file__).parents[2] / "docs" / "extending.md").read_text()
 BLOCK = re.search(r"```python\n(@dataclass\(frozen=True\)\nclass Mound.*?)```", PAGE, re.DOTALL).group(1)

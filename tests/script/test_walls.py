@@ -74,7 +74,7 @@ def test_a_wall_that_no_style_of_lammps_has(said):
     assert f"no {said}".replace("'", "`") in stock[1]
     assert stock[-1] == "quit 1" and not any(line.startswith("run ") for line in stock)
     assert stock[-2].count("'") == 0  # LAMMPS takes a quote mark for the begin of a text
-    assert "wall ramp " in script_text(scene, kernel="compiled")
+    assert " ramp" in script_text(scene, kernel="compiled")
     with pytest.raises(SetupError) as error:
         choose("lammps", "stock", 1, scene)
     assert said in str(error.value) and "engine.kernel to compiled, or engine.name to native" in str(error.value)

@@ -21,6 +21,14 @@ inline ContactVelocities seen_by(const jump_state &s)
 /** 1/eps of the thesis' friction, eps = 0.01 v_max (4.20), of these velocities, s/m; 0 of another friction. */
 double slope_of(const jump_state &s, const ContactVelocities &seen);
 
+/** The same of the square of the largest velocity, (m/s)^2. */
+inline double slope_of(const jump_state &s, double fastest)
+{
+  if (!(s.pair.sign_ramp > 0.0)) return 0.0;
+  const double eps = s.pair.sign_ramp * std::sqrt(fastest);
+  return eps > 1e-300 ? 1.0 / eps : 1e300;    // nothing moves: the limit of the law, sat -> sign
+}
+
 inline bool has(double number) { return number == number; }
 
 /** The law that a state asks for. */
@@ -50,7 +58,7 @@ struct DiscHistory {
   const jump_state &s;
   int64_t first;
 
-  DiscHistory(const jump_state &state, int64_t disc) : s(state), first(disc * state.slots) {}
+  DiscHistory(const jump_state &state, int64_t disc) : s(state), first(disc * state.slot_row) {}
   int count() const { return (int) s.slots; }
   int64_t partner(int at) const { return s.partner[first + at]; }
   double foot(int at) const { return s.sigma[first + at]; }
@@ -66,6 +74,19 @@ struct DiscHistory {
     s.used[first + at] = 1;
   }
 };
+
+/** Empty the slots whose contacts have ended, of discs `begin` to `end`. */
+inline void end_contacts(const jump_state &s, int64_t begin, int64_t end)
+{
+  for (int64_t i = begin; i < end; i++)
+    for (int64_t at = i * s.slot_row, last = at + s.slots; at < last; at++) {
+      if (s.used[at] == 0 && s.partner[at] != 0) {
+        s.partner[at] = 0;
+        s.sigma[at] = s.spring[at] = s.roll[at] = 0.0;
+      }
+      s.used[at] = 0;
+    }
+}
 
 /** What a disc remembers of one contact: how it stands, and how it goes on behind a step. */
 class ContactHistory {

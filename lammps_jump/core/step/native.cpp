@@ -16,13 +16,6 @@
 
 namespace jump {
 
-double slope_of(const jump_state &s, double fastest)
-{
-  if (!(s.pair.sign_ramp > 0.0)) return 0.0;
-  const double eps = s.pair.sign_ramp * std::sqrt(fastest);
-  return eps > 1e-300 ? 1.0 / eps : 1e300;    // nothing moves: the limit of the law, sat -> sign
-}
-
 double slope_of(const jump_state &s, const ContactVelocities &seen) { return slope_of(s, fastest(seen, 0, s.n)); }
 
 /** Take the forces off fixed discs: they stay, and nothing is dissipated on their side. */
@@ -36,18 +29,6 @@ static void clear_fixed(const jump_state &s, const ThreadPart &part)
   }
 }
 
-/** Empty the slots whose contacts have ended, of discs `begin` to `end`. */
-static void end_contacts(const jump_state &s, int64_t begin, int64_t end)
-{
-  for (int64_t at = begin * s.slots, last = end * s.slots; at < last; at++) {
-    if (s.used[at] == 0 && s.partner[at] != 0) {
-      s.partner[at] = 0;
-      s.sigma[at] = s.spring[at] = s.roll[at] = 0.0;
-    }
-    s.used[at] = 0;
-  }
-}
-
 /** Slope of the sign law in this step, or 0. */
 static double slope_now(const jump_state &s, ThreadPartition &partition)
 {
@@ -56,32 +37,6 @@ static double slope_now(const jump_state &s, ThreadPartition &partition)
   double found = 0.0;
   for (const ThreadPart &part : partition.parts) found = most(part.fastest, found);
   return slope_of(s, found);
-}
-
-/** What forces of a step do on walls that move: their power on discs, and what is due to them in the ledger. */
-static void end_walls(const jump_state &s)
-{
-  const double dt = s.clock->dt;
-  WorkParts &of_walls = s.work->of_walls, &whole = s.work->whole;
-  of_walls = {0.0, 0.0, 0.0};
-  for (int64_t wall = 0; wall < s.walls; wall++) {
-    const int64_t kind = s.moving[wall];
-    if (kind == STANDS) continue;
-    const WallLoads &taken = s.taken[wall];
-    Pushed &pushed = s.pushed[wall];
-    pushed.force[0] = taken.all.x;
-    pushed.force[1] = taken.all.y;
-    pushed.force[2] = taken.all.moment;
-    if (kind >= LOADED) centre(s.placed[wall], pushed, s.load[wall], dt);
-    const Pose &rate = s.placed[wall].centred;
-    s.wall_sum[wall].power -= taken.of_discs.power(rate);
-    of_walls.dashpots += dt * taken.dashpots.power(rate);
-    of_walls.friction += dt * taken.friction.power(rate);
-    if (kind != LOADED && kind != BODY) of_walls.walls -= dt * taken.all.power(rate);    // the energy of the others is part of the whole
-  }
-  whole.dashpots += of_walls.dashpots;
-  whole.friction += of_walls.friction;
-  whole.walls += of_walls.walls;
 }
 
 /** Forces on the discs of a part. */
@@ -162,30 +117,6 @@ static int64_t forces_and_drift(const jump_state &s, ThreadPartition &partition)
   partition.turn_rows();
   end_forces(s, slope, partition);
   return end_drift(s, partition);
-}
-
-/** Put the moving walls where they are at a step; true where one has gone over half the skin since it was listed. */
-bool place_walls(const jump_state &s, double step)
-{
-  const Clock clock = s.clock->clock();
-  bool old = false;
-  for (int64_t wall = 0; wall < s.walls; wall++) {
-    if (s.moving[wall] == STANDS) continue;
-    const int64_t first = s.track_first[wall];
-    if (s.moving[wall] == FOLLOWS)
-      follow(s.placed[wall], s.track + first, s.track_first[wall + 1] - first, clock.time(step), clock.dt);
-    else follow(s.placed[wall], s.pushed[wall], s.load[wall], clock, step, s.clock->extrapolates > 0.0 && s.moving[wall] == BODY);
-    old = old || !(travel(s.placed[wall].now, s.listed[wall], s.far[wall]) <= s.clock->half_skin);
-  }
-  return old;
-}
-
-/** Move the walls that discs push, and put all that move where they are; true where one has left its list. */
-static bool move_walls(const jump_state &s, double step)
-{
-  for (int64_t wall = 0; wall < s.walls; wall++)
-    if (s.moving[wall] >= LOADED) drift(s.pushed[wall], s.load[wall], s.clock->clock(), step);
-  return place_walls(s, step);
 }
 
 constexpr int64_t LISTS_A_LOOK = 16;

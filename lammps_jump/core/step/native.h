@@ -135,7 +135,7 @@ struct jump_state {
   jump::LawNumbers pair;
   double time_step, mass, inertia, weight_x, weight_y, reach2;
   // memory; partner NULL: none
-  int64_t slots;
+  int64_t slots, slot_row;    // of a disc; numbers from those of a disc to those of the next
   int64_t *partner;
   double *sigma, *spring, *roll;
   int8_t *used;

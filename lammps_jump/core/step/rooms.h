@@ -32,7 +32,7 @@ class Rooms {
         if (array == before) array = reinterpret_cast<std::decay_t<decltype(array)>>(column);
       });
     }
-    if (s.used) grow(s.used, s.n * s.slots, more * s.slots);
+    if (s.used) grow(s.used, s.n * s.slot_row, more * s.slot_row);
     grow(s.start, s.rows + 1, more + 1);
     s.disc_room = more;
   }

@@ -5,6 +5,7 @@
    tailgates]. */
 
 #include "step/events.h"
+#include "step/forces.h"
 #include "step/step.h"
 
 namespace jump {

@@ -16,9 +16,6 @@ enum StopReason : int64_t { DONE, LIST_STALE, CHECK_OVERLAP };
     The forces after the last drift are left to the caller. Returns the drifts done. */
 int64_t advance(jump_state &s, ThreadPartition &partition, int64_t steps, bool forces_pending, StopReason &left);
 
-/** Put the moving walls where they are at a step; true where one has gone over half the skin since it was listed. */
-bool place_walls(const jump_state &s, double step);
-
 /** Make the lists anew where that can be done here. */
 StopReason relist(jump_state &s, ThreadPartition &partition);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-/* Forces of walls on the discs near them, and what the walls feel. */
+/* Walls in a step: where they are, their forces on the discs near them, and what they feel. */
 
 #include "contact/no_contraction.h"
 
@@ -55,9 +55,11 @@ static void forces_of(const jump_state &s, const Law &law, int64_t wall, ThreadP
       part.on_walls.push_back(push);
       if (presses) part.presses.push_back(press_of(wall, s.faces[found[c].face], px, py, at.nx, at.ny, out.fx, out.fy));
       if constexpr (SPIN) s.torque[i] += out.torque;
-      double *const force = part.forces[i];
+      double *const force = part.push_on(i);
       force[0] += out.fx;
       force[1] += out.fy;
+      if (part.felt) part.felt->push_back({i, wall, to_x, to_y, out.fx, out.fy});
+      if (part.pushes) continue;    // what is lost is not asked for
       force[2] += out.dashpot * at.nx;
       force[3] += out.dashpot * at.ny;
       if (slides) {
@@ -104,6 +106,74 @@ void sum_walls(const jump_state &s, const std::vector<ThreadPart> &parts)
     s.wall_sum[wall].force += on_wall;
     if (s.moving && s.moving[wall] != STANDS) s.taken[wall] = {on_wall, on_wall, lost, slid};
   }
+}
+
+/** What forces of a step do on walls that move: their power on discs, and what is due to them in the ledger. */
+void end_walls(const jump_state &s)
+{
+  const double dt = s.clock->dt;
+  WorkParts &of_walls = s.work->of_walls, &whole = s.work->whole;
+  of_walls = {0.0, 0.0, 0.0};
+  for (int64_t wall = 0; wall < s.walls; wall++) {
+    const int64_t kind = s.moving[wall];
+    if (kind == STANDS) continue;
+    const WallLoads &taken = s.taken[wall];
+    Pushed &pushed = s.pushed[wall];
+    pushed.force[0] = taken.all.x;
+    pushed.force[1] = taken.all.y;
+    pushed.force[2] = taken.all.moment;
+    if (kind >= LOADED) centre(s.placed[wall], pushed, s.load[wall], dt);
+    const Pose &rate = s.placed[wall].centred;
+    s.wall_sum[wall].power -= taken.of_discs.power(rate);
+    of_walls.dashpots += dt * taken.dashpots.power(rate);
+    of_walls.friction += dt * taken.friction.power(rate);
+    if (kind != LOADED && kind != BODY) of_walls.walls -= dt * taken.all.power(rate);    // the energy of the others is part of the whole
+  }
+  whole.dashpots += of_walls.dashpots;
+  whole.friction += of_walls.friction;
+  whole.walls += of_walls.walls;
+}
+
+/** Put the moving walls where they are at a step; true where one has gone over half the skin since it was listed. */
+bool place_walls(const jump_state &s, double step)
+{
+  const Clock clock = s.clock->clock();
+  bool old = false;
+  for (int64_t wall = 0; wall < s.walls; wall++) {
+    if (s.moving[wall] == STANDS) continue;
+    const int64_t first = s.track_first[wall];
+    if (s.moving[wall] == FOLLOWS)
+      follow(s.placed[wall], s.track + first, s.track_first[wall + 1] - first, clock.time(step), clock.dt);
+    else follow(s.placed[wall], s.pushed[wall], s.load[wall], clock, step, s.clock->extrapolates > 0.0 && s.moving[wall] == BODY);
+    old = old || !(travel(s.placed[wall].now, s.listed[wall], s.far[wall]) <= s.clock->half_skin);
+  }
+  return old;
+}
+
+/** Move the walls that discs push, and put all that move where they are; true where one has left its list. */
+bool move_walls(const jump_state &s, double step)
+{
+  for (int64_t wall = 0; wall < s.walls; wall++)
+    if (s.moving[wall] >= LOADED) drift(s.pushed[wall], s.load[wall], s.clock->clock(), step);
+  return place_walls(s, step);
+}
+
+double deepest_at_walls(const jump_state &s, const double (*at)[4])
+{
+  double deepest = 0.0;
+  FaceContact found[MOST];
+  for (int64_t wall = 0; wall < s.walls; wall++) {
+    const WallView view(s, wall);
+    for (int64_t row = s.near_rows[wall]; row < s.near_rows[wall + 1]; row++) {
+      const int64_t i = s.near_discs[row];
+      if (is_fixed(s, i)) continue;
+      double px = at[i][0], py = at[i][1];
+      view.see(px, py);
+      const int count = view.touching(s, row, px, py, radius_of(s, i), found);
+      for (int c = 0; c < count; c++) deepest = most(radius_of(s, i) - found[c].gap, deepest);
+    }
+  }
+  return deepest;
 }
 
 }    // namespace jump

@@ -197,7 +197,7 @@ jump_state state_of(const Swarm &s, const LawNumbers &law, const jump_springs *s
   state.pair = law;
   if (springs) {
     state.ids = springs->ids;
-    state.slots = springs->slots;
+    state.slots = state.slot_row = springs->slots;
     state.partner = springs->partner;
     state.full = springs->full;
     state.sigma = springs->sigma;

@@ -182,7 +182,8 @@ class Steps:
         velocities = {"id": ids, "whole": whole, "half": np.where(np.isnan(earlier.half), whole, earlier.half)}
         if self.scene.slots:
             slots = earlier.slots(self.scene.slots)
-            rows = np.concatenate([slots[name] for name in SLOTS], axis=1)
+            partner, *springs = (slots[name] for name in SLOTS)
+            rows = np.concatenate([partner.astype(np.int64).view(float), *springs], axis=1)
             n = self.engine.extract_setting("nlocal")
             own = self.engine.numpy.extract_atom("id")[:n] - 1
             self.engine.numpy.extract_fix(MOTION, 1, 2)[:n] = rows[own]  # 1, 2: an array of discs
@@ -208,7 +209,10 @@ class Steps:
         columns = {"id": found["id"], "x": found["x"], "y": found["y"], "diameter": 2.0 * found["radius"]}
         columns |= dict(zip(names, found["whole"].T, strict=True))
         columns |= {f"half_{name}": values for name, values in zip(names, found["half"].T, strict=True)}
-        parts = None if slots is None else tuple(np.split(slots[found["order"]], len(SLOTS), axis=1))
+        parts = None
+        if slots is not None:
+            partner, *springs = np.split(slots[found["order"]], len(SLOTS), axis=1)
+            parts = np.ascontiguousarray(partner).view(np.int64), *springs
         write_ended(Path(END_FILE), ended(self.scene, self._step, columns, parts, walls=self._pushed()))
 
     def _pushed(self) -> PushedWalls:
@@ -217,7 +221,7 @@ class Steps:
         if not scene.lids:
             return PushedWalls()
         behind = (4 if scene.moves else 3) * len(scene.probes)
-        corner_count = len(corners(scene)) if scene.bodies else 0
+        corner_count = len(corners(scene)) if scene.bodies and scene.springs is not None else 0
         count = PUSHED_WORDS * len(scene.lids) + len(SLOTS) * CORNER_SLOTS * corner_count
         words = np.array([self.engine.extract_fix(MOTION, 0, 1, behind + k) for k in range(count)])  # 0, 1: a vector
         rows: dict[str, dict[str, Any]] = {}
@@ -227,7 +231,7 @@ class Steps:
             looked = {} if np.isnan(row[16]) else {"area": row[16], "since": row[17]}
             rows[name] = {"released": bool(row[0]), **parts, **looked}
         slots = None
-        if corner_count and scene.springs is not None:
+        if corner_count:
             partner, *values = held.reshape(len(SLOTS), corner_count, CORNER_SLOTS)
             slots = (partner.astype(np.int64), *values)
         return pushed_walls(scene, rows, slots)

@@ -50,7 +50,7 @@ class jump_state(Struct):
         *fields(c_double, "diameter"),
         ("pair", jump_law),
         *fields(c_double, "time_step mass inertia weight_x weight_y reach2"),
-        *fields(c_int64, "slots"),
+        *fields(c_int64, "slots slot_row"),
         *fields(c_void_p, "partner sigma spring roll used chain around full"),
         *fields(c_double, "memory_step"),
         *fields(c_void_p, "work corners corner between deepest lists pressed"),
@@ -348,7 +348,8 @@ class Core:
             put(name, array)
         for name in MEMORY.split():
             put(name, getattr(memory, name))
-        bound.slots, bound.memory_step = memory.slots.partner.shape[1], memory.time_step
+        bound.slots = bound.slot_row = memory.slots.partner.shape[1]
+        bound.memory_step = memory.time_step
 
     # --- steps ------------------------------------------------------------------------------------------------------
 

@@ -13,6 +13,9 @@ from lammps_jump.scene.scene import Scene
 from .arrays import Constants, Lists, Memory, StepConstants
 from .ledger import inertia
 
+DEFAULT_SKIN = 0.3
+"""Skin of the neighbour list over the diameter where the scene gives none."""
+
 
 class Memories:
     """What contacts of a scene remember, as the loops take it: one object as long as nothing of it changes."""

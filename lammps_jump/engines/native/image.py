@@ -11,12 +11,24 @@ from __future__ import annotations
 import ctypes
 import struct
 from ctypes import addressof, c_uint32, c_uint64, c_void_p, sizeof
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lammps_jump.core.library import VERSION
+from lammps_jump.scene.scene import Scene
+
+from .alone import SceneEvents
+from .arrays import State
+from .bound import Core, jump_events, jump_state
+from .constants import DEFAULT_SKIN, Memories, constants_of, lists_of
+from .discs import DiscArrays
+from .events import OpenBoundaries, Tailgates, Windows
+from .ledger import EnergyBalance, StationLedger
+from .walls import Walls
+
 if TYPE_CHECKING:
-    from .bound import jump_events, jump_state
     from .simulation import NativeSimulation
 
 MAGIC = b"JLMIMG1\0"
@@ -142,12 +154,16 @@ class Image:
                 room[offset : offset + len(raw)] = raw
 
     def file(self, state: int, events: int) -> bytes:
-        """Bytes of the image behind its head: magic, width of a pointer, size, pointers, places of state and events."""
+        """Bytes of a file: head, image, and the version of the interface with the sizes of both structs.
+
+        The head has magic, width of a pointer, size, number of pointers, places of state and events.
+        """
         whole = bytearray(self.size)
         for place, data in self.parts:
             whole[place : place + len(data)] = data
         head = struct.pack("<8s5q", MAGIC, self.word, self.size, len(self.pointers), state, events)
-        return head + np.array(self.pointers, "<i8").tobytes() + bytes(whole)
+        sizes = (sizeof(narrowed(kind, self.word)) for kind in (jump_state, jump_events))
+        return head + np.array(self.pointers, "<i8").tobytes() + bytes(whole) + struct.pack("<3q", VERSION, *sizes)
 
 
 def image_of(simulation: NativeSimulation, target: int, word: int = 8, discs: int = 0) -> bytes:
@@ -186,3 +202,54 @@ def placed_image(
     for struct_ in (state, events):
         image.put(addressof(struct_))
     return image, state, events
+
+
+FEW_FACES, NEAR, NEAR_OF_MANY = 8, 1.0, 0.3
+"""Skin of the lists of discs near walls over the diameter, of a host that lists them apart from its pairs: 1.0 where no
+wall has more faces than 8. Each further face near a disc costs time."""
+
+
+class WithoutDiscs:
+    """A scene as a host takes it that has the discs itself: law, walls, bodies, and what happens at certain steps.
+
+    Parameters
+    ----------
+    scene : Scene
+
+    Attributes
+    ----------
+    state : jump_state
+    events : jump_events
+    """
+
+    step, ledger_on = 0, False
+
+    def __init__(self, scene: Scene):
+        self.scene, self.loops, self._full = scene, Core(), np.zeros(1, np.int64)
+        faces = max((len(one.wall.faces.codes) for one in scene.walls), default=0)
+        near = scene.diameter * (NEAR if faces <= FEW_FACES else NEAR_OF_MANY)
+        self.walls = Walls(scene, self.loops, self.step, near)
+        self.boundaries, self.gates, self.windows = OpenBoundaries(scene), Tailgates(scene), Windows(scene)
+        self.books, self.stations = EnergyBalance(periodic=False), StationLedger(scene, self.loops, self.ledger_on)
+        none = np.empty((0, 2))
+        self.discs = DiscArrays(
+            replace(scene, positions=none, velocities=none, earlier=None), self.loops, ledger=self.ledger_on
+        )
+        self.discs.neighbours[:] = 0
+        skin = scene.skin if scene.skin > 0 else DEFAULT_SKIN * scene.diameter
+        constants = constants_of(scene, skin)
+        memory = Memories(scene).of(self.discs, self.walls, self._full, scene.time_step)
+        self.weight = constants.motion.weight_x, constants.motion.weight_y
+        self.lists = lists_of(scene, skin, inside=True)
+        self._all = State(
+            self.discs, self.discs.pairs, self.walls, constants, memory, self.books.work,
+            bodies=self.walls.body_state(constants, memory), lists=self.lists,
+        )  # fmt: skip
+        self.state = self.loops.struct(self._all)
+        self._events = SceneEvents(self)
+        self.events = self._events.put(scene.steps, scene.most_discs)
+
+    def file(self) -> bytes:
+        """The file of the image."""
+        image = Image(held_by(self) | {addressof(self.state): self.state, addressof(self.events): self.events}, 8)
+        return image.file(*(image.put(addressof(one)) for one in (self.state, self.events)))

@@ -28,7 +28,7 @@ from lammps_jump.scene.scene import Scene
 from .alone import SceneEvents
 from .arrays import CHECK_OVERLAP, LIST_STALE, Grid, Loops, Pairs, State
 from .bound import Core, jump_events, jump_state
-from .constants import Memories, constants_of, lists_of
+from .constants import DEFAULT_SKIN, Memories, constants_of, lists_of
 from .discs import ROUND, DiscArrays, starting
 from .events import Event, EventList, OpenBoundaries, Tailgates, WindowForce, Windows
 from .ledger import (
@@ -46,9 +46,6 @@ from .ledger import (
     velocities,
 )
 from .walls import Walls
-
-DEFAULT_SKIN = 0.3
-"""Skin of the neighbour list over the diameter where the scene gives none."""
 
 KNOWN = {
     "integrator": ("velocity_verlet", "leapfrog_extrapolated"),

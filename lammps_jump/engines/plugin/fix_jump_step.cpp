@@ -37,53 +37,71 @@ inline const Vec2 &at(const double *rows, int i) { return *reinterpret_cast<cons
 FixJumpStep::FixJumpStep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)
 {
   if (igroup != 0) error->all(FLERR, "fix jump/step acts on all discs: its group is all");
+  pair = dynamic_cast<PairJumpDisc *>(force->pair_match("jump/disc", 1));
+  if (!pair) error->all(FLERR, "fix jump/step needs pair_style jump/disc before it");
+  state = pair->scene.state;
+  events = pair->scene.events;
   int a = 3;
-  auto value = [&](int at) -> double {
-    if (at >= narg) error->all(FLERR, "fix jump/step: a number is missing at the end");
-    return utils::numeric(FLERR, arg[at], false, lmp);
-  };
-  const std::map<std::string, double *> numbers = {
-      {"k_wall", &k}, {"gamma_wall", &gamma}, {"gammat_wall", &gamma_t}, {"mu_wall", &mu}};
-  const std::map<std::string, int (FixJumpStep::*)(int, int, char **)> parts = {
-      {"wall", &FixJumpStep::add_wall}, {"sizes", &FixJumpStep::add_pieces}, {"slots", &FixJumpStep::add_slots},
-      {"bodies", &FixJumpStep::add_corners}, {"contacts", &FixJumpStep::add_contacts}, {"poses", &FixJumpStep::add_poses},
-      {"probe", &FixJumpStep::add_probes}};
+  const std::map<std::string, int (FixJumpStep::*)(int, int, char **)> words = {
+      {"walls", &FixJumpStep::add_walls}, {"went", &FixJumpStep::add_went}, {"sizes", &FixJumpStep::add_sizes},
+      {"slots", &FixJumpStep::add_slots}, {"bodies", &FixJumpStep::add_bodies}, {"contacts", &FixJumpStep::add_contacts},
+      {"poses", &FixJumpStep::add_poses}, {"probe", &FixJumpStep::add_probes}};
   while (a < narg) {
     const std::string key = arg[a];
-    if (key == "gravity") {
-      gx = value(a + 1);
-      gy = value(a + 2);
+    if (key == "gravity" && a + 2 < narg) {
+      gx = utils::numeric(FLERR, arg[a + 1], false, lmp);
+      gy = utils::numeric(FLERR, arg[a + 2], false, lmp);
       a += 3;
-    } else if (auto number = numbers.find(key); number != numbers.end()) {
-      *number->second = value(a + 1);
-      a += 2;
-    } else if (auto part = parts.find(key); part != parts.end()) {
-      a = (this->*part->second)(a + 1, narg, arg);
-    } else if (key == "known" && a + 1 < narg) {
-      known = utils::tnumeric(FLERR, arg[a + 1], false, lmp);
-      a += 2;
+    } else if (auto word = words.find(key); word != words.end()) {
+      a = (this->*word->second)(a + 1, narg, arg);
     } else {
       error->all(FLERR, "fix jump/step: unknown keyword '{}'", key);
     }
   }
-  if (!walls.empty() && !(k > 0.0)) error->all(FLERR, "fix jump/step: walls need k_wall above 0");
-  if (gamma < 0.0 || gamma_t < 0.0 || mu < 0.0)
-    error->all(FLERR, "fix jump/step: gamma_wall, gammat_wall and mu_wall must not be negative");
-
-  int lids = 0;
-  for (const auto &wall : walls) {
-    any_moves |= wall.motion.moves;
-    lids += wall.motion.is_lid;
-  }
-  columns = any_moves ? 4 : 3;
+  for (int64_t wall = 0; state->moving && wall < state->walls; wall++)
+    if (state->moving[wall] >= jump::LOADED) pushed_walls.push_back(wall);
+  if (state->walls > 0)    // where walls move, each of the two may go as far
+    near_margin = (state->lists->grids[0].reach - 0.5 * state->diameter) / (state->moving ? 2.0 : 1.0);
+  columns = state->moving ? 4 : 3;
   time_integrate = 1;
   scalar_flag = global_freq = 1;
-  restart_global = lids > 0;
-  window.assign(columns * probed.size(), 0.0);
+  restart_global = !pushed_walls.empty();
   mean.assign(columns * probed.size(), 0.0);
-  size_vector = (int) (window.size() + PUSHED_WORDS * lids + 4 * bodies.partner.size());
+  felt.resize(state->walls);
+  const int64_t slots = state->corners ? 4 * state->corners->n * state->corners->slots : 0;
+  size_vector = (int) (mean.size() + PUSHED_WORDS * pushed_walls.size() + slots);
   vector_flag = size_vector > 0;
   extscalar = extvector = 0;
+}
+
+/** The names of the walls, in the order of the file. */
+int FixJumpStep::add_walls(int a, int narg, char **arg)
+{
+  const int n = a < narg ? utils::inumeric(FLERR, arg[a++], false, lmp) : -1;
+  if (n != (int) state->walls || a + n > narg)
+    error->all(FLERR, "fix jump/step: walls needs the number of walls of the scene, {}, and their names", state->walls);
+  names.assign(arg + a, arg + a + n);
+  return a + n;
+}
+
+int FixJumpStep::wall_called(const char *name) const
+{
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end()) error->all(FLERR, "fix jump/step: unknown wall '{}'", name);
+  return (int) (found - names.begin());
+}
+
+/** Speeds at the end of an earlier run. */
+int FixJumpStep::add_went(int a, int narg, char **arg)
+{
+  if (a + 4 > narg) error->all(FLERR, "fix jump/step: went needs a wall and three speeds");
+  Went one{wall_called(arg[a]), {}};
+  if (!state->moving || state->moving[one.wall] < jump::LOADED)
+    error->all(FLERR, "fix jump/step: wall '{}' that went is no lid, gate or body", arg[a]);
+  for (int axis = 0; axis < 3; axis++)
+    one.speed[axis] = state->load[one.wall].free[axis] * utils::numeric(FLERR, arg[a + 1 + axis], false, lmp);
+  went.push_back(one);
+  return a + 4;
 }
 
 /** How often something is written, and where. */
@@ -96,66 +114,50 @@ int FixJumpStep::add_file(OutFile &of, int a, int narg, char **arg) const
   return a + 2;
 }
 
+int FixJumpStep::add_bodies(int a, int narg, char **arg)
+{
+  a = add_file(rows_of_bodies, a, narg, arg);
+  if (a >= narg || !state->corners) error->all(FLERR, "fix jump/step: bodies needs a LIMIT, and a scene that has bodies");
+  body_limit = utils::numeric(FLERR, arg[a], false, lmp);
+  return a + 1;
+}
+
 /** Walls whose forces are summed: the rest of the words. */
 int FixJumpStep::add_probes(int a, int narg, char **arg)
 {
   if (a + 1 >= narg) error->all(FLERR, "fix jump/step: probe needs EVERY and a wall's name");
   probe_every = utils::inumeric(FLERR, arg[a], false, lmp);
   if (probe_every < 1) error->all(FLERR, "fix jump/step: probe every {} steps: must be above 0", probe_every);
-  for (a++; a < narg; a++) {
-    auto found = std::find_if(walls.begin(), walls.end(), [&](const Wall &w) { return w.name == arg[a]; });
-    if (found == walls.end()) error->all(FLERR, "fix jump/step: probe of an unknown wall '{}'", arg[a]);
-    found->probe = (int) probed.size();
-    probed.push_back((int) (found - walls.begin()));
-  }
+  for (a++; a < narg; a++) probed.push_back(wall_called(arg[a]));
   return a;
 }
 
-int FixJumpStep::add_pieces(int a, int narg, char **arg)
+int FixJumpStep::add_sizes(int a, int narg, char **arg)
 {
-  if (a + 5 > narg) error->all(FLERR, "fix jump/step: sizes needs EVERY DENSITY SHIFT TURN N and N pieces");
-  auto next = [&]() { return utils::numeric(FLERR, arg[a++], false, lmp); };
-  nevery = utils::inumeric(FLERR, arg[a++], false, lmp);
-  density = next();
-  shift = next();
-  turn = next();
-  const int n = utils::inumeric(FLERR, arg[a++], false, lmp);
-  if (nevery < 1 || !(density > 0.0) || n < 1 || a + 4 * n > narg)
-    error->all(FLERR, "fix jump/step: sizes needs EVERY and DENSITY above 0, and N pieces of four numbers");
-  for (int p = 0; p < n; p++) pieces.push_back({next(), next(), next(), next()});
+  if (a + 1 >= narg || !events->own_radius || events->size_every < 1)
+    error->all(FLERR, "fix jump/step: sizes needs COUNT and DENSITY, and a scene with sizes");
+  size_count = utils::bnumeric(FLERR, arg[a], false, lmp);
+  density = utils::numeric(FLERR, arg[a + 1], false, lmp);
+  nevery = (int) events->size_every;
   create_attribute = 1;    // set_arrays() tells of new discs
-  return a;
+  return a + 2;
 }
 
 int FixJumpStep::setmask()
 {
-  return INITIAL_INTEGRATE | POST_FORCE | FINAL_INTEGRATE | POST_RUN | (pieces.empty() ? 0 : END_OF_STEP);
+  return INITIAL_INTEGRATE | POST_FORCE | FINAL_INTEGRATE | POST_RUN | (size_count > 0 ? END_OF_STEP : 0);
 }
 
 void FixJumpStep::init()
 {
-  pair = dynamic_cast<PairJumpDisc *>(force->pair_match("jump/disc", 1));
-  if (!pair) error->all(FLERR, "fix jump/step needs pair_style jump/disc");
+  if (force->pair_match("jump/disc", 1) != pair) error->all(FLERR, "fix jump/step needs pair_style jump/disc before it");
   if (domain->dimension != 2) error->all(FLERR, "fix jump/step needs dimension 2");
-  if (!pieces.empty() && !pair->sizes) error->all(FLERR, "fix jump/step sizes needs the sizes of pair_style jump/disc");
-  sized = known;
+  sized = events->traffic[jump::SIZED];
   newcomers = true;    // of a state that is read
-  const bool many = std::any_of(walls.begin(), walls.end(), [](const Wall &w) { return w.faces.size() > jump::FEW; });
-  near_margin = (many ? NEAR_MARGIN_OF_MANY : NEAR_MARGIN) * pair->diameter;
-  for (auto &wall : walls) {
-    wall.near.prepare(wall.in_place().faces, (int) wall.faces.size(), 0.5 * pair->largest, near_margin, pair->diameter);
-    if (!wall.own) wall.numbers[0] = k, wall.numbers[1] = gamma, wall.numbers[2] = gamma_t, wall.numbers[3] = mu;
-    jump::LawNumbers input = pair->input_law;
-    input.stiffness = wall.numbers[0], input.damping = wall.numbers[1], input.tangential = wall.numbers[2];
-    input.friction = wall.numbers[3];
-    if (!(wall.rolling < 0.0)) input.rolling_friction = wall.rolling;
-    wall.law = {input, pair->mass, pair->sizes ? 0.5 * pair->diameter : 1.0, pair->sign, pair->springs};
-  }
   if (pair->springs && !array_atom) error->all(FLERR, "fix jump/step needs slots for the law history");
-  prepare_bodies();
   watch_others();
-  pair->slots.rows = &array_atom;
-  pair->slots.number = array_atom ? size_peratom_cols / SLOT : 0;
+  pair->slots = &array_atom;
+  pair->slot_count = array_atom ? size_peratom_cols / SLOT : 0;
 }
 
 /** Find out which fixes look at the discs, and when. */
@@ -279,9 +281,7 @@ FixJumpStep::Drift FixJumpStep::drift_of(bool own, bool seen) const
 
 void FixJumpStep::initial_integrate(int)
 {
-  for (auto &wall : walls)
-    if (auto &motion = wall.motion; motion.is_lid)
-      jump::drift(motion.pushed, motion.load, {motion.start, update->dt}, (double) update->ntimestep);
+  if (state->moving) walls_left |= jump::move_walls(*state, (double) update->ntimestep);
   pair->tuner.begin_step(atom->nlocal);
   if (others_push && starts) pair->take_forces();
   starts = false;
@@ -309,8 +309,8 @@ void FixJumpStep::initial_integrate(int)
       hi = std::max(hi, ranges[part].hi[axis]);
     }
   }
-  near_moved += update->dt * std::max(std::max(-pair->range_lo[0], pair->range_hi[0]),
-                                      std::max(-pair->range_lo[1], pair->range_hi[1]));
+  const double *const lo = pair->range_lo, *const hi = pair->range_hi;
+  near_moved += update->dt * std::hypot(std::max(-lo[0], hi[0]), std::max(-lo[1], hi[1]));
 }
 
 void FixJumpStep::final_integrate()
@@ -353,15 +353,6 @@ void FixJumpStep::kick(int from, int to)
   if (pair->spin) turn_discs(nullptr, from, to);
 }
 
-/** Diameter of a disc; the same operations as in lammps_jump/scene/sizes.py, so that both take the same piece. */
-double FixJumpStep::diameter_of(tagint id) const
-{
-  const double turned = ((double) id + shift) * turn;
-  const double quantile = turned - std::floor(turned);
-  const auto piece = std::find_if(pieces.begin(), pieces.end() - 1, [&](const SizePiece &p) { return quantile < p.end; });
-  return piece->low + piece->slope * (quantile - piece->begin);
-}
-
 /** Inserted discs get their own size.
 
     The forces of this step are those of the inserted size, and the next half kick divides them by the own mass. With
@@ -374,7 +365,8 @@ void FixJumpStep::end_of_step()
   for (int i = 0; i < atom->nlocal; i++) {
     if (atom->tag[i] <= sized || pair->is_fixed(i)) continue;
     highest = std::max(highest, atom->tag[i]);
-    const double d = diameter_of(atom->tag[i]), mass = density * d * d;
+    if (atom->tag[i] > size_count) error->one(FLERR, "fix jump/step: disc {} has no size of its own", atom->tag[i]);
+    const double d = 2.0 * events->own_radius[atom->tag[i] - 1], mass = density * d * d;
     const double excess = 0.5 * update->dt * (atom->rmass[i] / mass - 1.0);
     atom->v[i][0] += excess * gx;
     atom->v[i][1] += excess * gy;
@@ -389,21 +381,7 @@ void FixJumpStep::end_of_step()
 double FixJumpStep::compute_scalar()
 {
   double here = pair->largest_overlap(), all;
-  jump::FaceContact found[jump::MOST];
-  for (const auto &wall : walls) {
-    if (!is_there(wall)) continue;
-    const auto &near = wall.near;
-    const auto view = wall.in_place();
-    for (size_t r = 0; r < near.discs.size(); r++) {
-      const int i = near.discs[r], first = near.last[r];
-      if (pair->is_fixed(i)) continue;
-      const double radius = pair->radius_of(i);
-      double x = pair->disc[i].x, y = pair->disc[i].y;
-      view.see(x, y);
-      const int contacts = view.faces.touching(&near.near[first], near.last[r + 1] - first, x, y, radius, found);
-      for (int c = 0; c < contacts; c++) here = std::max(here, radius - found[c].gap);
-    }
-  }
+  here = std::max(here, jump::deepest_at_walls(*state, reinterpret_cast<const double (*)[4]>(pair->disc.data())));
   MPI_Allreduce(&here, &all, 1, MPI_DOUBLE, MPI_MAX, world);
   return all;
 }
@@ -414,34 +392,4 @@ double FixJumpStep::compute_vector(int n)
   double sum;
   MPI_Allreduce(&mean[n], &sum, 1, MPI_DOUBLE, MPI_SUM, world);
   return sum;
-}
-
-/** What of the lids is no function of the step. */
-void FixJumpStep::write_restart(FILE *fp)
-{
-  if (comm->me != 0) return;
-  std::vector<double> state;
-  for (const auto &wall : walls)
-    if (wall.motion.is_lid) {
-      const auto &lid = wall.motion.pushed;
-      state.insert(state.end(), {lid.place[0], lid.place[1], lid.speed[0], lid.speed[1], lid.force[0], lid.force[1],
-                                 wall.hold.area});
-    }
-  pack_bodies(state);
-  const int size = (int) (state.size() * sizeof(double));
-  fwrite(&size, sizeof(int), 1, fp);
-  fwrite(state.data(), sizeof(double), state.size(), fp);
-}
-
-void FixJumpStep::restart(char *buf)
-{
-  const auto *state = reinterpret_cast<const double *>(buf);
-  for (auto &wall : walls)
-    if (wall.motion.is_lid) {
-      auto &lid = wall.motion.pushed;
-      for (double *const to : {lid.place, lid.speed, lid.force})
-        for (int axis = 0; axis < 2; axis++) to[axis] = *state++;
-      wall.hold.area = *state++;
-    }
-  unpack_bodies(state);
 }

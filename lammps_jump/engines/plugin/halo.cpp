@@ -91,8 +91,8 @@ void JumpHalo::start(const PairJumpDisc &pair)
       to[3] = disc.vy;
       if (pair.spin) to[4] = pair.spins[i];
       if (pair.sizes) to[words - 1] = pair.radii[i];
-      if (pair.any_fixed()) to[words - 2] = pair.bulk[i];
-      if (pair.springs) to[4 + pair.spin] = pair.tags[i];
+      if (pair.any_fixed()) to[words - 2] = (double) pair.stays[i];
+      if (pair.springs) to[4 + pair.spin] = (double) pair.ids[i];
       to += words;
     }
     requests.emplace_back();
@@ -114,8 +114,8 @@ void JumpHalo::finish(PairJumpDisc &pair)
     for (int n = 0; n < partner.incoming; n++, i++, from += words) {
       pair.disc[i] = {from[0], from[1], from[2], from[3]};
       if (pair.spin) pair.spins[i] = from[4];
-      if (pair.springs) pair.tags[i] = from[4 + pair.spin];
-      if (pair.any_fixed()) pair.bulk[i] = from[words - 2];
+      if (pair.springs) pair.ids[i] = (int64_t) from[4 + pair.spin];
+      if (pair.any_fixed()) pair.stays[i] = (int64_t) from[words - 2];
       if (pair.sizes) pair.radii[i] = from[words - 1];    // each step: inserted discs change theirs
     }
   }

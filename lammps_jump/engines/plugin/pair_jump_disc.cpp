@@ -16,8 +16,8 @@
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
-#include <map>
-#include <set>
+#include <fstream>
+#include <iterator>
 #include <unordered_map>
 #include <vector>
 
@@ -42,67 +42,60 @@ PairJumpDisc::~PairJumpDisc()
 
 void PairJumpDisc::settings(int narg, char **arg)
 {
-  std::map<std::string, double *> numbers = {
-      {"k", &input_law.stiffness}, {"gamma", &input_law.damping}, {"gammat", &input_law.tangential}, {"mu", &input_law.friction},
-      {"smooth", &input_law.touch}, {"springs", &input_law.spring_ratio}, {"mass", &mass}, {"diameter", &diameter}, {"skin", &skin}};
-  const std::set<const double *> worded = {
-      &input_law.stiffness, &input_law.damping, &input_law.tangential, &input_law.friction, &input_law.sign_ramp, &input_law.touch, &input_law.spring_ratio,
-      &input_law.spring_damping, &input_law.rolling, &input_law.rolling_damping, &input_law.rolling_friction};
-#define JUMP_WORD(name) if (!worded.count(&input_law.name)) numbers.emplace(#name, &input_law.name);    // others go by their names
-  JUMP_LAW(JUMP_WORD)
-#undef JUMP_WORD
-  auto value = [&](int at) -> double {
-    if (at >= narg) error->all(FLERR, "pair_style jump/disc: {} needs a value", arg[at - 1]);
-    return utils::numeric(FLERR, arg[at], false, lmp);
-  };
-  for (int a = 0; a < narg; a += 2) {
-    const std::string key = arg[a], name = a + 1 < narg ? arg[a + 1] : "";
-    if (key == "law") {
-      if (name != "viscous" && name != "sign" && name != "history")
-        error->all(FLERR, "pair_style jump/disc: law is viscous, sign or history, not '{}'", name);
-      sign = name == "sign";
-      springs = name == "history";
-    } else if (key == "rolling") {
-      input_law.rolling = value(a + 1);
-      input_law.rolling_damping = value(a + 2);
-      input_law.rolling_friction = value(a + 3);
-      a += 2;
-    } else if (key == "fixed") {
-      fixed[0] = (tagint) value(a + 1);
-      fixed[1] = (tagint) value(a++ + 2);
-    } else if (key == "spin") {
-      spin = utils::logical(FLERR, name, false, lmp);
-    } else if (key == "sizes") {
-      sizes = true;
-      smallest = value(a + 1);
-      largest = value(a++ + 2);
-    } else if (auto number = numbers.find(key); number != numbers.end()) {
-      *number->second = value(a + 1);
-      if (key == "smooth" && !(input_law.touch > 0.0))
-        error->all(FLERR, "pair_style jump/disc: the width of a smooth touch must be above 0");
-    } else {
-      error->all(FLERR,
-                 "pair_style jump/disc: unknown keyword '{}'; there are law, k, gamma, gammat, mu, mass, diameter, skin, "
-                 "smooth, spin, sizes, springs, rolling, fixed and further numbers of core/contact/law.h", key);
-    }
-  }
-  require_sound_settings();
-  if (!sizes) smallest = largest = diameter;
-  law = {input_law, 0.5 * mass, sizes ? jump::pair_size(0.5 * diameter, 0.5 * diameter) : 1.0, sign, springs};
+  if (narg != 1 && !(narg == 4 && strcmp(arg[1], "fixed") == 0))
+    error->all(FLERR, "pair_style jump/disc takes the file of a scene, and perhaps fixed FIRST LAST");
+  read_scene(arg[0]);
+  for (int end = 0; end < 2 && narg > 1; end++) fixed[end] = utils::tnumeric(FLERR, arg[2 + end], false, lmp);
+  const jump_state &s = *scene.state;
+  sizes = s.radius;
+  spin = s.omega;
+  springs = s.partner;
+  largest = s.diameter;
+  mass = sizes ? s.mass * 0.25 * largest * largest : s.mass;
+  skin = s.lists->skin;
+  if (any_fixed() && !sizes) error->all(FLERR, "pair_style jump/disc: fixed needs discs of sizes of their own");
 }
 
-/** Refuse numbers of the words that do not go together. */
-void PairJumpDisc::require_sound_settings() const
+/** Read the file of a scene, on one rank for all. */
+void PairJumpDisc::read_scene(const char *name)
 {
-  if (!(input_law.stiffness > 0.0) || !(mass > 0.0) || !(diameter > 0.0) || !(skin > 0.0))
-    error->all(FLERR, "pair_style jump/disc needs k, mass, diameter and skin, and they must be above 0");
-#define JUMP_CHECK(name) if (input_law.name < 0.0) error->all(FLERR, "pair_style jump/disc: " #name " must not be negative");
-  JUMP_LAW(JUMP_CHECK)
-#undef JUMP_CHECK
-  if (sizes && !(0.0 < smallest && smallest <= largest))
-    error->all(FLERR, "pair_style jump/disc: sizes are the smallest and the largest diameter, both above 0");
-  if (any_fixed() && !sizes) error->all(FLERR, "pair_style jump/disc: fixed needs sizes");
-  if (springs && input_law.touch > 0.0) error->all(FLERR, "pair_style jump/disc: the law history has no smooth touch");
+  std::vector<char> bytes;
+  if (comm->me == 0) {
+    std::ifstream file(name, std::ios::binary);
+    if (!file) error->one(FLERR, "pair_style jump/disc: the file {} of the scene cannot be read", name);
+    bytes.assign(std::istreambuf_iterator<char>(file), {});
+  }
+  bigint size = (bigint) bytes.size();
+  MPI_Bcast(&size, 1, MPI_LMP_BIGINT, 0, world);
+  bytes.resize(size);
+  MPI_Bcast(bytes.data(), (int) size, MPI_BYTE, 0, world);
+  if (!scene.take(bytes))
+    error->all(FLERR, "pair_style jump/disc: {} is no scene of this version of the plugin: write the script again", name);
+  scene.state->pressed = nullptr;    // pressure is asked of the native engine
+}
+
+/** Tell the core where the discs are; arrays may have moved. */
+void PairJumpDisc::bind()
+{
+  jump_state &s = *scene.state;
+  s.n = atom->nlocal;
+  s.ids = ids.data();
+  if (sizes) s.radius = radii.data();
+  if (spin) {
+    s.omega = spins.data();
+    s.torque = turns.data();
+  }
+  s.fixed = any_fixed() ? stays.data() : nullptr;
+  if (!springs || !slots) return;
+  s.slots = slot_count;
+  s.slot_row = 4 * slot_count;
+  double *const rows = atom->nlocal > 0 ? (*slots)[0] : nullptr;
+  s.partner = reinterpret_cast<int64_t *>(rows);
+  s.sigma = rows + slot_count;
+  s.spring = rows + 2 * slot_count;
+  s.roll = rows + 3 * slot_count;
+  if ((int64_t) used.size() < s.n * s.slot_row) used.resize(s.n * s.slot_row + s.n * s.slot_row / 4, 0);
+  s.used = used.data();
 }
 
 void PairJumpDisc::coeff(int narg, char **arg)
@@ -129,7 +122,7 @@ void PairJumpDisc::init_style()
   if (neighbor->nex_type || neighbor->nex_group || neighbor->nex_mol || neighbor->includegroup)
     error->all(FLERR, "pair_style jump/disc knows no neigh_modify exclude and no neigh_modify include");
   // no ghosts of LAMMPS' own: their cutoff must not be 0 (a warning), and init_one asks for none
-  if (comm->cutghostuser == 0.0) comm->cutghostuser = 1e-6 * diameter;
+  if (comm->cutghostuser == 0.0) comm->cutghostuser = 1e-6 * largest;
   listed.clear();
   candidates = interior = 0;
 }
@@ -142,7 +135,7 @@ double PairJumpDisc::halo_cut() const
 {
   double most = largest_squared_speed();
   MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE, MPI_MAX, world);
-  const double speed = 2.0 * std::sqrt(most) + 0.05 * diameter * std::sqrt(2.0 * input_law.stiffness / mass);
+  const double speed = 2.0 * std::sqrt(most) + 0.05 * largest * std::sqrt(2.0 * scene.state->pair.stiffness / mass);
   const int steps = std::max(neighbor->every, neighbor->delay);
   return largest + neighbor->skin + 2.0 * steps * update->dt * speed;
 }
@@ -164,8 +157,9 @@ void PairJumpDisc::reserve(int n)
       radii.resize(disc.size());
       inverse_masses.resize(disc.size());
     }
-    if (springs) tags.resize(disc.size());
-    if (any_fixed()) bulk.resize(disc.size());
+    ids.resize(disc.size());
+    if (any_fixed()) stays.resize(disc.size());
+    bind();
   }
 }
 
@@ -178,7 +172,7 @@ void PairJumpDisc::pack()
     disc[i] = {x[i][0], x[i][1], v[i][0], v[i][1]};
     if (sizes) pack_size(i);
     if (spin) spins[i] = atom->omega[i][2];
-    if (springs) tags[i] = (double) atom->tag[i];
+    ids[i] = atom->tag[i];
   }
   std::fill_n(pushes.begin(), 2 * (size_t) atom->nlocal, 0.0);
   if (spin) std::fill_n(turns.begin(), atom->nlocal, 0.0);
@@ -218,7 +212,7 @@ void PairJumpDisc::pack_size(int i)
 {
   radii[i] = atom->radius[i];
   inverse_masses[i] = is_fixed(i) ? 0.0 : 1.0 / atom->rmass[i];
-  if (any_fixed()) bulk[i] = is_fixed(i) ? jump::HUGE_RADIUS : radii[i];
+  if (any_fixed()) stays[i] = is_fixed(i);
 }
 
 bool PairJumpDisc::is_fixed(int i) const
@@ -229,13 +223,14 @@ bool PairJumpDisc::is_fixed(int i) const
 /** Refuse discs that the settings do not describe when some may have come in. */
 void PairJumpDisc::check_discs(int from, int to)
 {
-  const double slack = 1e-10, density = mass / (diameter * diameter);
+  const double slack = 1e-10;
+  const jump_state &s = *scene.state;
   for (int i = from; i < to; i++) {
-    const double d = 2.0 * atom->radius[i], m = atom->rmass[i], right = density * d * d;
-    if (!(d > (1.0 - slack) * smallest && d < (1.0 + slack) * largest) || !(std::fabs(m - right) < slack * right))
-      error->one(FLERR,
-                 "jump/disc: disc {} has diameter {} and mass {}, the pair style says {} to {}, and mass {} at {}",
-                 atom->tag[i], d, m, smallest, largest, mass, diameter);
+    const double radius = atom->radius[i], m = atom->rmass[i], right = sizes ? s.mass * radius * radius : s.mass;
+    const bool fits = 2.0 * radius < (1.0 + slack) * largest && (sizes || 2.0 * radius > (1.0 - slack) * largest);
+    if (!fits || !(radius > 0.0) || !(std::fabs(m - right) < slack * right))
+      error->one(FLERR, "jump/disc: disc {} has diameter {} and mass {}, the scene says {}{}, and mass {} at this diameter",
+                 atom->tag[i], 2.0 * radius, m, sizes ? "up to " : "", largest, right);
   }
 }
 
@@ -243,27 +238,27 @@ void PairJumpDisc::check_discs(int from, int to)
 void PairJumpDisc::share_memory()
 {
   constexpr int WORDS = 4;    // a disc, its partner, tangential and rolling spring as the disc has to remember them
-  std::unordered_map<double, int> local;
-  for (int i = 0; i < atom->nlocal; i++) local[tags[i]] = i;
+  jump_state &s = *scene.state;
+  std::unordered_map<int64_t, int> local;
+  for (int i = 0; i < atom->nlocal; i++) local[ids[i]] = i;
   const auto put = [&](const double *row) {
-    const auto found = local.find(row[0]);
+    const auto found = local.find((int64_t) row[0]);
     if (found == local.end()) return false;
-    const int i = found->second;
-    if (slots.of(i, row[1]) != jump::FULL) return true;
-    slots.grows = true;
-    const int slot = slots.of(i, row[1]);
-    slots.grows = false;
+    jump::DiscHistory own(s, found->second);
+    const auto partner = (int64_t) row[1];
+    if (jump::held(own, partner, 0.0, 0.0, 0.0) != jump::FULL) return true;
+    const int slot = jump::slot_of(own, partner, 0.0, 0.0, 0.0);
     if (slot == jump::FULL) return true;    // compute() tells
-    *slots.spring(i, slot) = row[2];
-    *slots.roll(i, slot) = row[3];
+    s.spring[own.first + slot] = row[2];
+    s.roll[own.first + slot] = row[3];
+    s.used[own.first + slot] = 0;    // no mark of this
     return true;
   };
   std::vector<double> away, all;
   for (int i = 0; i < atom->nlocal; i++)
-    for (int s = 0; s < slots.number; s++) {
-      const double partner = (*slots.rows)[i][s];
-      const double row[WORDS] = {partner, tags[i], *slots.spring(i, s), -*slots.roll(i, s)};
-      if (partner > 0.0 && !put(row)) away.insert(away.end(), row, row + WORDS);
+    for (int64_t at = i * s.slot_row, last = at + s.slots; at < last; at++) {
+      const double row[WORDS] = {(double) s.partner[at], (double) ids[i], s.spring[at], -s.roll[at]};
+      if (s.partner[at] > 0 && !put(row)) away.insert(away.end(), row, row + WORDS);
     }
   const int own = (int) away.size();
   std::vector<int> sizes(comm->nprocs), places(comm->nprocs, 0);
@@ -272,5 +267,4 @@ void PairJumpDisc::share_memory()
   all.resize(places.back() + sizes.back());
   MPI_Allgatherv(away.data(), own, MPI_DOUBLE, all.data(), sizes.data(), places.data(), MPI_DOUBLE, world);
   for (size_t n = 0; n < all.size(); n += WORDS) put(&all[n]);
-  slots.begin(atom->nlocal);    // no mark of this
 }

@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-/* pair_style jump/disc law viscous|sign|history k K gamma GN gammat GT mu MU mass M diameter D skin L
-                        [smooth S] [spin yes|no] [sizes SMALLEST LARGEST]
-                        [springs RATIO] [rolling RATIO DAMPING MUR] [fixed FIRST LAST] [NAME NUMBER] ...
+/* pair_style jump/disc FILE [fixed FIRST LAST]
    pair_coeff * *
 
-   Contact forces between discs (laws: core/contact/law.h, whose numbers that have no word here go by their names). gamma in 1/s: the
-   force is (M/2) GN v. Discs are equal: one of another mass or diameter is an error. With sizes their diameters lie from SMALLEST to LARGEST and their masses are
-   M (diameter/D)^2; M, D, GN and GT are then of nominal discs, and GN and GT of a pair are theirs times
-   sqrt((M/2)/m_eff). Discs with ids from FIRST to LAST stay where they are (sizes are needed). The law history has a tangential spring of RATIO K, and GT is that of its dashpot; rolling has one
-   of RATIO K with a dashpot of DAMPING (M/2) GN and the friction coefficient MUR. Fix jump/step keeps them in slots: of
-   two discs the one with the larger id remembers; on several ranks or with periodic x both do. `fix jump/step` moves the discs and shares the arrays. The style gives no energy and no
-   virial: their sums are NaN, and computes of them for each disc are refused.
+   Contact forces between discs. FILE is the image of a scene without discs (engines/native/image.py): the state of the core with
+   the law, the walls and all that belongs to them, as the native engine has it. The discs are LAMMPS'. They are equal, or have radii
+   of their own up to half of the largest diameter; their mass is that of the image, and goes by the square of the radius. Discs
+   with ids from FIRST to LAST stay where they are. What contacts remember lies in slots of fix jump/step: of two discs the one with
+   the larger id remembers; on several ranks or with periodic x both do. `fix jump/step` moves the discs and shares the arrays. The
+   style gives no energy and no virial: their sums are NaN, and computes of them for each disc are refused.
 
    The style keeps a neighbour list of its own (cells of the plane, one flat list of pairs whose rims are closer than
    L) and asks LAMMPS for none. The list holds until the discs can have moved L against one another. That is bounded by
@@ -27,11 +24,11 @@
 
 #include "step/pair_search.h"    // before the core: its templates take vectors
 
-#include "disc_law.h"
-#include "disc_slots.h"
 #include "halo.h"
 #include "pair.h"
 #include "record.h"
+#include "step/image.h"
+#include "step/kinds.h"
 #include "step/thread_tuner.h"
 
 #include <atomic>
@@ -58,11 +55,11 @@ class PairJumpDisc : public Pair {
 
   jump::ThreadPool pool;
   jump::ThreadTuner tuner;
-  jump::LawNumbers input_law;                  // the law as the words tell it (disc_law.h)
-  double mass = 0.0, diameter = 0.0;      // of nominal discs, with sizes
-  double skin = 0.0, smallest = 0.0, largest = 0.0;  // diameters from smallest to largest
-  bool sign = false, sizes = false, spin = false, springs = false;
-  jump::DiscSlots slots;                                 // of the fix, with springs
+  jump::SceneImage scene;
+  double mass = 0.0, largest = 0.0, skin = 0.0;    // of the largest disc: mass (kg/m) and diameter (m); m
+  bool sizes = false, spin = false, springs = false;
+  double **const *slots = nullptr;                   // the fix's array of what discs remember, which may move
+  int slot_count = 0;                                // of a disc; a row has so many partners, feet, springs, rolling springs
   double largest_speed = 0.0;                        // all ranks, of the last force evaluation, m/s
   std::vector<PackedDisc, jump::LineAllocator<PackedDisc>> disc;         // local discs, then those of other ranks
   std::vector<double> spins;                         // rad/s, with spin
@@ -70,8 +67,9 @@ class PairJumpDisc : public Pair {
   std::vector<double, jump::LineAllocator<double>> pushes;
   std::vector<double> turns;
   std::vector<double> radii, inverse_masses;         // with sizes; in the order of the discs
-  std::vector<double> tags;                          // ids, with springs
-  std::vector<double> bulk;                          // radii that stand for masses, with fixed discs
+  std::vector<int64_t> ids;
+  std::vector<int64_t> stays;                        // 1 of fixed discs, where there are some
+  std::vector<int8_t> used;                          // whether a contact of this step has a slot
   tagint fixed[2] = {0, -1};                         // first and last id of discs that stay
   bigint order = 0;                                  // counts the changes of what the indices of discs mean
   double range_lo[2] = {0.0, 0.0}, range_hi[2] = {0.0, 0.0};    // least and largest velocity of the discs, this step
@@ -80,6 +78,10 @@ class PairJumpDisc : public Pair {
 
   void list_contacts(std::vector<jump::ContactRow> &);
   bool any_fixed() const { return fixed[1] >= fixed[0]; }
+  jump_state &state() { return *scene.state; }
+  void bind();
+  double slope() const { return jump::slope_of(*scene.state, largest_speed * largest_speed); }
+  bool goes_on() const { return scene.state->memory_step > 0.0; }
   bool is_fixed(int) const;
   void reserve(int);
   void pack_size(int);
@@ -91,11 +93,10 @@ class PairJumpDisc : public Pair {
   void keep_uncleared();
   void hand_over_forces();
   void take_forces();
-  double radius_of(int i) const { return sizes ? radii[i] : 0.5 * diameter; }
-  double reach_of(int i, int j) const { return sizes ? radii[i] + radii[j] : diameter; }
+  double radius_of(int i) const { return sizes ? radii[i] : 0.5 * largest; }
+  double reach_of(int i, int j) const { return sizes ? radii[i] + radii[j] : largest; }
 
  private:
-  jump::DiscLaw law;
   std::vector<int> first, second;    // candidate pairs, flat, cell by cell
   size_t interior = 0, candidates = 0;    // pairs of local discs, which come first where there are others; and all
   double moved[2] = {0.0, 0.0};      // bound of the relative displacement of all discs since the list was built
@@ -109,7 +110,7 @@ class PairJumpDisc : public Pair {
   std::vector<int64_t> start;            // of the pairs of each of them
   std::vector<int> first_across, second_across;    // pairs across a cut, while the list is built
 
-  void require_sound_settings() const;
+  void read_scene(const char *);
   void pack();
   void check_discs(int, int);
   bool keeps_order() const;
@@ -167,11 +168,11 @@ class PairJumpDisc : public Pair {
   template <bool SIZES, bool SPIN, bool MEMORY> void evaluate_list(size_t, size_t, PairPart *);
   template <bool SIZES, bool SPIN, bool MEMORY> void gather(PairBatch &, const PairPart *);
   template <bool SPIN> void recall(PairBatch &, int, bool, const PairPart *);
-  template <bool SPIN> void remember(const PairBatch &) const;
+  template <bool SPIN> void remember(const PairBatch &);
   template <bool SPIN, bool MEMORY> void scatter(const PairBatch &, PairPart *);
   void add(PairPart &, int, int, const double *, double, double);
   void add_late();
-  double *remembered(int, int, const PairPart *);
+  int64_t remembered(int, int, const PairPart *);
   void share_memory();
   void note(int, int, const double *);
 };

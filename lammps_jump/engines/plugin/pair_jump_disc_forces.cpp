@@ -28,15 +28,15 @@ inline Four apart(const PairJumpDisc::PackedDisc &a, const PairJumpDisc::PackedD
 
 /** Contacts that are evaluated together. Their forces alone are compiled for each kind of contact. */
 struct PairJumpDisc::PairBatch : jump::ContactBatch<BATCH> {
-  bool stays;                              // some discs are fixed, and have a bulk
+  bool heavy;                              // some discs are fixed, and have a bulk
   alignas(64) double force[BATCH][2];      // on the first
-  double *springs[2][BATCH];               // where the two discs remember them, or null
+  int64_t slot[2][BATCH];                  // where the two discs remember it, or FULL
 
   /** Forces and moments of the contacts, in whole vectors; `usual` is the radius of equal discs, m. */
   template <bool SIZES, bool SPIN, class Law>
   __attribute__((noinline)) void forces(const Law &rule, const jump::Numbers<Lanes> &of, double usual)
   {
-    evaluate<SIZES, SPIN>(rule, of, stays, usual, [this](int c, const auto &out) { jump::rows_of_two(out.fx, out.fy, force + c); });
+    evaluate<SIZES, SPIN>(rule, of, heavy, usual, [this](int c, const auto &out) { jump::rows_of_two(out.fx, out.fy, force + c); });
   }
 };
 
@@ -56,46 +56,42 @@ void PairJumpDisc::find_largest_speed()
   double most = largest_squared_speed();
   if (comm->nprocs > 1) MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE, MPI_MAX, world);
   largest_speed = std::sqrt(most);
-  law.choice.slope = jump::sign_slope(largest_speed);
 }
 
-/** Where disc i remembers its contact with disc j: its tangential spring, `slots.number` before its rolling one; null: nowhere. */
-double *PairJumpDisc::remembered(int i, int j, const PairPart *part)
+/** Where disc i remembers its contact with disc j among the springs; FULL: nowhere. */
+int64_t PairJumpDisc::remembered(int i, int j, const PairPart *part)
 {
   const bool shared = part && beside[i];
   auto &lock = locks[i % LOCKS];
   if (shared)
     while (lock.test_and_set(std::memory_order_acquire)) {}    // another thread is in the slots of this disc, or one like it
-  const int slot = slots.of(i, tags[j]);
+  jump::ContactHistory of(*scene.state, i);
+  of.find(ids[j], 0.0, jump::NO_END, 0.0);
   if (shared) lock.clear(std::memory_order_release);
-  return slot == jump::FULL ? nullptr : slots.spring(i, slot);
+  return of.place();
 }
 
 /** A row of a contact of two discs; of one across a cut or seam, which is listed twice, the larger id has it. */
 void PairJumpDisc::note(int i, int j, const double *push)
 {
   const bool across = j >= atom->nlocal;
-  if (across && tags[i] < tags[j]) return;
+  if (across && ids[i] < ids[j]) return;
   const auto &a = disc[i], &b = disc[j];
   const double dx = a.x - b.x, dy = a.y - b.y, r = std::sqrt(dx * dx + dy * dy), overlap = reach_of(i, j) - r;
   const double way = jump::way_to_middle(radius_of(i), overlap) / r;
-  record->push_back({(int32_t) tags[i], (int32_t) tags[j], (float) (a.x - way * dx), (float) (a.y - way * dy),
+  record->push_back({(int32_t) ids[i], (int32_t) ids[j], (float) (a.x - way * dx), (float) (a.y - way * dy),
                      (float) push[0], (float) push[1], NAN});
 }
 
 /** Contacts of the pairs of this rank, with the forces of the last evaluation. */
 void PairJumpDisc::list_contacts(std::vector<jump::ContactRow> &rows)
 {
-  const bool grew = slots.grows;
-  double &goes_on = law.choice.time_step;
-  const double dt = goes_on;
-  slots.grows = false;
-  goes_on = 0.0;
+  const double goes_on = scene.state->memory_step;
+  scene.state->memory_step = 0.0;
   record = &rows;
   evaluate(0, candidates);
   record = nullptr;
-  goes_on = dt;
-  slots.grows = grew;
+  scene.state->memory_step = goes_on;
 }
 
 /** The discs of other parts, as they are in this step. */
@@ -110,7 +106,7 @@ void PairJumpDisc::take_copies(const PairPart &part)
       turns[to] = 0.0;
     }
     if (sizes) radii[to] = radii[from];    // inserted discs change theirs
-    if (any_fixed()) bulk[to] = bulk[from];
+    if (any_fixed()) stays[to] = stays[from];
     to++;
   }
 }
@@ -155,24 +151,25 @@ void PairJumpDisc::add_late()
 template <bool SPIN> inline void PairJumpDisc::recall(PairBatch &batch, int c, bool both, const PairPart *part)
 {
   const int i = batch.one[c], j = batch.two[c];
-  const bool larger = tags[i] > tags[j];
-  double *const of_one = both || larger ? remembered(i, j, part) : nullptr;
-  double *const of_two = j < atom->nlocal && (both || !larger) ? remembered(j, i, part) : nullptr;
-  const double *const held = of_one ? of_one : of_two;
-  batch.springs[0][c] = of_one;
-  batch.springs[1][c] = of_two;
-  batch.slide[c] = held ? *held : 0.0;
+  const bool larger = ids[i] > ids[j];
+  const int64_t of_one = both || larger ? remembered(i, j, part) : jump::FULL;
+  const int64_t of_two = j < atom->nlocal && (both || !larger) ? remembered(j, i, part) : jump::FULL;
+  const int64_t held = of_one != jump::FULL ? of_one : of_two;
+  const jump_state &s = *scene.state;
+  batch.slot[0][c] = of_one;
+  batch.slot[1][c] = of_two;
+  batch.slide[c] = held == jump::FULL ? 0.0 : s.spring[held];
   if constexpr (SPIN)    // of disc i against disc j
-    batch.roll[c] = !held ? 0.0 : of_one ? held[slots.number] : -held[slots.number];
+    batch.roll[c] = held == jump::FULL ? 0.0 : of_one != jump::FULL ? s.roll[held] : -s.roll[held];
 }
 
 /** Take what the forces of a batch need of its discs. */
 template <bool SIZES, bool SPIN, bool MEMORY> inline void PairJumpDisc::gather(PairBatch &batch, const PairPart *part)
 {
   const PackedDisc *const __restrict at = disc.data();
-  const double *const __restrict omega = spins.data(), *const __restrict own = radii.data(), *const __restrict heavy = bulk.data();
+  const double *const __restrict omega = spins.data(), *const __restrict own = radii.data();
   const int n = batch.n;
-  const bool stays = batch.stays, both = MEMORY && ring.is_needed();
+  const bool heavy = batch.heavy, both = MEMORY && ring.is_needed();
   for (int c = 0; c < n; c++) {
     const int i = batch.one[c], j = batch.two[c];
     *reinterpret_cast<Four *>(batch.between[c]) = apart(at[i], at[j]);
@@ -183,25 +180,26 @@ template <bool SIZES, bool SPIN, bool MEMORY> inline void PairJumpDisc::gather(P
     if constexpr (SIZES) {
       batch.radius[0][c] = own[i];
       batch.radius[1][c] = own[j];
-      if (stays) {
-        batch.bulk[0][c] = heavy[i];
-        batch.bulk[1][c] = heavy[j];
+      if (heavy) {
+        batch.bulk[0][c] = stays[i] ? jump::HUGE_RADIUS : own[i];
+        batch.bulk[1][c] = stays[j] ? jump::HUGE_RADIUS : own[j];
       }
     }
     if constexpr (MEMORY) recall<SPIN>(batch, c, both, part);
   }
-  batch.fill(0.5 * diameter);
+  batch.fill(0.5 * largest);
 }
 
 /** Put the springs of a batch back, as they go on. */
-template <bool SPIN> inline void PairJumpDisc::remember(const PairBatch &batch) const
+template <bool SPIN> inline void PairJumpDisc::remember(const PairBatch &batch)
 {
+  jump_state &s = *scene.state;
   for (int c = 0; c < batch.n; c++)
     for (int side = 0; side < 2; side++) {
-      double *const to = batch.springs[side][c];
-      if (!to) continue;
-      to[0] = batch.slide[c];
-      if constexpr (SPIN) to[slots.number] = side == 0 ? batch.roll[c] : -batch.roll[c];
+      const int64_t to = batch.slot[side][c];
+      if (to == jump::FULL) continue;
+      s.spring[to] = batch.slide[c];
+      if constexpr (SPIN) s.roll[to] = side == 0 ? batch.roll[c] : -batch.roll[c];
     }
 }
 
@@ -236,26 +234,27 @@ template <bool SPIN, bool MEMORY> inline void PairJumpDisc::scatter(const PairBa
 template <bool SIZES, bool SPIN, bool MEMORY> void PairJumpDisc::evaluate_list(size_t from, size_t to, PairPart *part)
 {
   const int *const one = part ? part->first.data() : first.data(), *const two = part ? part->second.data() : second.data();
-  const jump::Numbers<Lanes> of = jump::numbers_of(law.of, Lanes{});
+  const jump::Numbers<Lanes> of = jump::numbers_of(scene.state->pair, Lanes{});
+  const jump::Choice choice = jump::choice_of(*scene.state, slope());
   PairBatch batch;
-  batch.stays = any_fixed();
+  batch.heavy = any_fixed();
   for (size_t begin = from; begin < to; begin += BATCH) {
-    batch.find<SIZES>(reinterpret_cast<const double (*)[4]>(disc.data()), radii.data(), diameter, one, two, begin,
+    batch.find<SIZES>(reinterpret_cast<const double (*)[4]>(disc.data()), radii.data(), largest, one, two, begin,
                       std::min(begin + BATCH, to));
     gather<SIZES, SPIN, MEMORY>(batch, part);
-    jump::with_slots(law.choice, [&](const auto &rule) {
+    jump::with_slots(choice, [&](const auto &rule) {
       using Law = std::decay_t<decltype(rule)>;
-      if constexpr (jump::IS_KIND<Law, SPIN> && Law::Friction::HAS_HISTORY == MEMORY) batch.forces<SIZES, SPIN>(rule, of, 0.5 * diameter);
+      if constexpr (jump::IS_KIND<Law, SPIN> && Law::Friction::HAS_HISTORY == MEMORY) batch.forces<SIZES, SPIN>(rule, of, 0.5 * largest);
     });
     if constexpr (MEMORY)
-      if (law.choice.time_step > 0.0) remember<SPIN>(batch);
+      if (goes_on()) remember<SPIN>(batch);
     scatter<SPIN, MEMORY>(batch, part);
   }
 }
 
 void PairJumpDisc::evaluate_list(size_t from, size_t to, PairPart *part)
 {
-  jump::with_kind(law.choice, sizes, spin, [&](auto own_sizes, auto turns) {
+  jump::with_kind(jump::choice_of(*scene.state, slope()), sizes, spin, [&](auto own_sizes, auto turns) {
     if (springs) evaluate_list<own_sizes.value, turns.value, true>(from, to, part);
     else evaluate_list<own_sizes.value, turns.value, false>(from, to, part);
   });
@@ -277,12 +276,13 @@ void PairJumpDisc::compute(int eflag, int vflag)
   const bool fresh = neighbor->ago == 0 || moved_by_others();
   if (fresh) pack();
   if (ranks) fresh ? ring.rebuild(*this, halo_cut()) : ring.start(*this);
-  if (sign) find_largest_speed();
+  bind();
+  if (scene.state->pair.sign_ramp > 0.0) find_largest_speed();
   if (springs) {
-    slots.grows = !update->setupflag;
-    slots.begin(atom->nlocal);
     if (ranks && update->setupflag) share_memory();
-    law.choice.time_step = slots.grows ? update->dt : 0.0;
+    jump_state &s = *scene.state;
+    s.memory_step = update->setupflag ? 0.0 : update->dt;
+    if (s.corners) s.corners->memory_step = s.memory_step;
   }
   travel(moved_here);
   const bool early = ranks && !fresh && !worn(moved_here);    // contacts of local discs, while the others travel
@@ -320,9 +320,9 @@ void PairJumpDisc::evaluate(size_t from, size_t to)
     from = built;
   }
   evaluate_list(from, to, nullptr);
-  if (slots.full >= 0)
+  if (springs && *scene.state->full)
     error->one(FLERR, "jump/disc: disc {} touches more than the {} others it can remember: contacts are too deep",
-               atom->tag[slots.full], slots.number);
+               *scene.state->full, slot_count);
 }
 
 /** Largest overlap of the pairs of this rank at the last force evaluation, m; 0 where none touch. */
