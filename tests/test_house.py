@@ -9,7 +9,10 @@ from __future__ import annotations
 
 import ast
 import io
+import os
 import re
+import subprocess
+import sys
 import tokenize
 import tomllib
 from collections import Counter
@@ -34,7 +37,7 @@ FLOORS = (
 )  # fmt: skip
 """What lies in ``lammps_jump``, from the top down: each imports only what stands before it."""
 AT_THE_ROOT = {"__init__.py", "__main__.py", *(f"{name}.py" for name in FLOORS[:10])}
-CALLERS = {"studies", "cli"}
+CALLERS = {"cli"}
 """What calls the public Python API, ``import lammps_jump``."""
 NOT_FOR_ANALYSIS = {"case", "engines"}
 MOST_PARAMETERS = 8
@@ -286,6 +289,17 @@ def test_imports_lead_to_floors_above():
         if floor(other) not in FLOORS or FLOORS.index(floor(other)) > FLOORS.index(floor(module))
     ]
     assert not upward
+
+
+@pytest.mark.parametrize(
+    "seed", ["1", pytest.param("2", marks=pytest.mark.long), pytest.param("3", marks=pytest.mark.long)]
+)
+def test_all_can_be_loaded_at_once(seed):
+    """In an order that follows from the seed: a folder that is half loaded would lack a name that another asks for."""
+    text = "import lammps_jump.cli.app"
+    setting = {**os.environ, "EAGER_IMPORT": "1", "PYTHONHASHSEED": seed}
+    done = subprocess.run([sys.executable, "-c", text], env=setting, cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
 
 
 def test_analysis_knows_neither_cases_nor_engines():

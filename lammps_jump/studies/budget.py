@@ -20,7 +20,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lammps_jump import Case, Run
 from lammps_jump.analysis.draw.style import BLACK, BLUE, GREY, drawing, save
 from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.analysis.report.page import Boxes, NumberBox, Section, Table, Text, picture
@@ -30,6 +29,7 @@ from lammps_jump.case import discs
 from lammps_jump.case.parts.grading import GradingCurve
 from lammps_jump.errors import CaseError, FieldError
 from lammps_jump.runs.results import looked_at
+from lammps_jump.runs.run import Case, Run
 from lammps_jump.sweeps import Results, Say
 from lammps_jump.sweeps.page import write_study_page
 from lammps_jump.sweeps.study import Collected, collected

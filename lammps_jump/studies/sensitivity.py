@@ -18,13 +18,13 @@ from typing import Any
 
 import pandas as pd
 
-from lammps_jump import Case, load_case
 from lammps_jump.analysis.draw.style import BLUE, GREY, RED, drawing, save
 from lammps_jump.analysis.tables.markdown import Column, markdown, with_error
 from lammps_jump.case.case import scene_folder
 from lammps_jump.engines import usable_kernels
 from lammps_jump.files import plain
 from lammps_jump.physics import jump
+from lammps_jump.runs.run import Case, load_case
 from lammps_jump.sweeps import Results
 
 from .budget import Variation, numbers_of_run

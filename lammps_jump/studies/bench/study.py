@@ -23,7 +23,6 @@ import numpy as np
 import pandas as pd
 from pydantic import Field, TypeAdapter, ValidationError
 
-from lammps_jump import Case, Run, load_case
 from lammps_jump.analysis.tables.markdown import paragraphs
 from lammps_jump.dump import read_forces
 from lammps_jump.engines import usable_kernels
@@ -31,6 +30,7 @@ from lammps_jump.errors import CaseError, RunError
 from lammps_jump.files import plain
 from lammps_jump.provenance import machine
 from lammps_jump.quoting import echoed, typed
+from lammps_jump.runs.run import Case, Run, load_case
 from lammps_jump.runs.summary import results_in
 from lammps_jump.studies.points import FAILED, Found, Point, PointStudy, run_study
 from lammps_jump.studies.runs import KERNELS, middle

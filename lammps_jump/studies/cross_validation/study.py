@@ -19,12 +19,12 @@ from math import isfinite, nan
 from pathlib import Path
 from typing import Any
 
-from lammps_jump import Case
 from lammps_jump.engines import choose, usable_kernels
 from lammps_jump.errors import RunError, SetupError
 from lammps_jump.files import plain, write_json
 from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.provenance import usable_cores
+from lammps_jump.runs.run import Case
 from lammps_jump.scene import Scene
 from lammps_jump.script.stock import lacking
 from lammps_jump.studies.folder import held_folder

@@ -8,10 +8,10 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from lammps_jump import Case, load_case
 from lammps_jump.errors import JumpError
 from lammps_jump.files import plain, text_of
 from lammps_jump.identity import short_hash
+from lammps_jump.runs.run import Case, load_case
 from lammps_jump.sweeps import Pool, Start, Store, plan
 from lammps_jump.sweeps.members import Member
 from lammps_jump.sweeps.pool import CallOutcome

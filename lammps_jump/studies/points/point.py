@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from lammps_jump import Case
+from lammps_jump.runs.run import Case
 from lammps_jump.sweeps import Results
 
 FAILED = "failed"

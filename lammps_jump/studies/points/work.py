@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from lammps_jump import open_run
 from lammps_jump.errors import CaseError, JumpError, RunInterrupted
 from lammps_jump.files import DUMP_NAMES, plain
+from lammps_jump.runs.run import open_run
 from lammps_jump.sweeps.members import Member, drop_dumps, require_no_links, run_member, state_of
 
 from .find import MEASURE_FILE, load_module
