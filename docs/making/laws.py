@@ -15,8 +15,8 @@ from lammps_jump.identity import short_hash
 from lammps_jump.studies.points.find import LAW_FILE, MEASURE_FILE, TREE
 from lammps_jump.studies.validation import Law, find_laws, summary_text
 
-OWN_PAGES = ("thesis",)
-"""Laws whose rows stand on a page of their own."""
+OWN_PAGES = ("thesis", "others")
+"""Laws whose rows stand in a table of their own."""
 FIGURE = "\ndef figure("
 """What stands before it in a ``law.py`` decides the table: points, closed forms, limits."""
 

@@ -370,6 +370,7 @@ MEASURES: dict[str, Measure] = {
         "benchmarks/calibration_twins.py", calibrated.twin_keys, calibrated.twin_rows, calibrated.twin_table
     ),
     "thesis": Measure("validate thesis", partial(laws.keys, "thesis"), partial(laws.rows, page="thesis"), laws.table),
+    "others": Measure("validate others", partial(laws.keys, "others"), partial(laws.rows, page="others"), laws.table),
     "validation": Measure("validate", laws.keys, laws.rows, laws.table),
 }
 """By the name of the file in ``docs/measured``."""
