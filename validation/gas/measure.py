@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from lammps_jump.case import load_case
-from lammps_jump.studies.fluid.cell import Cell
+from lammps_jump.studies.fluid.cell import KINETIC, LX, LY, SXX, SYY, Cell
 from lammps_jump.studies.fluid.discs import FluidDiscs, discs_of
 
 CASE = Path(__file__).with_name("gas.yaml")
@@ -58,7 +58,7 @@ def cools(packing: float, count: int, starts: int, restitution: float = 0.9, las
         cell, speed = gas_cell(elastic, packing, count, seed, 20.0)
         cell.discs = discs
         tau = 4.0 / (1.0 - restitution**2) * discs.diameter / speed / collision_rate(packing)
-        energy = cell.advance(last * tau, rows)[:, cell.KINETIC]
+        energy = cell.advance(last * tau, rows)[:, KINETIC]
         time = (np.arange(rows) + 0.5) * last / rows
         rates.append(cooling(time, energy, 0.2, last))
     return {"rates": rates, "time": time, "energy": energy / energy[0]}
@@ -71,7 +71,7 @@ def presses(packing: float, count: int, starts: int, collisions: float) -> dict:
     for seed in range(1, starts + 1):
         cell, speed = gas_cell(discs, packing, count, seed, 20.0)
         record = cell.advance(collisions * discs.diameter / speed / collision_rate(packing), 20)
-        area = float(cell.box[cell.LX] * cell.box[cell.LY])
-        pressure = 0.5 * (record[:, cell.SXX] + record[:, cell.SYY])
-        found.append(float(np.mean(pressure) * area / np.mean(record[:, cell.KINETIC])))
+        area = float(cell.box[LX] * cell.box[LY])
+        pressure = 0.5 * (record[:, SXX] + record[:, SYY])
+        found.append(float(np.mean(pressure) * area / np.mean(record[:, KINETIC])))
     return {"z": found}
