@@ -582,8 +582,6 @@ def test_names_that_texts_tell_are_there():
 
 
 OPENS_ILL = re.compile(r"(?:What|Whether|Where|Those|How|Which|Who|When)\b")
-NOT_YET = ("lammps_jump/core/", "lammps_jump/engines/")
-"""Folders whose docstrings may still begin so."""
 
 
 def test_docstrings_begin_with_a_noun_or_a_verb():
@@ -591,7 +589,6 @@ def test_docstrings_begin_with_a_noun_or_a_verb():
     ill = [
         f"{file}: {text.partition(chr(10))[0]}"
         for file, tree in trees().items()
-        if not file.startswith(NOT_YET)
         for node in walked(tree)
         if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef)
         if OPENS_ILL.match(text := ast.get_docstring(node) or "")

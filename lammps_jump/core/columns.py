@@ -25,13 +25,13 @@ class Columns:
 
     @classmethod
     def width(cls) -> int:
-        """How many columns there are."""
+        """Number of columns."""
         last = [where for name, where in vars(cls).items() if name.isupper()][-1]
         return last + 1 if isinstance(last, int) else int(last.stop)
 
 
 class PlacedColumns(Columns):
-    """Where a wall is at a step: pose (m, m, rad), cosine and sine of its angle, rates (m/s, rad/s)."""
+    """Place of a wall at a step: pose (m, m, rad), cosine and sine of its angle, rates (m/s, rad/s)."""
 
     NOW = slice(0, 3)
     C = 3
@@ -75,7 +75,7 @@ class LoadColumns(Columns):
 
 
 class WallLoadsColumns(Columns):
-    """What a wall takes in a step, along x, along y (N/m) and as a moment about the point of turning (N)."""
+    """Load on a wall in a step, along x, along y (N/m) and as a moment about the point of turning (N)."""
 
     OF_DISCS = slice(0, 3)
     ALL = slice(3, 6)
@@ -87,14 +87,14 @@ class WallLoadsColumns(Columns):
 
 
 class SumsOnWallColumns(Columns):
-    """What a wall feels of discs, summed over steps: force (N/m) with its moment (N), and its power on them (W/m)."""
+    """Load of discs on a wall, summed over steps: force (N/m) with its moment (N), and its power on them (W/m)."""
 
     FORCE = slice(0, 3)
     POWER = 3
 
 
 class StepClockColumns(Columns):
-    """What the loops know of time."""
+    """Time in the loops."""
 
     STEP = 0
     """At the call."""
@@ -141,7 +141,7 @@ class TrackRowColumns(Columns):
 
 
 class WallMotion(IntEnum):
-    """How a wall moves: it stands; along a track; pushed by discs; at the speed that it is given; as a body."""
+    """Kind of motion of a wall: it stands; along a track; pushed by discs; at the speed that it is given; as a body."""
 
     STANDS = 0
     FOLLOWS = 1
@@ -151,7 +151,7 @@ class WallMotion(IntEnum):
 
 
 class Phase(IntEnum):
-    """Whether a wall that is pushed is held, released at this step, or has moved."""
+    """State of a wall that is pushed: held, released at this step, or has moved."""
 
     IS_HELD = 0
     IS_RELEASED = 1

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a run leaves so that it can go on, whatever ends it: ``checkpoint.json`` beside the engine's files of its state.
+"""State from which a run goes on, whatever ended it: ``checkpoint.json`` beside the engine's files of its state.
 
 The state is LAMMPS' restart file with the velocities of the half step, or an npz file of the native engine; names hold
 the step. ``checkpoint.json`` names them and every file that a next part appends to, each with its size and SHA-256. It
@@ -75,7 +75,7 @@ class FileSum:
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """Where a run stopped, and what it had done by then.
+    """Step at which a run stopped, and what it had done by then.
 
     Attributes
     ----------
@@ -121,7 +121,7 @@ class CheckpointWriter:
         self.wait()
 
     def due(self) -> bool:
-        """Whether it is time for a checkpoint."""
+        """Tell whether it is time for a checkpoint."""
         return time.monotonic() >= self._next
 
     def wait(self, spent: float = 0.0) -> None:
@@ -199,7 +199,7 @@ def _states(folder: Path) -> list[Path]:
 
 
 def has_checkpoint(folder: Path) -> bool:
-    """Whether there is a checkpoint in a folder, sound or not."""
+    """Tell whether there is a checkpoint in a folder, sound or not."""
     return any(os.path.lexists(folder / name) for name in (CHECKPOINT_FILE, PREVIOUS_FILE))
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Which engine, kernel and number of MPI ranks and threads a scene gets."""
+"""Choice of engine, kernel and number of MPI ranks and threads for a scene."""
 
 from __future__ import annotations
 
@@ -113,7 +113,7 @@ def choose_threads(wanted: int | str, setting: Setting) -> tuple[Setting, list[s
 
 
 def usable_kernels() -> tuple[list[str], list[str]]:
-    """Those of 'stock', 'compiled' and 'native' that run here, and a note for each that does not."""
+    """Kernels of 'stock', 'compiled' and 'native' that run here, and a note for each that does not."""
     found, notes = [], []
     try:
         check_installed()

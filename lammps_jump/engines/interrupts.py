@@ -74,7 +74,7 @@ def held_back(numbers: Iterable[int]) -> Iterator[None]:
 
 
 class Request(threading.Event):
-    """Whether an engine was asked for something."""
+    """Request to an engine, and whether there was one."""
 
     _act: Callable[[], None] | None = None
 

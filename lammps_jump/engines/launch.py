@@ -125,7 +125,7 @@ def write_script(scene: Scene, folder: Path, **options: Any) -> Path:
 
 
 def _options(job: Job) -> dict[str, Any]:
-    """What the script of a job is made with, beside its scene."""
+    """Options of the script of a job, beside its scene."""
     setting, resume = job.setting, job.resume
     options: dict[str, Any] = {"dump_format": setting.dump_format, "header": setting.header}
     options |= {"kernel": setting.kernel, "ranks": setting.ranks}

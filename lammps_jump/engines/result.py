@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What an engine hands back when it stops, and how it reports on the way: the same for both engines."""
+"""Result that an engine hands back when it stops, and how it reports on the way: the same for both engines."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ KERNELS = ("stock", "compiled", *NATIVE_KERNELS.values())
 
 @dataclass(frozen=True)
 class RunResult:
-    """What a run did; the trajectory itself is in the dump.
+    """Result of a run; the trajectory itself is in the dump.
 
     Attributes
     ----------
@@ -103,7 +103,7 @@ class RunResult:
 
 
 def interruption(scene: Scene, step: int, folder: Path, *, again: float | None = None, reason: str = "") -> str:
-    """What to tell the user of a run that was ended before its end: when, what is kept, how to go on.
+    """Message to the user of a run that was ended before its end: when, what is kept, how to go on.
 
     Parameters
     ----------

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""How a scene is to be run: the engine and its options, and the job that goes to the engine's process."""
+"""Setting of a run: the engine and its options, and the job that goes to the engine's process."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a run of LAMMPS has left in its folder, put in order: forces, log and dump, checkpoint, result."""
+"""Outputs of a run of LAMMPS in its folder, put in order: forces, log and dump, checkpoint, result."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ LOG = "log.lammps"
 
 @dataclass
 class SteppingOutcome:
-    """What the stepping left behind.
+    """Outcome of the stepping.
 
     Attributes
     ----------
@@ -83,7 +83,7 @@ def gather_forces(scene: Scene, folder: Path) -> None:
 
 
 def forces_text(scene: Scene, folder: Path) -> str:
-    """What the structures' files hold so far as one table, in order of time, without their rows before the first step.
+    """Rows of the structures' files so far as one table, in order of time, without their rows before the first step.
 
     Rows of the scene's groups are added.
     """

@@ -139,7 +139,7 @@ def explain(error: str, scene: Scene, folder: Path, state: tuple[Any, ...] | Non
 
 
 def _loaded(scene: Scene, folder: Path, step: int) -> dict[str, Pose]:
-    """Where walls are that the discs push, as far as the file of their places tells."""
+    """Places of walls that the discs push, as far as the file of their places tells."""
     if scene.lids:
         with suppress(DumpError):
             return PoseFile(folder / POSES, scene.lids).at(scene.time(step))

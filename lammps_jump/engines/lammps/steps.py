@@ -271,7 +271,7 @@ class Steps:
             self.ask()  # too late for this run: the next one pauses at once
 
     def _order(self) -> str:
-        """What the pause is for; the same on every rank, of which the first alone knows."""
+        """Purpose of the pause; the same on every rank, of which the first alone knows."""
         if self._step == self._stop_step:
             return END
         if self.setting.ranks == 1:

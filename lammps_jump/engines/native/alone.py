@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What the core takes of a scene to step alone: its inlets, outlets, sizes, gates, tailgates, windows and stations.
+"""Tables with which the core steps a scene alone: its inlets, outlets, sizes, gates, tailgates, windows and stations.
 
 Tables are made once. What changes while steps are done is in the objects of `events` and `ledger`, from where it is put
 before the core steps, and where it is taken back.

@@ -140,7 +140,7 @@ class Moves(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """What contacts with springs remember; of two discs the one with the larger id does.
+    """Memory of contacts with springs; of two discs the one with the larger id does.
 
     Attributes
     ----------
@@ -206,7 +206,7 @@ class Constants(NamedTuple):
 
 
 class Lists(NamedTuple):
-    """What making lists anew takes.
+    """Arguments of making lists anew.
 
     Attributes
     ----------

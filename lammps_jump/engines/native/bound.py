@@ -122,7 +122,7 @@ class jump_tailgate(Struct):
 
 
 class jump_events(Struct):
-    """What happens at certain steps (``step/events.h``)."""
+    """Events at certain steps (``step/events.h``)."""
 
     _fields_: ClassVar = [
         *fields(c_int64, "step"),

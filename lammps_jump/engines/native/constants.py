@@ -18,7 +18,7 @@ DEFAULT_SKIN = 0.3
 
 
 class Memories:
-    """What contacts of a scene remember, as the loops take it: one object as long as nothing of it changes."""
+    """Memory of the contacts of a scene, as the loops take it: one object as long as nothing of it changes."""
 
     def __init__(self, scene: Scene):
         self._scene = scene
@@ -56,7 +56,7 @@ def motion_of(scene: Scene, skin: float) -> StepConstants:
 
 
 def lists_of(scene: Scene, skin: float, *, inside: bool) -> Lists:
-    """What lists of this skin (m) take; where `inside` is true, loops make them within `Loops.advance`."""
+    """Arguments of lists of this skin (m); where `inside` is true, loops make them within `Loops.advance`."""
     domain, ends = (*scene.domain[0], *scene.domain[1]), [wall.extent[0] for wall, _ in scene.walls if scene.period]
     return Lists(
         domain, skin, scene.largest, inside, np.zeros(2), scene.period or 0.0, np.zeros(1), np.reshape(ends, (-1, 2))

@@ -229,7 +229,7 @@ class DiscArrays:
                 getattr(self, name)[: self.n] = self.before[name]
 
     def keep_bits(self, scene: Scene, earlier: Earlier, kicks: tuple[Any, Any]) -> None:
-        """Where half step and force are those of the run whose lists were taken, but for round-off, take its bits.
+        """Take the bits of the run whose lists were taken, where half step and force are its own but for round-off.
 
         `kicks` are `half_kicks`, by which a force is held against a velocity.
         """
@@ -274,11 +274,11 @@ class DiscArrays:
         return self._loops.outside(self.n, self.x, self.y, (a - beyond, b + beyond, c, e))
 
     def place(self, i: int, scene: Scene, step: int) -> str:
-        """Where a disc is, in words."""
+        """Place of a disc, in words."""
         return f"{self.ids[i]} at ({self.x[i]:z.6g}, {self.y[i]:z.6g}) m, time {scene.time(step):z.6g} s (step {step}),"
 
     def lost(self, i: int, scene: Scene, step: int) -> str:
-        """What to say of a disc outside the domain."""
+        """Message about a disc outside the domain."""
         (a, b), (c, e) = scene.domain
         if not (np.isfinite(self.x[i]) and np.isfinite(self.y[i])):
             return (
@@ -349,7 +349,7 @@ class DiscArrays:
         self.n = i + 1
 
     def is_free(self, x: float, y: float, clearance: float) -> bool:
-        """Whether no disc is closer to a point than this (m)."""
+        """Tell whether no disc is closer to a point than this (m)."""
         return self._loops.closest(self, x, y) >= clearance * clearance
 
     def keep(self, mask: np.ndarray) -> None:

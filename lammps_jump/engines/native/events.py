@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What happens at certain steps: discs come and go, and windows of the probes end."""
+"""Events at certain steps: discs come and go, and windows of the probes end."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from .walls import Walls
 
 
 class Event(NamedTuple):
-    """What happens at some steps; `next_after` gives the first of them after a step, infinite for never."""
+    """Event at some steps; `next_after` gives the first of them after a step, infinite for never."""
 
     next_after: Callable[[int], float]
     happen: Callable[[], None]
@@ -55,7 +55,7 @@ class Turns:
         self.entered = 0
 
     def due(self, step: int) -> bool:
-        """Whether it tries at this step."""
+        """Tell whether it tries at this step."""
         return self.next_after(step - 1) == step
 
     def next_after(self, step: int) -> float:

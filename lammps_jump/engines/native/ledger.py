@@ -111,7 +111,7 @@ def energy_of_leaving(scene: Scene, discs: DiscArrays, leaving: np.ndarray) -> t
 
 
 def half_work(scene: Scene, discs: DiscArrays, work: np.ndarray) -> np.ndarray:
-    """What is due at a step besides the sums `work`, J per m, shape (3,): of dashpots, friction and moving walls.
+    """Work at a step besides the sums `work`, J per m, shape (3,): of dashpots, friction and moving walls.
 
     That of discs is what they lose in the first half of this step's kick. Of walls, half of this step is too much.
     """

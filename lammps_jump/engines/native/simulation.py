@@ -241,7 +241,7 @@ class NativeSimulation:
             self._rebuild()
 
     def _state(self, time_step: float = 0.0) -> State:
-        """What the loops take; springs go on by a time step (s), or stay as they are with 0."""
+        """Arguments of the loops; springs go on by a time step (s), or stay as they are with 0."""
         memory = self._memories.of(self.discs, self.walls, self._full, time_step)
         bodies = self.walls.body_state(self._constants, memory)
         return State(

@@ -35,7 +35,7 @@ Count = Annotated[int, Field(ge=0, le=1 << 53)]
 
 
 class Plain(BaseModel, strict=True, extra="forbid"):
-    """What a file of a state holds beside its arrays: counts, sums, rows of forces, the random generator."""
+    """Content of a file of a state beside its arrays: counts, sums, rows of forces, the random generator."""
 
     n: Count
     step: Count
@@ -114,13 +114,13 @@ def _pressed(simulation: NativeSimulation) -> dict[str, np.ndarray]:
 
 
 def _moves(simulation: NativeSimulation) -> dict[str, np.ndarray]:
-    """What moving walls have that is no function of the step."""
+    """State of moving walls that is no function of the step."""
     moves = simulation.walls.moves
     return {} if moves is None else {"moves_pushed": moves.pushed, "moves_listed": moves.listed}
 
 
 def _corners(simulation: NativeSimulation) -> dict[str, np.ndarray]:
-    """What corners of bodies and walls remember."""
+    """Memory of the corners of bodies and walls."""
     bodies = simulation.walls.bodies
     if bodies is None:
         return {}

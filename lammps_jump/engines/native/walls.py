@@ -35,7 +35,7 @@ UPWARDS = 1
 
 
 def _way_of(motion: Motion) -> WallMotion:
-    """How a wall moves."""
+    """Kind of motion of a wall."""
     if motion.kind is None:
         return WallMotion.STANDS
     if motion.holding:
@@ -114,7 +114,7 @@ def _far(faces: Faces, wall: int, x: float, y: float) -> float:
 
 
 def _chains(scene: Scene, names: list[str], faces: Faces) -> tuple[np.ndarray, np.ndarray]:
-    """What stands for the chain of each face in the slots of discs, and its length where it is closed, else 0, m.
+    """Number of the chain of each face in the slots of discs, and its length where it is closed, else 0, m.
 
     Chains count over all walls of the scene, so that a wall that goes changes no other's. Along a wall across the seam
     of a periodic channel the foot of a disc repeats with the period.
@@ -276,7 +276,7 @@ class Walls:
         return None if self.bodies is None else self.bodies.state(constants, memory, self)
 
     def trouble_of_bodies(self) -> str:
-        """What is wrong with bodies; empty for nothing."""
+        """Fault of bodies, in words; empty for nothing."""
         return "" if self.bodies is None else self.bodies.trouble(self)
 
     def set_speeds(self, speeds: Mapping[str, float]) -> None:
@@ -287,7 +287,7 @@ class Walls:
             self.moves.pushed[self.names.index(name), PushedColumns.SPEED][UPWARDS] = speed
 
     def trouble_at_seam(self, scene: Scene) -> str:
-        """What is wrong with a wall that discs have pushed to the seam of a periodic channel; empty for nothing.
+        """Fault of a wall that discs have pushed to the seam of a periodic channel; empty for nothing.
 
         Until the walls are listed again it may go on by half a skin.
         """

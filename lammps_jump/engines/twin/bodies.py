@@ -61,7 +61,7 @@ def _shown(state: State, wall: int, x: float, y: float) -> tuple[float, float]:
 
 
 def _is_there(record: np.void, dx: float, dy: float) -> bool:
-    """Whether a corner is there in a direction from its centre: an arc is in some alone."""
+    """Tell whether a corner is there in a direction from its centre: an arc is in some alone."""
     if record["tx0"] == 0.0 and record["ty0"] == 0.0:
         return True
     return record["tx0"] * dx + record["ty0"] * dy >= 0.0 > record["tx1"] * dx + record["ty1"] * dy

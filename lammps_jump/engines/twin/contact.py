@@ -76,7 +76,7 @@ def radius_of(state: State, i: int) -> float:
 
 
 def is_fixed(state: State, i: int) -> bool:
-    """Whether a disc stays where it is."""
+    """Tell whether a disc stays where it is."""
     return state.discs.fixed is not None and state.discs.fixed[i] != 0
 
 
@@ -181,7 +181,7 @@ def pair_contacts(
 
 
 def is_body(state: State, wall: int) -> bool:
-    """Whether a wall is a body."""
+    """Tell whether a wall is a body."""
     return state.walls.moves is not None and state.walls.moves.moving[wall] == WallMotion.BODY
 
 
@@ -197,7 +197,7 @@ def law_at(state: State, i: int, wall: int, point: Pair, normal: Pair) -> LawNum
 
 
 def is_moving(moves: Moves | None, wall: int) -> TypeGuard[Moves]:
-    """Whether a wall has a motion."""
+    """Tell whether a wall has a motion."""
     return moves is not None and moves.moving[wall] > 0
 
 

@@ -81,7 +81,7 @@ def list_pairs(state: State) -> int:
 
 
 def _close(discs: DiscArrays, i: int, others: np.ndarray, reach: float, shift: float = 0.0) -> np.ndarray:
-    """Those of other discs within the reach of disc i (m), which stands `shift` further along x."""
+    """Other discs within the reach of disc i (m), which lies `shift` further along x."""
     dx, dy = discs.x[i] + shift - discs.x[others], discs.y[i] - discs.y[others]
     apart = reach if discs.radius is None else reach + discs.radius[i] + discs.radius[others]
     return others[dx * dx + dy * dy < apart * apart]

@@ -154,7 +154,7 @@ def _press(pressed: PressedSums, wall: int, foot: float, force: tuple[float, flo
 
 
 def _end_walls(state: State) -> None:
-    """What the forces of a step do on walls that move.
+    """Work of the forces of a step on walls that move.
 
     Power is that of the velocity centred on the step, so that its sum over steps is the energy that discs gain.
     `WorkColumns.OF_WALLS` takes the step's part of what dashpots and friction do on the walls, and of that power.

@@ -82,7 +82,7 @@ LEAST = 0.25
 
 
 def gives_way(moves: Moves | None, wall: int) -> bool:
-    """Whether forces move a wall now: not while it is held, nor a tailgate, whose mass is infinite."""
+    """Tell whether forces move a wall now: not while it is held, nor a tailgate, whose mass is infinite."""
     if moves is None or moves.moving[wall] < WallMotion.LOADED:
         return False
     held = moves.pushed[wall, PushedColumns.PHASE] == Phase.IS_HELD
@@ -107,14 +107,14 @@ def yielding(moves: Moves | None, wall: int, push: np.ndarray) -> float:
 
 
 def yielding_at(moves: Moves | None, wall: int, point: Vector, way: Vector) -> float:
-    """What a wall gives way to a force of 1 N at a point along a direction, 1/kg."""
+    """Acceleration of a wall by a force of 1 N at a point along a direction, 1/kg."""
     if moves is None or not gives_way(moves, wall):
         return 0.0
     return yielding(moves, wall, wrench(way, point, about(moves, wall)))
 
 
 class DiscMass(NamedTuple):
-    """What of a disc stands in its contact with a body: kg and kg m^2, per m of width."""
+    """Mass and inertia of a disc in its contact with a body: kg and kg m^2, per m of width."""
 
     mass: float
     inertia: float
@@ -178,7 +178,7 @@ class SharedContact(NamedTuple):
 
 
 def shared(moves: Moves, ways: Sequence[SharedContact]) -> list[float]:
-    """What two walls give way to all contacts between them at once, as these move, for each of the contacts, 1/kg.
+    """Acceleration of two walls by all contacts between them at once, as these move, for each of the contacts, 1/kg.
 
     The sum of v_i A_ij v_j over that of v_i^2, with the velocity that contact i has from 1 N at contact j as A_ij. It
     is exact where all contacts move as one mode does, as where a block falls flat.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What the twin sums over contacts: elastic energy, the list of contacts, energy between stations; and new sizes."""
+"""Sums of the twin over contacts: elastic energy, the list of contacts, energy between stations; and new sizes."""
 
 from __future__ import annotations
 
@@ -150,7 +150,7 @@ def between(state: State, stations: StationStep, sums: np.ndarray) -> None:
 
 
 def _between_discs(state: State, stations: StationStep, sums: np.ndarray) -> tuple[float, float, float]:
-    """What crosses the stations and what is held between them; force and losses of the discs between."""
+    """Energy that crosses the stations and that is held between them; force and losses of the discs between."""
     d, motion, (left, width, speed, moved, _) = state.discs, state.constants.motion, stations
     dt = motion.time_step
     held = push = lost = slid = 0.0

@@ -109,7 +109,7 @@ class Bodies:
         return np.where((self.meets[own, wall] == 1) & (self._gone[own] == 0), x, np.nan), y
 
     def state(self, constants: Constants, memory: Memory | None, walls: Any) -> BodyState:
-        """What the loops take; springs go on as those of `memory` do."""
+        """Arguments of the loops; springs go on as those of `memory` do."""
         held = self._held
         if not held or held[0] is not constants or held[1] is not memory or held[2] is not self.near:
             own, d = None, self.discs
@@ -125,7 +125,7 @@ class Bodies:
         return held[3]
 
     def trouble(self, walls: Any) -> str:
-        """What is wrong with bodies; empty for nothing."""
+        """Fault of bodies, in words; empty for nothing."""
         overlap, corner, face = self.deepest.tolist()
         self.deepest[:] = 0.0
         own = self.corner["radius"][self.corner["wall"] == int(corner)]
