@@ -253,6 +253,7 @@ def _how(summary: Mapping[str, Any]) -> Section:
             Table([row for row in rows if row[1] is not None]),
             *_command(summary),
             Table([row for row in hashes if row[1] is not None], ("Hashes", "value"), "Hashes of case and files"),
+            Table(summary.get("states") or (), ("Step", "SHA-256 of the state"), "Hashes of the state at ten times"),
             Code(json.dumps(summary, indent=1), "summary.json"),
         ],
     )

@@ -123,7 +123,8 @@ class Child:
                     self.output += self.messages
                     self.process.wait()
                 result = message["result"]
-                return RunResult(**{**result, "resumed": tuple(result["resumed"])})
+                states = tuple((step, text) for step, text in result["states"])
+                return RunResult(**{**result, "resumed": tuple(result["resumed"]), "states": states})
             if message.get("report"):
                 step, discs, threads = message["report"]
                 self.last = Progress(step, scene.steps, scene.time(step), discs, threads=threads)

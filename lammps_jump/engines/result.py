@@ -81,6 +81,8 @@ class RunResult:
         It failed for a cause outside the run: it can go on from its checkpoint, without one it starts again.
     cpu_seconds : float
         Processor time of the stepping, s; of LAMMPS on several ranks, that of the first rank times their number.
+    states : tuple of (int, str)
+        Step and hash of the state (`fingerprint`) at ten frames, of the native engine.
     """
 
     engine: str
@@ -100,6 +102,7 @@ class RunResult:
     resumed: tuple[float, ...] = ()
     cpu_seconds: float = 0.0
     outside: bool = False
+    states: tuple[tuple[int, str], ...] = ()
 
 
 def interruption(scene: Scene, step: int, folder: Path, *, again: float | None = None, reason: str = "") -> str:

@@ -21,11 +21,10 @@ function columnsOf(core, names, fixed) {
   return [order.map((k) => ids[k]), ...names.map((name) => { const one = core.column(name); return order.map((k) => one[k]); })];
 }
 
-// Compute the run again; `tell` hears steps done. The first place where it parts, or null.
-async function computeAgain(core, { checks, end, digits, steps, fixed }, tell) {
-  const rounded = (values) => values.map((value) => Number(value.toPrecision(digits)));
+// Steps a core, with words of progress.
+function stepper(core, tell) {
   let told = performance.now(), chunk = 50;
-  const goTo = async (step) => {
+  return (step) => {
     while (core.step < step) {
       const before = performance.now(), wrong = core.run(Math.min(step, core.step + chunk)), took = performance.now() - before;
       if (wrong) return wrong;
@@ -36,11 +35,45 @@ async function computeAgain(core, { checks, end, digits, steps, fixed }, tell) {
     }
     return "";
   };
-  for (const [step, hash] of checks) {
-    const wrong = await goTo(step), [ids, ...places] = columnsOf(core, ["x", "y"]);
+}
+
+// Hash of the whole state, as engines/native/state.py has it.
+function fingerprint(core) {
+  return digest(columnsOf(core, ["x", "y", "vx", "vy", ...(core.column("omega") ? ["omega"] : [])]));
+}
+
+// Compute the run again; `tell` hears steps done. The first place where it parts, or null.
+async function computeAgain(core, { checks, end, digits, steps, fixed }, tell) {
+  const rounded = (values) => values.map((value) => Number(value.toPrecision(digits))), goTo = stepper(core, tell);
+  for (const [step, hash, state] of checks) {
+    const wrong = goTo(step), [ids, ...places] = columnsOf(core, ["x", "y"]);
     if (wrong || await digest([ids, ...places.map(rounded)]) !== hash) return { step, wrong };
+    if (state && await fingerprint(core) !== state) return { step, wrong, state };
   }
-  const wrong = await goTo(steps);
+  const wrong = goTo(steps);
   if (wrong || await digest(columnsOf(core, ["x", "y", "vx", "vy"], fixed)) !== end) return { step: steps, wrong };
   return null;
+}
+
+// Compute a run of LAMMPS again: for each of its frames the largest and the median distance of its discs, in diameters,
+// and how many are in one of the two alone.
+function howFar(core, { frames, diameter, period }, tell) {
+  const goTo = stepper(core, tell), found = [];
+  const array = (text, Kind) => new Kind(Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer);
+  for (const frame of frames) {
+    const wrong = goTo(frame.step);
+    if (wrong) return { found, wrong };
+    const ids = array(frame.ids, Int32Array), x = array(frame.x, Float64Array), y = array(frame.y, Float64Array);
+    const [own, ownX, ownY] = columnsOf(core, ["x", "y"]), place = new Map(own.map((id, k) => [id, k])), far = [];
+    ids.forEach((id, k) => {
+      const there = place.get(id);
+      if (there === undefined) return;
+      let across = ownX[there] - x[k];
+      if (period) across -= period * Math.round(across / period);
+      far.push(Math.hypot(across, ownY[there] - y[k]) / diameter);
+    });
+    far.sort((a, b) => a - b);
+    found.push({ step: frame.step, most: far[far.length - 1] ?? null, median: far[far.length >> 1] ?? null, alone: ids.length - far.length });
+  }
+  return { found, wrong: "" };
 }

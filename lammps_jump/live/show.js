@@ -332,16 +332,37 @@ async function verify() {
   worker.onmessage = ({ data: { verified, failed } }) => {
     if (failed) end(failed);
     else if (!verified.done) say("verified", `Step ${verified.step} of ${again.steps}.`);
+    else if (verified.far) end(farText(verified.far));
     else if (verified.parts) end(partedText(verified.parts));
-    else end(`The same: ${again.checks.length} frames to the ${again.digits} digits of the dump, and the end of ${again.steps} steps to the last bit.`);
+    else end(sameText(again));
   };
   const [core, image] = await Promise.all(["core", "image-again"].map(unpacked));
   worker.postMessage({ act: "verify", module: core, image, head: live.head });
 }
 
-function partedText({ step, wrong }) {
-  const at = `at step ${step}, t = ${((step - live.head.start) * live.head.again.timeStep).toFixed(4)} s`;
-  return wrong ? `It ended ${at}: ${wrong}.` : `They part: the first frame that differs is ${at}. The stored run is of another version, or was changed.`;
+function sameText({ checks, digits, steps }) {
+  const states = checks.filter(([, , state]) => state).length;
+  return `The same ${steps.toLocaleString("en")} steps, to the last bit: the end${states ? ` and the states at ${states} times` : ""}; ` +
+    `${checks.length} frames to the ${digits} digits of the dump.`;
+}
+
+function timeOf(step) {
+  return ((step - live.head.start) * live.head.again.timeStep).toFixed(4);
+}
+
+function partedText({ step, wrong, state }) {
+  const at = `at step ${step}, t = ${timeOf(step)} s`;
+  if (wrong) return `It ended ${at}: ${wrong}.`;
+  return `They part: the first ${state ? "state" : "frame"} that differs is ${at}. The stored run is of another version, or was changed.`;
+}
+
+// Of a run of LAMMPS: how far its discs are from those that were computed here, and why.
+function farText({ found, wrong }) {
+  const rows = found.map(({ step, most, median, alone }) => (
+    `t = ${timeOf(step)} s: ${most === null ? "none in both" : `${most.toPrecision(2)} (median ${median.toPrecision(2)})`}` +
+    (alone ? `, ${alone} not in both` : "")));
+  return `Largest distance of a disc from where the run has it, in diameters: ${rows.join("; ")}. LAMMPS sums in another order than the ` +
+    `native engine of this page; contacts amplify the last digits.${wrong ? ` It ended then: ${wrong}.` : ""}`;
 }
 
 // ---- the page ----

@@ -130,6 +130,7 @@ def result_of(
         breakdown=stored["breakdown_seconds"] or {},
         resumed=tuple(stored.get("resumed_at", ())),
         outside=stored.get("can_go_on", False),
+        states=tuple((step, text) for step, text in stored.get("states", ())),
     )
 
 

@@ -11,12 +11,13 @@ from functools import cache, reduce
 from operator import or_
 from pathlib import Path
 from types import UnionType
-from typing import TYPE_CHECKING, Any, Literal, get_args, get_origin, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
 import numpy as np
 from pydantic import (
     BaseModel,
     ConfigDict,
+    Field,
     FiniteFloat,
     NonNegativeInt,
     PositiveInt,
@@ -96,6 +97,7 @@ class Stored(BaseModel, strict=True):
     ranks: PositiveInt = 1
     resumed_at: list[FiniteFloat] = []
     can_go_on: bool = False
+    states: list[Annotated[list[NonNegativeInt | str], Field(min_length=2, max_length=2)]] = []
     warnings: list[str] = []
     begins: list[str] = []
     key: str = ""
@@ -196,6 +198,7 @@ def compose(
             "simulated_time": scene.time(result.steps),
             **({"resumed_at": result.resumed} if result.resumed else {}),
             **({"can_go_on": True} if result.outside else {}),
+            **({"states": result.states} if result.states else {}),
             "wall_seconds": seconds,
             "cpu_seconds": result.cpu_seconds,
             "disc_steps": result.disc_steps,

@@ -11,7 +11,7 @@ from time import perf_counter, process_time
 from typing import Any
 
 from lammps_jump.dump.find import write_forces
-from lammps_jump.dump.frame import Frame, make_frame
+from lammps_jump.dump.frame import Frame, make_frame, ten_indices
 from lammps_jump.dump.side_files.contacts import ContactWriter
 from lammps_jump.dump.side_files.ended import write_ended
 from lammps_jump.dump.side_files.poses import PoseWriter
@@ -40,7 +40,7 @@ from lammps_jump.scene.scene import Scene
 from .bound import Core
 from .cells import CellSimulation
 from .simulation import NativeSimulation
-from .state import ended_of, load_state, save_state
+from .state import ended_of, fingerprint, load_state, save_state
 
 
 def take_frame(simulation: NativeSimulation) -> Frame:
@@ -158,6 +158,7 @@ class EnginePart:
         self.poses: PoseWriter | None = None
         self.checkpoints: CheckpointWriter | None = None
         self.between_steps, self.reason = True, ""
+        self.states: list[tuple[int, str]] = list(resume.result.states) if resume else []
         self.seconds = self.writing = 0.0
         self.processor = process_time()
         if self.folder is None:
@@ -190,6 +191,9 @@ class EnginePart:
             self.contacts.write(self.simulation.step, *self.simulation.contacts())
         if self.writer is not None:
             self.writer.write_frame(take_frame(self.simulation))
+        every = self.scene.output_steps
+        if self.simulation.step // every in ten_indices(self.scene.steps // every + 1):
+            self.states.append((self.simulation.step, fingerprint(self.simulation.discs)))
 
     def to_next_output(self, last: int) -> float:
         """Step towards the next frame, for a tenth of a second at most, write it there; the clock after the steps."""
@@ -308,4 +312,5 @@ class EnginePart:
             },
             resumed=(*earlier.resumed, self.scene.time(earlier.steps)) if earlier else (),
             cpu_seconds=processor,
+            states=tuple(self.states),
         )

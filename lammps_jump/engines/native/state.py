@@ -8,6 +8,7 @@ the probes, the turns of the inlets, the random generator of a pour, and the ene
 
 from __future__ import annotations
 
+import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import astuple
@@ -195,6 +196,18 @@ def _load_discs(discs: DiscArrays, n: int, stored: Mapping[str, np.ndarray]) -> 
         held[:] = stored[name]
     names = ("start", "discs", *(("owner", "shift") if discs.period is not None else ()))
     discs.put_list(**{name: stored[f"list_{name}"] for name in names})
+
+
+def fingerprint(discs: DiscArrays) -> str:
+    """SHA-256 of a state: ids, places, velocities and spins of all discs as they stand in memory, in the order of ids.
+
+    Numbers are float64, little-endian, without minus zero; velocities and spins are those between two steps. A page
+    that computes a run again has the same (``live/again.js``).
+    """
+    order = np.argsort(discs.ids[: discs.n])
+    columns = [discs.ids, discs.x, discs.y, discs.vx, discs.vy, *([] if discs.omega is None else [discs.omega])]
+    parts = [(one[: discs.n][order].astype("<f8") + 0.0).tobytes() for one in columns]
+    return hashlib.sha256(b"".join(parts)).hexdigest()
 
 
 def ended_of(simulation: NativeSimulation) -> Ended:
