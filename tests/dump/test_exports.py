@@ -255,7 +255,6 @@ LOADS = """
 import os
 os.environ.pop("KMP_DUPLICATE_LIB_OK", None)
 before = dict(os.environ)
-import xarray
 from lammps_jump.dump.exports import load_netcdf
 load_netcdf()
 assert os.environ == before, set(os.environ) - set(before)
