@@ -84,9 +84,9 @@ def test_builds_once_and_then_takes_the_cached_file(make_believe):
     path = plugin_path()
     assert path.read_text() == CODE.format("1.0")
     assert plugin_path() == path == availability().path
-    assert runs(log) == 1 and compiled(log) == len(PLUGIN.units()) == 2
+    assert runs(log) == 1 and compiled(log) == len(PLUGIN.units()) == 3
     plugin_path(force=True)
-    assert runs(log) == 2 and compiled(log) == 4
+    assert runs(log) == 2 and compiled(log) == 6
 
 
 def test_another_compiler_or_source_is_another_entry(make_believe, monkeypatch):
