@@ -71,6 +71,7 @@ GROUPS = {
         "settled_bed": "A bed that has settled",
         "inclined_flow": "A layer that flows down a rough bed",
         "drum": "A turning drum",
+        "shock": "A stream that falls on a wedge",
         "rockfall": "Boulders against a wall of blocks",
     },
     "Structures": {
