@@ -453,8 +453,11 @@ ASKING = (
 """What shows quantities or looks ahead for them, and asks them for all it says."""
 OF_JUMPS = {"analysis/report/headline.py"}
 """Words for verdicts of jumps, which several files share."""
-OF_MAPS = {"analysis/report/frames.py: pressure", "analysis/report/player_check.py: pressure"}
-"""Name of a map of the player, which is also that of a quantity."""
+OF_MAPS = {
+    "analysis/report/frames.py: pressure", "analysis/report/player_check.py: pressure",
+    "analysis/report/page.py: force", "analysis/report/player.py: force",
+}  # fmt: skip
+"""Names of a map of the player and of a key of its walls, which are also those of quantities."""
 
 
 def test_what_shows_quantities_knows_none_by_its_name():

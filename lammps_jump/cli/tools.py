@@ -136,7 +136,8 @@ def check(
     ] = None,
 ) -> None:
     """Check a case; prints all numbers that follow from it. Runs nothing without --pilot, draws with --picture."""
-    loaded = lj.load_case(case, assignments(set_, engine=engine, kernel=kernel, accuracy=accuracy))
+    read = lj.load_case if pilot else cases.load_case  # a case that can be run loads pages and pictures
+    loaded = read(case, assignments(set_, engine=engine, kernel=kernel, accuracy=accuracy))
     resolved, chosen = engines.accuracy.with_accuracy(loaded)
     found = resolved.check()
     found = replace(found, scene=replace(found.scene, warnings=(*found.warnings, *chosen)))
@@ -157,7 +158,7 @@ def check(
 
 
 def foretold(
-    case: lj.Case, of: Sequence[str], within: str, pilot: int | None
+    case: cases.ReadCase, of: Sequence[str], within: str, pilot: int | None
 ) -> tuple[runs.known.RunTime, list[runs.known.Power]]:
     """Time of a run, and starts that numbers will take; `pilot` starts are run for those of which none are known."""
     share = parse_accuracy(within)

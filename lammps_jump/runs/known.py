@@ -44,7 +44,7 @@ def kind_of(scene: Scene, setting: Setting) -> str:
         scene.friction_law if rubs else "no friction",
         *(["rolling"] if scene.springs and scene.springs.rolling else []),
     ]
-    flags = {"spin": scene.rotation, "sizes": scene.sizes, "cohesion": scene.cohesion, "stations": scene.stations}
+    flags = {"spin": scene.rotation, "sizes": scene.sizes, "stations": scene.stations}
     words += [word for word, holds in flags.items() if holds] + ([scene.touch] if scene.touch != "sharp" else [])
     ranks = f", {setting.ranks} ranks" if setting.ranks > 1 else ""
     return f"{setting.engine} ({setting.kernel}{ranks}): {', '.join(words)}"

@@ -13,6 +13,7 @@ from lammps_jump.errors import CaseError
 NOTES = {
     "hydraulic_jump": ("equal discs pack into a crystal", "friction 0.1 on this bed makes a heap"),
     "hydraulic_jump_frictionless": ("equal discs pack into a crystal",),
+    "crown_wall": ("initial[0]: discs of several sizes start touching",),
     "rockfall": ("walls 'block_1'", "walls 'block_2'"),
 }
 """Beginnings of the notes of the scenes; the others have none."""

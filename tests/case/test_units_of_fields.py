@@ -140,7 +140,7 @@ SLOPES = ("friction", "rolling")
 """Fields that are coefficients of friction."""
 
 
-NUMBERS = ("1", "0.3", "20", "1e-3", "1e6", "1e-9", "1e12", "1.4", "140", "1400", "1.4e6")
+NUMBERS = ("1", "0.3", "20", "1e-3", "1e6", "1e-9", "1e12", "1.4", "140", "1400", "1.4e6", "4e5", "400")
 
 
 @cache

@@ -64,7 +64,7 @@ amplify that: such scenes are cut before it is seen.
 """
 BEFORE = {"breach": "settled_bed"}
 """Scenes that begin where the run of another one ends."""
-HASHES = r"^ *(Hash of the case|SHA-256 of) .*$|(?<=; key )[0-9a-f]{12}"
+HASHES = r"^ *(Hash of the case|SHA-256 of) .*$|\b[0-9a-f]{64}\b|(?<=; key )[0-9a-f]{12}"
 """What changes with the code, and with the last bit of a number."""
 
 

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import re
 from math import sqrt
 from pathlib import Path
 
@@ -13,7 +12,6 @@ from hypothesis import strategies as st
 
 from lammps_jump.physics import law
 from lammps_jump.physics.contact import SMOOTH_SHARE, damping_ratio, lagged_correction, lagged_restitution
-from lammps_jump.physics.slip import SIGN_RAMP
 
 PACKAGE = Path(law.__file__).parents[1]
 SPEEDS = (0.05, 0.1, 0.25, 0.5, 1.0, 2.0)
@@ -133,8 +131,3 @@ def test_the_table_of_the_documentation(e, f, w):
     end = f" | {min(means):.3f} to {max(means):.3f} | {smooth[SPEEDS.index(1.0)][1]:.4f} |"
     rows = (PACKAGE.parent / "docs" / "kernels.md").read_text().splitlines()
     assert any(row.startswith(begin) and row.endswith(end) for row in rows)
-
-
-def test_constants_of_the_plugin_are_those_of_the_package():
-    header = (PACKAGE / "engines" / "plugin" / "disc_law.h").read_text()
-    assert float(re.search(r"SIGN_RAMP = ([\d.e-]+);", header)[1]) == SIGN_RAMP

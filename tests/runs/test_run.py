@@ -29,7 +29,7 @@ pytestmark = pytest.mark.usefixtures("blank_pictures")
 NOTEBOOK = Path(__file__).parents[2] / "docs" / "notebooks" / "first_jump.ipynb"
 SHORT = {"run.duration": 0.3, "run.output_interval": 0.05, "engine.name": "native", "analysis.window": [0.1, 0.3]}
 PUBLIC = """Calibrated Case CaseError Dump DumpError Energy Force Frame Frames Front Jump JumpError Progress ResumeError
-Run RunError RunInterrupted RunResult Scene SetupError SteppedRun Sweep __version__ calibrate find load_case open
+Run RunError RunInterrupted RunResult Scene SetupError SteppedRun Sweep __version__ budget calibrate find load_case open
 open_run read_dump run sweep""".split()
 
 
@@ -226,7 +226,7 @@ def test_export_writes_what_other_programs_read(finished, tmp_path, capsys):
     assert all((folder / name).exists() for name in told)
     export(folder, csv=True, out=tmp_path / "tables")
     assert sorted(path.name for path in (tmp_path / "tables").iterdir()) == ["profiles.csv", "profiles_mean.csv"]
-    with pytest.raises(lj.CaseError, match="--vtk, --csv and --pictures"):
+    with pytest.raises(lj.CaseError, match="--vtk, --csv, --pictures and --crate"):
         export(folder)
 
 
