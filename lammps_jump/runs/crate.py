@@ -8,6 +8,7 @@ versions, sizes and checksums, the figures, and the licence that the person give
 from __future__ import annotations
 
 import mimetypes
+import re
 from collections.abc import Mapping
 from datetime import UTC, datetime
 from pathlib import Path
@@ -51,7 +52,7 @@ def write_crate(folder: Path, licence: str) -> Path:
         Another file has that name.
     """
     link = licence if licence.startswith("https://") else f"{LICENCES}{licence}"
-    if not all(sign.isalnum() or sign in "-._~:/+" for sign in licence) or len(link) > 300 or not licence:
+    if not re.fullmatch(r"https://[A-Za-z0-9][\w.~:/+-]{0,280}|[A-Za-z0-9][A-Za-z0-9.+-]{0,60}", licence, re.ASCII):
         said = "write a short name of SPDX, such as CC-BY-4.0, or an address that begins with https://"
         raise CaseError(f"--license '{shortened(visible(licence))}': is no licence; {said}")
     marker = read_marker(folder)

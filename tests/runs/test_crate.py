@@ -66,7 +66,7 @@ def test_every_file_is_in_it_with_its_checksum_and_every_link_leads_somewhere(ru
 
 
 def test_what_is_no_run_no_licence_or_changed_is_refused(run, tmp_path):
-    for wrong in ("", "all rights", "CC BY", "x" * 400, "http://a b"):
+    for wrong in ("", "all rights", "CC BY", "x" * 400, "http://a b", "nonsense/../x", "MIT\u0660", "https://a b"):
         with pytest.raises(CaseError, match="--license"):
             write_crate(run, wrong)
     (tmp_path / "empty").mkdir()
