@@ -311,7 +311,7 @@ def _parts(name: str, case: Case) -> tuple[str, ...] | None:
     return None if named is None else getattr(case, named.walls)
 
 
-def collected(path: str, case: Case, field: str = "collect") -> Collected:
+def collected(path: str, case: ReadCase, field: str = "collect") -> Collected:
     """The description of a number that is to be collected; `field` of the study names it.
 
     Raises
