@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+import struct
 import subprocess
 import sys
 from dataclasses import replace
@@ -298,8 +299,13 @@ def test_discs_of_another_scene_are_refused(lammps, plugin, tmp_path, change, me
     refused(lammps, changed, message)
 
 
-@pytest.mark.parametrize("change", ["cut", "version", "magic", "longer"])
+HEAD = {"size": 16, "pointers": 24, "state": 32, "events": 40, "a place": 48}
+"""Where numbers of a file of a scene stand: of its head, and the place of its first pointer."""
+
+
+@pytest.mark.parametrize("change", ["cut", "version", "magic", "longer", *HEAD, "a pointer"])
 def test_a_damaged_file_of_the_scene_is_refused(lammps, plugin, tmp_path, change):
+    """So that nothing is read or written beyond it."""
     lines = compiled(scene(*cloud(2, 3, 3), FLOOR[:2]), plugin, tmp_path)
     (file,) = tmp_path.glob("*.image")
     data = bytearray(file.read_bytes())
@@ -307,6 +313,12 @@ def test_a_damaged_file_of_the_scene_is_refused(lammps, plugin, tmp_path, change
         data[-24] ^= 1
     elif change == "magic":
         data[0] ^= 1
+    elif change in HEAD:
+        data[HEAD[change] : HEAD[change] + 8] = (2**61 + 8).to_bytes(8, "little")
+    elif change == "a pointer":
+        (count,) = struct.unpack_from("<q", data, HEAD["pointers"])
+        begin = HEAD["a place"] + 8 * count + struct.unpack_from("<q", data, HEAD["a place"])[0]
+        data[begin : begin + 8] = len(data).to_bytes(8, "little")
     else:
         data = data[:-8] if change == "cut" else data + bytes(8)
     file.write_bytes(data)

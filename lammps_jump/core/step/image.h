@@ -27,7 +27,9 @@ class SceneImage {
     Head head;
     if (file.size() < sizeof head) return false;
     std::memcpy(&head, file.data(), sizeof head);
-    if (head.magic != MAGIC || head.word != (int64_t) sizeof(void *) || head.size < 0 || head.pointers < 0) return false;
+    const int64_t most = (int64_t) file.size(), word = (int64_t) sizeof(void *);
+    if (head.magic != MAGIC || head.word != word || head.size < 0 || head.size > most) return false;
+    if (head.pointers < 0 || head.pointers > most / word) return false;
     const size_t places = sizeof(int64_t) * (size_t) head.pointers;
     if (file.size() != sizeof head + places + (size_t) head.size + sizeof(Tail)) return false;
     Tail tail;
@@ -40,10 +42,13 @@ class SceneImage {
       int64_t place;
       uintptr_t there;
       std::memcpy(&place, file.data() + sizeof head + sizeof place * (size_t) p, sizeof place);
+      if (!holds(head, place, word)) return false;
       std::memcpy(&there, base + place, sizeof there);
+      if (there > (uintptr_t) head.size) return false;
       there += reinterpret_cast<uintptr_t>(base);
       std::memcpy(base + place, &there, sizeof there);
     }
+    if (!holds(head, head.state, sizeof(jump_state)) || !holds(head, head.events, sizeof(jump_events))) return false;
     state = reinterpret_cast<jump_state *>(base + head.state);
     events = reinterpret_cast<jump_events *>(base + head.events);
     return true;
@@ -56,6 +61,11 @@ class SceneImage {
   struct Tail {
     int64_t version, state, events;
   };
+  /** Tells whether so many bytes from a place on lie in the image, where a number may stand. */
+  static bool holds(const Head &head, int64_t place, int64_t bytes)
+  {
+    return place >= 0 && place % (int64_t) sizeof(void *) == 0 && bytes <= head.size && place <= head.size - bytes;
+  }
   static constexpr int64_t MAGIC = 0x31474D494D4C4A;
   std::vector<double> memory;
 };
