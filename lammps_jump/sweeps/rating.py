@@ -155,14 +155,16 @@ def section(found: StudyResults) -> Section:
     """Rating curves in words and numbers; without blocks where the study has none."""
     blocks: list[Table | Text] = []
     for one in ratings(found):
-        low, high = np.nanmin(one.ratio), np.nanmax(one.ratio)
-        shares = f"{low:z.2f}" if f"{low:z.2f}" == f"{high:z.2f}" else f"{low:z.2f} to {high:z.2f}"
+        ratios = one.ratio[np.isfinite(one.ratio)]
+        texts = [f"{end(ratios):z.2f}" for end in (np.min, np.max)] if ratios.size else []
+        shares = " to ".join(dict.fromkeys(texts))
+        carried = f"the discs carry {shares} of" if shares else "no head is above the jet of"
         power = f" They follow {one.power[0]:z.3g} H^{one.power[1]:z.2f} (m²/s, m)." if one.power else ""
         gap, depths = one.law is GATE, one.law is WEIR and np.isfinite(one.crest_ratio).all()
         if depths:
             ends = one.crest_ratio.min(), one.crest_ratio.max()
             power += f" On the crest they are {ends[0]:z.2f} to {ends[1]:z.2f} times as deep as critical flow is."
-        blocks.append(Text(f"{one.name}: the discs carry {shares} of {one.law.water}.{power}"))
+        blocks.append(Text(f"{one.name}: {carried} {one.law.water}.{power}"))
         heads = [f"Head {one.law.over} [m]", *(["Opening [m]"] if gap else []), "Discharge [m²/s]", "Over water"]
         heads += ["Depth on the crest over critical"] if depths else []
         rows = [

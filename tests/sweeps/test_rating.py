@@ -66,6 +66,13 @@ def test_a_gate_is_held_against_water_of_each_opening(monkeypatch):
     assert "0.50 of water under a gate" in said.text and table.header[1] == "Opening [m]"
 
 
+def test_a_gate_whose_heads_are_below_the_jet_has_no_ratio(monkeypatch):
+    given = {"below_head": [0.2, 0.3], "below": [0.1, 0.2], "opening": [0.9, 0.9]}
+    said, table = rating.section(study_of(monkeypatch, *given, **given)).blocks
+    assert "no head is above the jet of water under a gate" in said.text and "nan" not in said.text
+    assert all("nan" not in cell for row in table.rows for cell in row)
+
+
 @pytest.mark.parametrize("keys", [("head",), ("discharge",), ("below_head", "below"), ("depth", "brink")])
 def test_without_head_and_discharge_there_is_no_curve(monkeypatch, keys):
     found = study_of(monkeypatch, *keys, **{key: [1.0, 2.0] for key in keys})
