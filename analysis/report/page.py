@@ -221,6 +221,7 @@ def render(
     scripts += [_own("embedded.js")] if embedded else []
     live = next((block for block in blocks if isinstance(block, LivePage)), None)
     scripts += [_own("differently.js")] if live else []
+    framed = ([live.style], live.scripts) if live else ((), ())  # what is in a frame of a page needs its policy too
     kept = [section for section in full if section.blocks]
     return _template().render(
         title=title,
@@ -233,7 +234,7 @@ def render(
         numbers=Markup(encode((steps, np.frexp(np.append(0, steps[:-1]))[1])) if len(numbers) > 1 else ""),
         style=style,
         scripts=scripts,
-        policy=policy(style, scripts, live),
+        policy=policy([style, *framed[0]], [*scripts, *framed[1]], computes=live is not None),
     )
 
 
@@ -275,16 +276,14 @@ def _lean(data: object, numbers: list[np.ndarray]) -> object:
     return {"count": len(data), "decimals": decimals}
 
 
-def policy(style: str, scripts: Sequence[str], live: LivePage | None = None) -> str:
-    """Content security policy of a page that runs these scripts and this style, and asks no network for anything.
+def policy(styles: Sequence[str], scripts: Sequence[str], *, computes: bool = False) -> str:
+    """Content security policy of a page that runs these scripts and styles, and asks no network for anything.
 
-    With a live page in a frame of it, those of the frame may act too, and compute in a thread of their own.
+    A page that `computes` may run WebAssembly, and a thread of its own.
     """
-    styles, compute = [style], ""
-    if live:
-        styles, scripts, compute = [style, live.style], [*scripts, *live.scripts], "worker-src blob:; "
-    words, looks = [*(["'wasm-unsafe-eval'"] if live else []), *map(_hash, scripts)], " ".join(map(_hash, styles))
-    run = f"{compute}script-src {' '.join(words)}; " if scripts else ""
+    words, looks = " ".join(map(_hash, scripts)), " ".join(map(_hash, styles))
+    words = f"worker-src blob:; script-src 'wasm-unsafe-eval' {words}" if computes else f"script-src {words}"
+    run = f"{words}; " if scripts else ""
     return (
         f"default-src 'none'; img-src data: blob:; media-src data: blob:; {run}style-src {looks}; "
         "base-uri 'none'; form-action 'none'"

@@ -105,7 +105,7 @@ def live_page(
     return _template().render(
         title=first.case.name,
         description=first.case.fields.description,
-        policy=policy_of(style, scripts),
+        policy=page.policy([style], scripts, computes=True),
         style=style,
         scripts=scripts,
         data=page.as_json({"players": [recorded.player.header] if recorded else [], "curves": charts}),
@@ -148,11 +148,6 @@ def live_scripts() -> list[Markup]:
     scripts = [Markup(text_of(Path(page.__file__).parent / name)) for name in DRAWING]
     scripts.append(Markup(f'"use strict";\nconst COMPUTING = {page.as_json(worker)};\n'))
     return [*scripts, *(Markup(text_of(HERE / name)) for name in SHOWING)]
-
-
-def policy_of(style: str, scripts: Sequence[str]) -> str:
-    """Policy of a page with these scripts, which may compute in a thread of its own."""
-    return page.policy(style, scripts).replace("script-src ", "worker-src blob:; script-src 'wasm-unsafe-eval' ")
 
 
 def _about_again(again: RunAgain | str) -> dict[str, str] | None:
