@@ -251,13 +251,9 @@ def figures(found: Mapping[str, Overtopping], _: Gathered) -> Drawings:
     looks = ("first", "second", "third", "sum")
     gates = [np.any(one["below"]) for _, one in shown]
     head = "Head over the\ncrest [m]" if not any(gates) else "Head over the\nbed [m]" if all(gates) else "Head [m]"
-    curves = {"volume": "Volume over\n[m²]", "depth": "Depth over the\ncrest [m]"}
-    curves = (
-        {"below": "Volume below\n[m²]"}
-        if all(gates)
-        else curves | ({"below": "Volume below\n[m²]"} if any(gates) else {})
-    )
-    curves |= {"head": head}
+    over = {} if all(gates) else {"volume": "Volume over\n[m²]", "depth": "Depth over the\ncrest [m]"}
+    below = {"below": "Volume below\n[m²]"} if any(gates) else {}
+    curves = {**over, **below, "head": head}
     panels = [
         Panel(label, [Trace(name, one["time"], one[key], looks[k % 4]) for k, (name, one) in enumerate(shown)])
         for key, label in curves.items()

@@ -100,7 +100,7 @@ def with_drawn(text: str, what: str, points: Sequence[Point], density: float, fi
     part, kind = DRAWN[what]
     item = _shape(kind, points, file)
     if part != "initial":
-        stem, taken = part.removesuffix("s").replace("bodie", "body"), names_in(text)
+        stem, taken = what.split()[0], names_in(text)
         free = next(name for name in (f"{stem}_{number}" for number in count(1)) if name not in taken)
         item = {"name": free, **item, **({"density": density} if part == "bodies" else {})}
     row = f"- {flow(item)}\n"

@@ -208,8 +208,8 @@ def prepare(
     """
     case, _ = with_accuracy(given)
     refuse(case)
-    own = None if like is not None else case.fields.live
-    sliders = dict(like or {}) if like is not None else dict(sensible(case) if own is None else own)
+    own = case.fields.live if like is None else None
+    sliders = dict(like if like is not None else sensible(case) if own is None else own)
     case = case.replace(_changes(case, sliders))
     if case.fields.domain is None:
         (x0, x1), (y0, y1) = case.scene().domain

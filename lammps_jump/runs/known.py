@@ -27,8 +27,8 @@ log = logging.getLogger(__name__)
 SPEEDS, SCATTER = "speeds.json", "scatter.json"
 LEAST_SECONDS = 1.0
 """Processor time of a run from which its speed is kept: in a shorter one the beginning counts."""
-KEPT, MOST_KINDS, MOST_CASES = 9, 200, 400
-"""Last times that are kept of each kind of run and case, and the most of both."""
+KEPT, MOST_CASES = 9, 400
+"""Last times that are kept of each kind of run and case, and the most of both in a file."""
 FEWEST = 3
 """Starts from which a scatter is kept."""
 MOST_STARTS = 10_000

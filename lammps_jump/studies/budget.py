@@ -12,7 +12,7 @@ A `Variation` is what `sensitivity` is made of too.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from math import inf, isfinite, nan, sqrt
 from pathlib import Path
@@ -109,10 +109,11 @@ class Part(Variation):
     advice: str = ""
     looks: bool = False
     reason: str = ""
-    sides: tuple[Mapping[str, object], ...] = field(init=False, default=())
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "sides", tuple(self.settings.values()))
+    @property
+    def sides(self) -> list[Mapping[str, object]]:
+        """Changed values of both settings; none where the part does not apply."""
+        return [*self.settings.values()]
 
 
 def numbers_of_run(run: Run, paths: Sequence[str], looks: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
@@ -439,8 +440,8 @@ def verdict_of(data: Results) -> str:
     )
     if (most := largest_of(data["rows"])) is None:
         return f"{said} Nothing moves it."
-    hidden = [row["label"] for row in data["rows"] if row["of_the_mean"] is not None and not is_seen(row)]
-    hidden = [row["label"] for row in data["rows"] if row["label"] in hidden and row["at_most"] > most["of_the_mean"]]
+    unseen = [row for row in data["rows"] if row["of_the_mean"] is not None and not is_seen(row)]
+    hidden = [row["label"] for row in unseen if row["at_most"] > most["of_the_mean"]]
     sure = f" Not told apart from the scatter of the starts: {', '.join(hidden)}; more --each would." if hidden else ""
     return f"{said} Most of it, {100 * most['share']:z.0f} %, is {most['label']}: {most['advice']}.{sure}"
 
@@ -491,23 +492,21 @@ def draw_budget(data: Results, path: Path) -> Path:
     """Draw a bar for each part of the ± of the mean, the total, and the interval of the members."""
     rows = [row for row in data["rows"] if row["of_the_mean"] is not None]
     names = [row["label"] for row in rows] + ["95 %: starts alone", "95 %: with all choices"]
-    values = [row["of_the_mean"] for row in rows] + [data["interval"], data["whole_interval"]]
-    places = np.arange(len(values))[::-1]
-    with drawing(7.2, 1.0 + 0.3 * len(values)) as (figure, axes):
+    intervals = [data["interval"], data["whole_interval"]]
+    ends = [row["of_the_mean"] if is_seen(row) else row["at_most"] for row in rows] + intervals
+    labels = [_shown(row, row["of_the_mean"]) for row in rows] + [f"{value:z.2g}" for value in intervals]
+    places = np.arange(len(ends))[::-1]
+    with drawing(7.2, 1.0 + 0.3 * len(ends)) as (figure, axes):
         colours = [BLUE] * len(rows) + [GREY, BLACK]
-        axes.barh(places, values, color=colours, height=0.62)
+        axes.barh(places, [row["of_the_mean"] for row in rows] + intervals, color=colours, height=0.62)
         unseen = [(place, row) for place, row in zip(places, rows, strict=False) if not is_seen(row)]
         axes.plot([row["at_most"] for _, row in unseen], [place for place, _ in unseen], "|", color=BLACK, ms=9)
-        values = [row["at_most"] if not is_seen(row) else value for row, value in zip(rows, values, strict=False)]
-        labels = [f"{'' if is_seen(row) else 'below '}{value:z.2g}" for row, value in zip(rows, values, strict=True)]
-        values += [data["interval"], data["whole_interval"]]
-        labels += [f"{value:z.2g}" for value in values[-2:]]
         axes.axhline(1.5, color=GREY, lw=0.8)
         axes.set_yticks(places, names)
         axes.grid(axis="y", visible=False)
         unit = f" [{data['unit']}]" if data["unit"] else ""
         axes.set(xlabel=f"± of {data['of']}{unit}: standard deviations of the parts, and two intervals", xlim=(0, None))
-        for place, value, label in zip(places, values, labels, strict=True):
+        for place, value, label in zip(places, ends, labels, strict=True):
             axes.annotate(label, (value, place), (5, 0), textcoords="offset points", fontsize=8, va="center")
         return save(figure, path)
 

@@ -269,12 +269,13 @@ def sections(found: StudyResults) -> list[Section]:
         paths = {path for row in found.rows for path in (row.path, row.held)} | {"jump.belanger_deviation"}
         top = [item.heading for item in study.collect if item.path in paths]
         frame = frame[~frame["number"].isin(top)]
+    held = holding(found)
     return [
         Section("", [Boxes(boxes), Text(f"{interval(found)}. {found.status()}.{varied}", "sure")]),
         Section("", by_point(found) if study.axes else by_member(found)),
         Section("", [Items(doubts(found), "What to know")]),
         Section("Numbers", [Table(frame.values.tolist(), list(frame.columns)), *starmap(picture, draw(found).items())]),
-        Section("What holds", [Items(holding(found)), Text(HOLDS if holding(found) else "", "small")]),
+        Section("What holds", [Items(held), Text(HOLDS if held else "", "small")]),
         rating.section(found),
         Section("Errors within single runs", [Table(*_own_errors(found)), Text(OWN_ERRORS)]),
         repeating(f"sweep {found.folder}", study.to_yaml()),
