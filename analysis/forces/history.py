@@ -67,7 +67,7 @@ class Toes(NamedTuple):
 
 
 def point_of(name: str, history: ForceHistory, flow: Flow, bodies: Mapping[str, BodyHistory]) -> MomentPoint | None:
-    """Point about which the record has the moment of a structure, or of a group; None where the scene tells none."""
+    """Point about which the record has the moment of a structure, or of a group; None: the scene has neither."""
     walls = {one.wall.name: one for one in flow.scene.walls}
     group = dict(flow.scene.groups).get(name)
     one = walls.get(group[0] if group else name)

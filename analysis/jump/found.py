@@ -84,7 +84,7 @@ class Drift:
 
 @dataclass(frozen=True)
 class Members:
-    """Runs from slightly moved starts whose mean has a standard error of 3 %, at least; None where not known."""
+    """Runs from slightly moved starts whose mean has a standard error of 3 %, at least; None: not known."""
 
     y2: int | None = number("", "runs for y2 to 3 %, at least", default=None)
     speed: int | None = number("", "runs for the velocity of the front to 3 %, at least", default=None)

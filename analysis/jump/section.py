@@ -33,7 +33,7 @@ from .summary import ASKED, BEFORE, summarise_jump, untimed, worded
 
 
 def track_chart(jump: TrackedJump) -> Chart | None:
-    """Toe, end and equal-mass front against time with the fitted straight motion; None where nothing was tracked."""
+    """Toe, end and equal-mass front against time, with the straight lines fitted; None: no frame has a front."""
     track = jump.track
     if track is None or not track.found.any():
         return None

@@ -1,5 +1,5 @@
 "use strict";
-// The run from one of its moments on, differently: a live page in a frame of this one, unpacked when it is asked for.
+// A live page that goes on from a moment of the run. It is unpacked into a frame of this page when a reader presses a button.
 // Its recorded frames are those of the player of this page.
 
 (() => {

@@ -70,7 +70,7 @@ def pack_player(packer: FramePacker, folder: Path, forces: Mapping[str, ForceHis
 
 
 def _read_forces(folder: Path) -> Mapping[str, ForceHistory]:
-    """Forces by structure in a folder; none where their file is not there or damaged: the page is whole without."""
+    """Forces by structure in a folder. A file that is missing or damaged gives none: the page does without them."""
     try:
         return read_forces(folder / "forces.csv")
     except DumpError:
@@ -177,7 +177,7 @@ def _bodies(packer: FramePacker) -> dict[str, dict[str, Any]]:
 
 
 def _histories(flow: Flow) -> dict[str, BodyHistory]:
-    """Bodies against time; none where their file is not there or damaged: the page is whole without."""
+    """Bodies against time. A file that is missing or damaged gives none: the page does without them."""
     try:
         return read_bodies(flow.poses.path.with_name(BODIES)) if flow.scene.bodies and flow.poses else {}
     except DumpError:

@@ -341,7 +341,7 @@ def _on_one_scale(left: Curve, right: Curve) -> list[Curve]:
 
 
 def _ends(panel: Mapping[str, Any], axis: str, limits: str) -> tuple[float, float] | None:
-    """Least and greatest value on an axis of a panel; None where there is none."""
+    """Least and greatest value on an axis of a panel; None without a value."""
     faint = len(panel["lines"]) > 1
     values = [value for line in panel["lines"] if not (faint and line["look"] in ("faint", "dots"))
               for value in line.get(axis, ()) if value is not None]  # fmt: skip

@@ -255,7 +255,7 @@ def emulate(places: np.ndarray, values: np.ndarray, noise: np.ndarray | None) ->
         In the unit cube.
     values : ndarray, shape (points,)
     noise : ndarray, shape (points,), or None
-        Variance of each value by the scatter over starts; None where it is not known, and is fitted.
+        Variance of each value by the scatter over starts; None: it is fitted.
     """
     from sklearn.exceptions import ConvergenceWarning
     from sklearn.gaussian_process import GaussianProcessRegressor
