@@ -4,9 +4,9 @@
 # ruff: noqa: RUF001  (Greek letters, minus signs and dashes are meant for readers)
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import isfinite, nan
+from math import hypot, inf, isfinite, nan
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,6 +23,8 @@ from lammps_jump.units import Estimates, estimate, number
 
 LARGEST_LOSS = 5e-3
 """Relative difference of the discharge delivered and asked for that is not remarked on."""
+SHORT = 0.05
+"""Share of the discharge asked for that may be missing where discs pass a structure, beside twice its error."""
 STATION = (1.0, 6.0)
 """Stretch behind the inlet over which the stream is averaged, in depths of the inflow."""
 MOST_CELLS = 20_000_000
@@ -315,6 +317,52 @@ def _notes(delivered: float, asked: float, refused: int, turns: int, blocked: st
     )
 
 
+def shortfall(summaries: Sequence[Mapping[str, Any]]) -> str:
+    """A sentence on runs of which less came in or passed a structure than was asked for; empty where none is.
+
+    Parameters
+    ----------
+    summaries : sequence of mapping
+        ``inflow`` and ``overtopping`` as in ``summary.json``; each may be absent.
+    """
+    asked: list[float] = []
+    came: list[float] = []
+    passed: dict[str, list[float]] = {}
+    for summary in summaries:
+        inflow = summary.get("inflow") or {}
+        q, delivered = inflow.get("asked"), inflow.get("delivered")
+        if not q or delivered is None:
+            continue
+        through = {name: _through(one) for name, one in (summary.get("overtopping") or {}).items()}
+        short = {name: one for name, one in through.items() if one[0] + max(SHORT * q, 2 * one[1]) < q}
+        if short or delivered < (1 - LARGEST_LOSS) * q:
+            asked.append(q)
+            came.append(delivered)
+            for name, (rate, _) in short.items():
+                passed.setdefault(name, []).append(rate)
+    if not asked:
+        return ""
+    runs = f" in {len(asked)} of {len(summaries)} runs" if len(summaries) > 1 else ""
+    went = "".join(f", {_span(rates)} passed {name}" for name, rates in passed.items())
+    why = ". What did not pass is still before it or left elsewhere: run longer, with a later analysis.window"
+    return (
+        f"the inflow fell short{runs}: {_span(asked)} m²/s asked for, {_span(came)} came in{went}{why if went else ''}"
+    )
+
+
+def _through(one: Mapping[str, Any]) -> tuple[float, float]:
+    """Discharge over and below a structure and its error, m^2/s; infinite where it is not known."""
+    rates = [(one.get(key), one.get(f"{key}_error") or 0.0) for key in ("discharge", "below")]
+    known = [(rate, error) for rate, error in rates if rate is not None]
+    return (sum(rate for rate, _ in known), hypot(*(error for _, error in known))) if known else (inf, 0.0)
+
+
+def _span(values: Sequence[float]) -> str:
+    """The least and the largest of some numbers."""
+    ends = dict.fromkeys(f"{end:z.3g}" for end in (min(values), max(values)))
+    return " to ".join(ends)
+
+
 def section(found: Delivery) -> Section:
     """Discharge asked for and delivered, row by row; the stream behind the inlet."""
     stream: list[Sequence[Value]] = [
@@ -359,6 +407,7 @@ Froude      u/√(g s) of these, and Bélanger's depth of this stream, in the la
     collector=InflowCounter,
     analyse=analyse,
     section=section,
+    line=lambda summary: shortfall([summary]) if summary.get("overtopping") else "",
     notes=lambda found: found.notes,
     headline=(
         HeadlineNumber("delivered", "asked", "asked", holds="of an inlet that nothing holds up"),

@@ -169,7 +169,7 @@ def _meant(path: PathKey, models: list[type], whole: type[BaseModel]) -> str:
     here = [one for one in found if one.group == group and one.name in known]
     if here or difflib.get_close_matches(word, known, n=1, cutoff=CLOSE):
         return f"write {here[0]}" if here else nearest(word, known)
-    away = {one.path: str(one) for one in found if one.group != group}
+    away = {one.path: str(one) for one in found if one.group != group and len(one.name) > 1}  # x and y: of what?
     elsewhere = [other for other in named if other.rpartition(".")[2] == word and other.rpartition(".")[0] != group]
     away |= {other: other for other in elsewhere if other not in away}
     if not away:

@@ -177,6 +177,8 @@ def briefly(found: Iterable[FieldInfo]) -> str:
 
 STEP = "the step follows from the stiffness: give its share of the largest stable one; `check` prints it in s"
 MEANT = (
+    ("bodies.x", "width base breadth length", "[left, right]; x.1 is its right end, and x.0 its left end"),
+    ("bodies.y", "height top", "[underside, top]; y.1 is its top, and y.0 its underside"),
     ("contact.friction", "mu cof coulomb friction_coefficient", ""),
     ("contact.from_material", "E young e_modulus elastic_modulus youngs_modulus young_modulus modulus material",
      "{young: 5 MPa, poisson: 0.3}, in place of stiffness and largest_overlap"),
@@ -218,6 +220,8 @@ MEANT = (
     ("engine.ranks", "cores processes np mpi procs processors cpus", "of MPI; engine.threads are those of one process"),
     ("slope", "tilt angle inclination theta incline", ""),
     ("walls", "geometry boundaries wall boundary bed structures obstacles", ""),
+    ("walls.x", "width base breadth length", "[left, right]; x.1 is its right end, and x.0 its left end"),
+    ("walls.y", "height top crest level", "[underside, top]; y.1 is its top, and y.0 its underside"),
     ("walls.angle", "rotation tilt theta", ""),
     ("walls.at", "position offset x y", ""),
     ("walls.axis", "normal direction", ""),

@@ -344,6 +344,10 @@ def find(
     members: Annotated[int | None, typer.Option(min=1, help="Starts of each value (default 3).")] = None,
     budget: Annotated[int | None, typer.Option(min=3, help="Most runs (default 30).")] = None,
     seed: Annotated[int | None, typer.Option(min=0, help="Seed of the first start (default 1).")] = None,
+    share: Annotated[
+        str | None,
+        typer.Option("--share", help="Share of the starts that is to hold, such as 95% (default: their mean)."),
+    ] = None,
     out: Annotated[Path | None, options.results_place("Folder (default: runs/<stem of the file>_find).")] = None,
     jobs: options.Jobs = None,
     set_: options.Sets = None,
@@ -352,12 +356,13 @@ def find(
     """Find the value of a number at which a result comes to what is asked. Continues where it stopped."""
     given: dict[str, Any] = {"set": dict(map(sweeps.parse_set, set_ or ()))}
     given |= {"vary": dict([calibration.parse_vary(vary)]) if vary else None, "until": until, "seed": seed}
+    given |= {"share": share}
     line = StudyLine(quiet=quiet)
     try:
         found = sweeps.find(study, out=out, members=members, budget=budget, jobs=jobs, progress=line, **given)
     finally:
         line.finish()
-    print(found["verdict"])
+    print(found["verdict"], *(f"note: {text}" for text in found["notes"]), sep="\n")
     print(f"page: {(out or _found_in(study)) / 'find.html'}")
     if not found["held"]:
         raise typer.Exit(1)

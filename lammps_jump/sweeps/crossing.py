@@ -24,6 +24,8 @@ WIDER = 1.5
 """Half of the window in widths of the bracket, and half of what the fit takes in halves of the window."""
 CURVED = 5
 """Places from which on a parabola is fitted."""
+FREEDOM = 4
+"""Degrees of freedom from which on the scatter is that of places within the range alone."""
 GRID = 4001
 """Places of the range at which the band is looked at."""
 
@@ -43,6 +45,38 @@ class Bracketed(NamedTuple):
     low: float
     high: float
     rises: bool
+
+
+class StartScatter(NamedTuple):
+    """Standard deviation over starts, pooled over places, and the ends of its 95 % interval; 0 of single starts."""
+
+    value: float = 0.0
+    low: float = 0.0
+    high: float = 0.0
+
+
+def scatter_of(tried: Mapping[float, np.ndarray]) -> StartScatter:
+    """Scatter over starts at the places that were tried; without the first two, ends of the range, where others tell.
+
+    The interval is by the chi-squared distribution of the pooled variance.
+    """
+    from scipy.special import chdtri  # 0.1 s
+
+    known = [np.asarray(y, float)[np.isfinite(y)] for y in tried.values()]
+    inner = known[2:] if sum(len(y) - 1 for y in known[2:] if len(y)) >= FREEDOM else known
+    free = sum(len(y) - 1 for y in inner if len(y) > 1)
+    if not free:
+        return StartScatter()
+    squares = sum(float(np.sum((y - y.mean()) ** 2)) for y in inner if len(y) > 1)
+    low, high = (float(np.sqrt(squares / chdtri(free, tail))) for tail in (0.025, 0.975))
+    return StartScatter(float(np.sqrt(squares / free)), low, high)
+
+
+def normal(share: float) -> float:
+    """Standard deviations from the mean of a normal distribution below which a share of it lies."""
+    from scipy.special import ndtri
+
+    return float(ndtri(share))
 
 
 class CrossingSearch:

@@ -9,14 +9,15 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import floor, isfinite, log10
+from math import floor, isfinite, log10, nan
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 import yaml
 from pydantic import Field, ValidationError
 
+from lammps_jump.analysis.budgets.inflow import shortfall
 from lammps_jump.analysis.draw.style import BLACK, BLUE, GREY, RED, drawing, save
 from lammps_jump.analysis.report.page import Boxes, NumberBox, Section, Table, Text, picture
 from lammps_jump.case.case import ReadCase
@@ -26,15 +27,14 @@ from lammps_jump.case.text import CaseSource, read_source
 from lammps_jump.errors import CaseError, FieldError
 from lammps_jump.files import STUDY_FILES, plain, read_json, write_json, write_text
 from lammps_jump.folders import Marker, require_no_link
-from lammps_jump.foreign import number_of
 from lammps_jump.provenance import usable_cores, versions
 from lammps_jump.quoting import shortened
 from lammps_jump.runs.folder import run_folder
 from lammps_jump.runs.run import Case
 from lammps_jump.runs.summary import read_summary
-from lammps_jump.units import ABSENT, Plain, shown
+from lammps_jump.units import ABSENT, POWERS, Plain, Share, shown, to_si
 
-from .crossing import Crossed, CrossingSearch, all_on_one_side
+from .crossing import Crossed, CrossingSearch, all_on_one_side, normal, scatter_of
 from .members import failure_message, run_members
 from .page import write_study_page
 from .pool import Pool
@@ -46,7 +46,11 @@ from .words import heading, unit, words
 ANSWER, PAGE, POINTS = "find.json", "find.html", "points"
 BUDGET, MEMBERS = 30, 3
 """Most runs, and starts of each point, where none are given."""
-UNTIL = re.compile(r"\s*([A-Za-z][\w.]*)\s*(>=|<=|≥|≤|>|<)\s*(\S+)\s*")
+UNTIL = re.compile(r"\s*([A-Za-z][\w.]*)\s*(>=|<=|≥|≤|>|<)\s*(\S.*?)\s*")
+EQUAL = re.compile(r"\s*([A-Za-z][\w.]*)\s*==?\s*(\S.*?)\s*")
+EDGE = re.compile(r"(bodies|walls)\.(\w+)\.([xy])\.([01])")
+SIZES = {"x": "width", "y": "height"}
+"""Size of a block along each axis."""
 
 
 class Asked(Strict):
@@ -57,6 +61,7 @@ class Asked(Strict):
     members: Annotated[Whole, Field(ge=1, le=MOST_MEMBERS)] = MEMBERS
     budget: Annotated[Whole, Field(ge=3, le=MOST_RUNS)] = BUDGET
     seed: Annotated[Whole, Field(ge=0)] = 1
+    share: Share | None = None
 
 
 class FindFields(Strict):
@@ -86,6 +91,10 @@ class Wanted:
         Starts of each point, and most runs.
     seed : int
         Of the first start.
+    share : float or None
+        Share of the starts that is to hold; None: the mean over starts is.
+    unit : str
+        Of the number of ``summary.json``.
     """
 
     case: Case
@@ -97,11 +106,33 @@ class Wanted:
     members: int
     budget: int
     seed: int = 1
+    share: float | None = None
+    unit: str = ""
 
     @property
     def until(self) -> str:
-        """Condition in the words of the command line."""
+        """Condition in the words of the command line, SI."""
         return f"{self.key} {self.sign} {self.number:zg}"
+
+    @property
+    def asked(self) -> str:
+        """The same with its unit, and the share of the starts that is to hold."""
+        share = f" in {100 * self.share:zg} % of starts" if self.share is not None else ""
+        return f"{self.key} {self.sign} {shown(self.number, self.unit)}{share}"
+
+    @property
+    def across(self) -> float:
+        """The other edge of the block whose edge is varied, m; NaN where another number is."""
+        found = EDGE.fullmatch(self.path)
+        edges = self.case[f"{found[1]}.{found[2]}.{found[3]}"] if found else None
+        both = isinstance(edges, Sequence) and not isinstance(edges, str) and len(edges) == 2
+        return float(edges[1 - int(found[4])]) if found and both and edges else nan
+
+    def number_for(self, scatter: float) -> float:
+        """The number that the mean has to come to, so that the share of starts with this standard deviation holds."""
+        if self.share is None:
+            return self.number
+        return self.number + (1 if self.sign == ">=" else -1) * normal(self.share) * scatter
 
     def study(self, places: Sequence[float]) -> Study:
         """The points as a study, each with starts of its own."""
@@ -121,28 +152,52 @@ class Wanted:
             "find": {**asked, "budget": self.budget, "seed": self.seed},
             "case": yaml.safe_load(self.case.to_yaml()),
         }
+        if self.share is not None:
+            data["find"]["share"] = self.share
         return yaml.safe_dump(plain(data), sort_keys=False, allow_unicode=True, width=110, default_flow_style=None)
 
 
-def parse_condition(text: str) -> tuple[str, str, float]:
-    """Key, sign and number of ``KEY >= NUMBER``.
+class Condition(NamedTuple):
+    """Condition on a number of ``summary.json``: its key, the sign, and a value that may have a unit."""
+
+    key: str
+    sign: str
+    value: str
+
+    def number(self, unit: str) -> float:
+        """Its value in the unit of the key.
+
+        Raises
+        ------
+        CaseError
+            It is no number, or its unit is of another dimension.
+        """
+        try:
+            return float(to_si(self.value, unit))
+        except ValueError as error:
+            raise CaseError(f"--until {self.key} {self.sign} {shortened(self.value)}: {error}") from None
+
+
+def parse_condition(text: str) -> Condition:
+    """Read ``KEY >= NUMBER``, where the number may have a unit.
 
     Raises
     ------
     CaseError
         Another text.
     """
-    found = UNTIL.fullmatch(text)
-    try:
-        number = number_of(found[3]) if found else np.nan
-    except ValueError:
-        number = np.nan
-    if found is None or not isfinite(number):
+    if found := UNTIL.fullmatch(text):
+        return Condition(found[1], ">=" if found[2] in (">=", "≥", ">") else "<=", found[3])
+    if equal := EQUAL.fullmatch(text):
+        key, value = (shortened(part) for part in equal.groups())
         raise CaseError(
-            f"--until {shortened(text)}: expected a number of summary.json, >= or <=, and a value, for example "
-            '--until "stability.tower.sliding_factor_least >= 1.2"'
+            f"--until {shortened(text)}: what is found is where a number passes a limit; write "
+            f'"{key} >= {value}" where more is wanted, or "{key} <= {value}" where less is'
         )
-    return found[1], ">=" if found[2] in (">=", "≥", ">") else "<=", number
+    raise CaseError(
+        f"--until {shortened(text)}: expected a number of summary.json, >= or <=, and a value, for example "
+        '--until "stability.tower.sliding_factor_least >= 1.2" or --until "stability.tower.slid_by <= 30 cm"'
+    )
 
 
 def read_find(source: str | Path | Mapping[str, object] | ReadCase, **given: Any) -> Wanted:
@@ -175,16 +230,19 @@ def read_find(source: str | Path | Mapping[str, object] | ReadCase, **given: Any
     whole = fields.case
     case = Case.load(whole, fields.set) if isinstance(whole, dict) else case_in(place / whole, fields.set)
     (path, (low, high)), *_ = fields.find.vary.items()
-    key, sign, number = parse_condition(fields.find.until)
+    until = parse_condition(fields.find.until)
     try:
         if not low < high:
             raise FieldError(f"find.vary.{path}", f"{low:zg} to {high:zg} is no range; the first must be the smaller")
-        collected(key, case, "until")
+        unit = collected(until.key, case, "until").unit
         case.replace({path: low}), case.replace({path: high})
     except FieldError as error:
         raise file.located(error) from None
-    asked = fields.find
-    return Wanted(case, path, (low, high), key, sign, number, asked.members, asked.budget, asked.seed)
+    one, number = fields.find, until.number(unit)
+    if one.share is not None and one.members < 2:
+        raise CaseError("--share: how starts scatter is needed, so that --members must be 2 or more")
+    how = one.members, one.budget, one.seed, one.share
+    return Wanted(case, path, (low, high), until.key, until.sign, number, *how, unit)
 
 
 def _source(source: str | Path | Mapping[str, object] | ReadCase) -> tuple[CaseSource, Path]:
@@ -221,7 +279,8 @@ def find(
     vary : mapping, optional
         The number that is varied, and its range: ``{"bodies.tower.friction": (0.2, 0.9)}``.
     until : str, optional
-        ``"stability.tower.sliding_factor_least >= 1.2"``; units are those of ``summary.json``.
+        ``"stability.tower.sliding_factor_least >= 1.2"`` or ``"stability.tower.slid_by <= 30 cm"``; a number without a
+        unit has that of ``summary.json``.
     out : str or Path, optional
         Default ``runs/<stem of the file>_find``.
     budget : int, optional
@@ -231,7 +290,8 @@ def find(
     progress : callable, optional
         Called with a `SweepProgress`.
     more
-        members, starts of each point, default 3; seed, of the first of them; set, changed values of the case.
+        members, starts of each point, default 3; seed, of the first of them; share, of the starts that is to hold, such
+        as 0.95, in place of their mean; set, changed values of the case.
 
     Returns
     -------
@@ -254,20 +314,32 @@ def find(
     wanted.study(wanted.room).case.scene()  # what cannot be run is refused before the folder is made
     with run_folder(folder, Marker("find", STUDY_FILES["find"], {})), Pool(min(most, wanted.members)) as pool:
         write_text(folder / "study.yaml", wanted.to_yaml())
-        tried, failures = _searched(wanted, folder, pool, progress)
+        found = _searched(wanted, folder, pool, progress)
         pool.close()
-        return _write(wanted, folder, tried, failures)
+        return write_answer(wanted, folder, found)
 
 
-def _searched(
-    wanted: Wanted, folder: Path, pool: Pool, progress: Callable[[SweepProgress], None]
-) -> tuple[dict[float, np.ndarray], list[dict[str, Any]]]:
-    """Values at the places that were tried, in their order, and runs without one."""
-    search = CrossingSearch(wanted.number, wanted.room, max(3, wanted.budget // wanted.members))
+class Searched(NamedTuple):
+    """Values at the places that were tried, in their order, runs without one, and what came in and went over."""
+
+    tried: dict[float, np.ndarray]
+    failures: list[dict[str, Any]]
+    waters: list[Mapping[str, Any]]
+
+
+def search_for(wanted: Wanted, tried: Mapping[float, np.ndarray]) -> CrossingSearch:
+    """The search, given what has been tried: with a share of the starts its number goes with their scatter."""
+    number = wanted.number_for(scatter_of(tried).value)
+    return CrossingSearch(number, wanted.room, max(3, wanted.budget // wanted.members))
+
+
+def _searched(wanted: Wanted, folder: Path, pool: Pool, progress: Callable[[SweepProgress], None]) -> Searched:
+    """Run what is needed, place by place."""
     tried: dict[float, np.ndarray] = {}
     failures: list[dict[str, Any]] = []
-    while (place := search.next_place(tried)) is not None:
-        if len(tried) == 3 and all_on_one_side(tried, wanted.number):
+    waters: list[Mapping[str, Any]] = []
+    while (place := search_for(wanted, tried).next_place(tried)) is not None:
+        if len(tried) == 3 and all_on_one_side(tried, search_for(wanted, tried).number):
             break  # both ends and the middle are surely on one side
         place = wanted.rounded(place)
         if place in tried:
@@ -283,29 +355,50 @@ def _searched(
         for member in here:
             state = states[member.key]
             done = state.stage == "done"
-            value = number_at(read_summary(member.folder(found.folder)), wanted.key) if done else np.nan
+            summary = read_summary(member.folder(found.folder)) if done else {}
+            value = number_at(summary, wanted.key)
+            waters.append({name: summary.get(name) for name in ("inflow", "overtopping")})
             values.append(value)
             if not isfinite(value):
                 why = f"it has no {wanted.key}" if done else failure_message(state) or state.stage
                 failures.append({"value": place, "seed": member.seed, "message": why})
         tried[place] = np.array(values)
-    return tried, failures
+    return Searched(tried, failures, waters)
 
 
-def _write(
-    wanted: Wanted, folder: Path, tried: Mapping[float, np.ndarray], failures: list[dict[str, Any]]
-) -> dict[str, Any]:
+def answer_of(wanted: Wanted, tried: Mapping[float, np.ndarray]) -> Crossed:
+    """The answer by what was tried; for a share of the starts its range holds what is not known of their scatter."""
+    scatter = scatter_of(tried)
+    searches = [search_for(wanted, tried)]
+    if wanted.share is not None:
+        most = searches[0].most
+        ends = (wanted.number_for(end) for end in (scatter.low, scatter.high))
+        searches += [CrossingSearch(end, wanted.room, most) for end in ends]
+    best, *others = [one.answer(tried) for one in searches]
+    if not isfinite(best.value):
+        return best
+    lows = [one.low if isfinite(one.value) else best.low for one in others]
+    highs = [one.high if isfinite(one.value) else best.high for one in others]
+    if any(not isfinite(one.value) for one in others):  # with more scatter no place of the range holds
+        lows, highs = [*lows, wanted.room[0]], [*highs, wanted.room[1]]
+    return best._replace(low=min([best.low, *lows]), high=max([best.high, *highs]))
+
+
+def write_answer(wanted: Wanted, folder: Path, ran: Searched) -> dict[str, Any]:
     """Write ``find.json``, the figure and the page; what the first holds."""
-    search = CrossingSearch(wanted.number, wanted.room, max(3, wanted.budget // wanted.members))
-    answer = search.answer(tried)
+    tried, failures = ran.tried, ran.failures
+    answer = answer_of(wanted, tried)
     held, reason = isfinite(answer.value), _why_not(wanted, tried, answer)
     above = (wanted.sign == ">=") == answer.rises
+    short = shortfall(ran.waters)
     data = plain({
         "path": wanted.path, "range": list(wanted.room), "until": wanted.until, "value": answer.value if held else None,
         "low": answer.low if held else None, "high": answer.high if held else None, "held": held,
         "holds": ("above" if above else "below") if held else None, "reason": reason,
-        "verdict": _verdict(wanted, answer, reason), "runs": sum(map(len, tried.values())), "failed": len(failures),
+        "unit": unit(wanted.path), "size": _size(wanted, answer), "verdict": sentence_of(wanted, tried, answer, reason),
+        "notes": [short] if short else [], "runs": sum(map(len, tried.values())), "failed": len(failures),
         "failures": failures, "members": wanted.members, "budget": wanted.budget, "seed": wanted.seed,
+        "share": wanted.share,
         "points": [{"value": place, "found": values.tolist()} for place, values in tried.items()],
         "name": wanted.case.name, "description": wanted.case.fields.description, "versions": versions(),
     })  # fmt: skip
@@ -332,14 +425,51 @@ def _why_not(wanted: Wanted, tried: Mapping[float, np.ndarray], answer: Crossed)
     return f"its 95 % range ends at an end of the range, {at_ends[0]:zg}: give a wider one" if at_ends else None
 
 
-def _verdict(wanted: Wanted, answer: Crossed, reason: str | None) -> str:
+def _size(wanted: Wanted, answer: Crossed) -> dict[str, Any] | None:
+    """Size of the block whose edge is the answer, with its range; None where the answer is no edge of one."""
+    other, found = wanted.across, EDGE.fullmatch(wanted.path)
+    if found is None or not isfinite(other) or not isfinite(answer.value):
+        return None
+    low, high = sorted(abs(end - other) for end in (answer.low, answer.high))
+    return {"what": SIZES[found[3]], "value": abs(answer.value - other), "low": low, "high": high}
+
+
+def sentence_of(wanted: Wanted, tried: Mapping[float, np.ndarray], answer: Crossed, reason: str | None) -> str:
+    """The answer in words: the value with its unit, the size that it makes, and how sure it is that a start holds."""
     if not isfinite(answer.value):
-        return f"No {wanted.path} with {wanted.until} was found: {reason}."
+        return f"No {_named(wanted.path)} with {wanted.asked} was found: {reason}."
     above = (wanted.sign == ">=") == answer.rises
-    ends = f"{_brief(wanted, answer.low)} to {_brief(wanted, answer.high)}"
-    more = f" But {reason}." if reason else ""
-    where = f"{'above' if above else 'below'} {_brief(wanted, answer.value)}"
-    return f"{wanted.until} holds for {wanted.path} {where} (95 %: {ends}).{more}"
+    side, more = "above" if above else "below", f" But {reason}." if reason else ""
+    told = f"{wanted.asked} holds for {_named(wanted.path)} {side} {_ranged(wanted, *answer[:3], unit(wanted.path))}."
+    if size := _size(wanted, answer):
+        wider = answer.value > wanted.across if above else answer.value < wanted.across
+        ranged = _ranged(wanted, size["value"], size["low"], size["high"], "m")
+        told += f" That is a {size['what']} {'above' if wider else 'below'} {ranged}."
+    return f"{told}{_sureness(wanted, tried)}{more}"
+
+
+def _sureness(wanted: Wanted, tried: Mapping[float, np.ndarray]) -> str:
+    """Sentence on what the answer means for one start; empty where starts do not differ."""
+    scatter = scatter_of(tried)
+    if wanted.members < 2:
+        return " Each value has one start; how starts differ is not known (--members 3)."
+    if wanted.share is not None or not scatter.value > 0:
+        return ""
+    return (
+        " This is of the mean over starts: at that value about half of the starts may miss it. "
+        "--share 95% asks for the value at which 95 % of them hold."
+    )
+
+
+def _named(path: str) -> str:
+    """Words of a path, and the path where they are others."""
+    return words(path) if words(path) == path else f"the {words(path)} ({path})"
+
+
+def _ranged(wanted: Wanted, value: float, low: float, high: float, its: str) -> str:
+    """A value and its 95 % range, with their unit."""
+    behind = f" {its.translate(POWERS)}" if its else ""
+    return f"{_brief(wanted, value)}{behind} (95 %: {_brief(wanted, low)} to {_brief(wanted, high)}{behind})"
 
 
 def _brief(wanted: Wanted, value: float) -> str:
@@ -350,17 +480,25 @@ def _brief(wanted: Wanted, value: float) -> str:
 def _draw(wanted: Wanted, tried: Mapping[float, np.ndarray], answer: Crossed, folder: Path) -> Path:
     """Draw the values of all runs over the varied number, with the answer."""
     place = folder / "figures"
+    asked_for = f"{wanted.key} [{wanted.unit.translate(POWERS)}]" if wanted.unit else wanted.key
     require_no_link(place)
     place.mkdir(exist_ok=True)
     with drawing(6.4, 4.0, 1, 1) as (figure, panel):
         x = np.concatenate([np.full(len(values), at) for at, values in tried.items()])
         y = np.concatenate(list(tried.values()))
         panel.plot(x, y, "o", ms=4, mfc="white", color=BLACK, label="runs")
-        panel.axhline(wanted.number, color=GREY, lw=1, ls="--", label=wanted.until)
+        panel.axhline(wanted.number, color=GREY, lw=1, ls="--", label=wanted.asked)
+        if wanted.share is not None:
+            number = search_for(wanted, tried).number
+            panel.axhline(number, color=GREY, lw=1, ls=":", label="mean that this asks for")
         if isfinite(answer.value):
             panel.axvspan(answer.low, answer.high, color=BLUE, alpha=0.2, lw=0, label="95 %")
             panel.axvline(answer.value, color=RED, lw=1.2, label="answer")
-        panel.set(xlabel=heading(wanted.path), ylabel=wanted.key, xlim=wanted.room)
+        panel.set(
+            xlabel=heading(wanted.path),
+            ylabel=asked_for,
+            xlim=wanted.room,
+        )
         panel.legend()
         return save(figure, place / "find.png")
 
@@ -369,13 +507,21 @@ def _sections(wanted: Wanted, data: Mapping[str, Any], drawn: Path) -> list[Sect
     held = data["held"]
     span = f"95 %: {_brief(wanted, data['low'])} to {_brief(wanted, data['high'])}" if held else ""
     value = _brief(wanted, data["value"]) if held else ABSENT
-    box = NumberBox(words(wanted.path), value, unit(wanted.path), "", span)
+    boxes = [NumberBox(words(wanted.path), value, unit(wanted.path), "", span)]
+    if size := data["size"]:
+        across = f"95 %: {_brief(wanted, size['low'])} to {_brief(wanted, size['high'])}"
+        boxes.append(NumberBox(size["what"], _brief(wanted, size["value"]), "m", "", across))
     rows = [
         [one["value"], shown(known.mean()) if known.size else ABSENT, ", ".join(shown(v) for v in one["found"])]
         for one in sorted(data["points"], key=lambda one: one["value"])
         for known in [np.array([v for v in one["found"] if v is not None])]
     ]
-    blocks: list[Any] = [Boxes([box]), Text(data["reason"] or "", "warn"), picture(drawn, "All runs, and the answer")]
+    blocks: list[Any] = [
+        Boxes(boxes),
+        Text(data["reason"] or "", "warn"),
+        *(Text(text, "warn") for text in data["notes"]),
+        picture(drawn, "All runs, and the answer"),
+    ]
     failed = [
         Text(f"{wanted.path} = {f['value']:zg}, seed {f['seed']}: {f['message']}", "small") for f in data["failures"]
     ]

@@ -16,6 +16,7 @@ import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure
 
+from lammps_jump.analysis.budgets.inflow import shortfall
 from lammps_jump.analysis.draw.style import BLUE, DASHES, GOLD, GREY, RED, colour_bar, drawing, save
 from lammps_jump.analysis.report.page import (
     Boxes,
@@ -231,6 +232,7 @@ def doubts(found: StudyResults) -> list[str]:
             for name, cell in zip(names, cells, strict=True)
             if cell["high"] - cell["mean"] > abs(cell["mean"])
         ]
+    said += filter(None, [shortfall(found.summaries)])
     wanted = ", ".join(f"{path} within {100 * share:zg} %" for path, share in study.fields.until.items())
     said += [
         f"{name}: {wanted} would take {needed} members; {have} have run."
