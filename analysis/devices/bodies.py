@@ -19,9 +19,10 @@ from lammps_jump.analysis.contacts import ContactCollector
 from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered
-from lammps_jump.analysis.quantity import Named, Quantity
+from lammps_jump.analysis.quantity import HeadlineNumber, Named, Quantity
 from lammps_jump.analysis.report.page import Section, Table, Text, described
 from lammps_jump.analysis.statistics import STUDENT, mean_of
+from lammps_jump.analysis.verdicts.bodies import farthest_first
 from lammps_jump.dump.frame import Frame
 from lammps_jump.dump.side_files.pushed import BodyHistory, read_bodies
 from lammps_jump.errors import DumpError
@@ -390,6 +391,14 @@ impulse       sum of the force of the discs over time, both ends included
     section=section,
     notes=notes,
     summary=summary,
+    headline=(
+        HeadlineNumber("*.draught", "by its weight", "*.draught_by_weight", "draught of {name}", source="Archimedes"),
+        HeadlineNumber("*.heel", label="heel of {name}, mean"),
+        HeadlineNumber("*.largest_displacement", label="largest displacement, {name}"),
+        HeadlineNumber("*.largest_turn", label="largest turn, {name}"),
+    ),
+    rank=114,
+    structures=lambda _, summary: {name: "" for name, _ in farthest_first(summary)},
     kind="state",
     named=Named("body", "give the case bodies", "body_names", "<body>"),
 )

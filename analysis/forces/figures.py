@@ -205,7 +205,7 @@ KILO_NEWTON = "kN/m"
 def _touched(key: str, summary: Mapping[str, Any]) -> dict[str, str]:
     """Structures of which a number is shown, and their components: those that something touched.
 
-    A stream has a mean of the component, an impact its peak.
+    A stream has a mean of the component, an impact its peak and its impulse.
     """
     found = {
         name: str(values.get("component") or "fx")
@@ -213,7 +213,7 @@ def _touched(key: str, summary: Mapping[str, Any]) -> dict[str, str]:
         if isinstance(values, Mapping) and not values.get("reason")
     }
     if not summary.get("inflow"):
-        return found if key == "peak" else {}
+        return found if key in ("peak", "impulse") else {}
     return {name: component for name, component in found.items() if key == f"mean_{component}"}
 
 
@@ -265,6 +265,7 @@ oncoming      largest ρsu² + ρgs²/2 two bins in front
         HeadlineNumber(
             "*.peak", "hydrostatic", "*.hydrostatic", "peak {component}, {name}", KILO, KILO_NEWTON, holds=AT_REST
         ),
+        HeadlineNumber("*.impulse", label="impulse of {component}, {name}", scale=KILO, unit="kN s/m", rank=116),
     ),
     rank=110,
     structures=_touched,

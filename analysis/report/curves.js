@@ -2,7 +2,7 @@
 // Curves and bars as SVG, from the described numbers of the page. A curve over time shows the time of the player
 // (event "time" of the document, seconds), and a click on it asks for another one (event "seek").
 (() => {
-  const LEFT = 76, RIGHT = 14, TOP = 10, GAP = 18, BELOW = 40, STEP = 74;
+  const NARROWEST = 76, LETTER = 7.2, RIGHT = 14, TOP = 10, GAP = 18, BELOW = 40, STEP = 74;
   const charts = pageData.curves;
   const fixed = (value, digits) => (Number(value.toFixed(digits)) || 0).toFixed(digits).replace("-", "\u2212");  // no -0.0
   const text = (value) => (value === 0 ? "0" : String(Number(value.toPrecision(4)))).replace("-", "\u2212");
@@ -47,7 +47,7 @@
       for (const [key, value] of Object.entries(place)) made.setAttribute(key, value);
       const { x, y, width, height } = made.getBBox();
       const free = taken.every((box) => x > box.x + box.width || x + width < box.x || y > box.y + box.height || y + height < box.y);
-      if (!free || x < 0) continue;
+      if (!free || x < 0 || x + width > svg.width.baseVal.value) continue;
       taken.push({ x, y, width, height });
       return;
     }
@@ -106,33 +106,47 @@
     });
   }
 
-  // where a panel stands in its figure and what its axes span: X and Y give the place of a value
-  function scales(chart, panel, width, height) {
+  // what the axes of a panel span
+  function spans(chart, panel) {
     const known = (one) => one.lines.flatMap((line) => line.x.filter((x, i) => line.y[i] !== null));
     const xs = panel.x ? known(panel) : chart.panels.flatMap(known);
     const ys = panel.lines.filter((line) => !["faint", "dots"].includes(line.look) || panel.lines.length === 1)
       .flatMap((line) => line.error ? line.y.flatMap((y, i) => y === null ? [] : [y - 2 * (line.error[i] ?? 0), y + 2 * (line.error[i] ?? 0)]) : line.y);
     const first = chart.time && !panel.x ? Math.min(0, ...xs.filter((x) => x !== null)) : null;
     const [x0, x1] = range(xs, [panel.xlim[0] ?? first, panel.xlim[1]], 0), [y0, y1] = range(ys.concat(panel.levels.map(([, value]) => value)), panel.ylim, 0.05);
-    const right = width - RIGHT, X = (x) => LEFT + (x - x0) / (x1 - x0) * (right - LEFT), Y = (y) => height - (y - y0) / (y1 - y0) * (height - TOP);
-    return { x0, x1, y0, y1, right, height, X, Y };
+    return { x0, x1, y0, y1 };
+  }
+
+  const upTicks = ({ y0, y1 }, height) => ticks(y0, y1, (height - TOP) / 36);
+
+  // room left of a panel for its numbers and for the lines of its name
+  function leftOf(panel, span, height) {
+    const long = Math.max(0, ...upTicks(span, height).map((y) => text(y).length)), lines = panel.y.split("\n").length;
+    return Math.max(NARROWEST, 16 * lines + LETTER * long + 14);
+  }
+
+  // where a panel stands in its figure: X and Y give the place of a value
+  function scales(span, left, width, height) {
+    const { x0, x1, y0, y1 } = span;
+    const right = width - RIGHT, X = (x) => left + (x - x0) / (x1 - x0) * (right - left), Y = (y) => height - (y - y0) / (y1 - y0) * (height - TOP);
+    return { ...span, left, right, height, X, Y };
   }
 
   function drawAxes(svg, chart, panel, at, own) {
-    const { x0, x1, y0, y1, right, height, X, Y } = at;
+    const { x0, x1, left, right, height, X, Y } = at;
     if (chart.window && !panel.x) {
-      const [from, to] = chart.window.map((x) => Math.min(right, Math.max(LEFT, X(x))));
+      const [from, to] = chart.window.map((x) => Math.min(right, Math.max(left, X(x))));
       add(svg, "rect", { class: "stretch", x: from, y: TOP, width: to - from, height: height - TOP });
     }
-    for (const y of ticks(y0, y1, (height - TOP) / 36)) {
-      add(svg, "line", { class: y === 0 ? "zero" : "grid", x1: LEFT, x2: right, y1: Y(y), y2: Y(y) });
-      add(svg, "text", { x: LEFT - 7, y: Y(y) + 4, "text-anchor": "end" }, text(y));
+    for (const y of upTicks(at, height)) {
+      add(svg, "line", { class: y === 0 ? "zero" : "grid", x1: left, x2: right, y1: Y(y), y2: Y(y) });
+      add(svg, "text", { x: left - 7, y: Y(y) + 4, "text-anchor": "end" }, text(y));
     }
-    for (const x of ticks(x0, x1, (right - LEFT) / STEP)) {
+    for (const x of ticks(x0, x1, (right - left) / STEP)) {
       add(svg, "line", { class: "grid", x1: X(x), x2: X(x), y1: TOP, y2: height });
       if (own) add(svg, "text", { x: X(x), y: height + 16, "text-anchor": "middle" }, text(x));
     }
-    if (own) add(svg, "text", { class: "name", x: (LEFT + right) / 2, y: height + 34, "text-anchor": "middle" }, panel.x || chart.x);
+    if (own) add(svg, "text", { class: "name", x: (left + right) / 2, y: height + 34, "text-anchor": "middle" }, panel.x || chart.x);
     const middle = (height + TOP) / 2;
     panel.y.split("\n").forEach((part, i, all) => {
       add(svg, "text", { class: "name", transform: `translate(${(all.length > 1 ? 11 : 16) + 16 * i} ${middle}) rotate(-90)`, "text-anchor": "middle" }, part);
@@ -140,11 +154,11 @@
   }
 
   function drawLevels(svg, inside, panel, at) {
-    const { right, height, X, Y } = at, taken = [], rows = [11, 25, 39, 53];
+    const { left, right, height, X, Y } = at, taken = [], rows = [11, 25, 39, 53];
     for (const [title, value] of panel.levels) {
-      add(inside, "line", { class: "curve-line theory", x1: LEFT, x2: right, y1: Y(value), y2: Y(value) });
+      add(inside, "line", { class: "curve-line theory", x1: left, x2: right, y1: Y(value), y2: Y(value) });
       const heights = Y(value) < TOP + 16 ? [14] : [-4, 14];
-      const places = heights.flatMap((by) => [[LEFT + 5, "start"], [right - 5, "end"]].map(([x, side]) => ({ x, y: Y(value) + by, "text-anchor": side })));
+      const places = heights.flatMap((by) => [[left + 5, "start"], [right - 5, "end"]].map(([x, side]) => ({ x, y: Y(value) + by, "text-anchor": side })));
       putLabel(svg, { class: "theory" }, title, places, taken);
     }
     for (const [title, value] of panel.marks) {
@@ -168,12 +182,12 @@
     add(inside, "path", { class: "curve-line " + line.look, d: path(parts.map((part) => part.map(([x, y]) => [X(x), Y(y)]))) });
   }
 
-  function drawPanel(figure, chart, panel, name, width, height, last) {
+  function drawPanel(figure, chart, { panel, span, height, last }, left, name, width) {
     const values = legend(figure, panel), own = panel.x || last, below = own ? BELOW : GAP;
     const label = [panel.y, panel.x || chart.x].join(", ") + ": " + panel.lines.map((line) => line.label).join(", ");
     const svg = add(figure, "svg", { width, height: height + below, role: "img", "aria-label": label });
-    const at = scales(chart, panel, width, height), { x0, x1, right, X, Y } = at;
-    add(add(svg, "clipPath", { id: name }), "rect", { x: LEFT, y: TOP, width: right - LEFT, height: height - TOP });
+    const at = scales(span, left, width, height), { x0, x1, right, X, Y } = at;
+    add(add(svg, "clipPath", { id: name }), "rect", { x: left, y: TOP, width: right - left, height: height - TOP });
     drawAxes(svg, chart, panel, at, own);
     const inside = add(svg, "g", { "clip-path": `url(#${name})` });
     for (const solid of panel.solids) add(inside, "polygon", { class: "wall", points: solid.map(([x, y]) => X(x) + "," + Y(y)).join(" ") });
@@ -186,7 +200,7 @@
       line.setAttribute("visibility", seen ? "visible" : "hidden");
       if (seen) { line.setAttribute("x1", X(x)); line.setAttribute("x2", X(x)); }
     };
-    const place = (event) => x0 + (event.clientX - svg.getBoundingClientRect().left - LEFT) / (right - LEFT) * (x1 - x0);
+    const place = (event) => x0 + (event.clientX - svg.getBoundingClientRect().left - left) / (right - left) * (x1 - x0);
     const tell = (x) => {
       put(cursor, x);
       panel.lines.forEach((line, i) => {
@@ -218,8 +232,12 @@
     if (chart.title.toLowerCase() !== chart.caption.toLowerCase()) add(body, "p", { class: "small" }, chart.title);
     if (chart.bars) return drawBars(body, chart, width);
     const most = Math.max(...chart.panels.map((panel) => panel.height)), single = chart.panels.length === 1;
-    const panels = chart.panels.map((panel, i) => drawPanel(body, chart, panel, `clip-${number}-${i}`, width,
-      Math.max(100, (single ? 250 : 200) * panel.height / most), i === chart.panels.length - 1));
+    const plots = chart.panels.map((panel, i) => ({
+      panel, span: spans(chart, panel), last: i === chart.panels.length - 1,
+      height: Math.max(100, (single ? 250 : 200) * panel.height / most),
+    }));
+    const left = Math.max(...plots.map(({ panel, span, height }) => leftOf(panel, span, height)));
+    const panels = plots.map((plot, i) => drawPanel(body, chart, plot, left, `clip-${number}-${i}`, width));
     for (const panel of panels) {
       const same = panel.own ? [panel] : panels;
       panel.svg.addEventListener("pointermove", (event) => same.forEach((one) => one.tell(one.inside(panel.place(event)))));

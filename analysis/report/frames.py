@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Frames of a run, packed for the player of a page: about 2 bytes a disc and frame.
+"""Frames of a run, packed for the player of a page: 1 to 3 bytes a disc and frame, more the further frames lie apart.
 
 Positions are whole numbers of a quantum q, 1/64 of the smallest diameter; velocities are whole numbers from -63 to 63.
 A position is predicted from the one before and the mean of both velocities; what is left is small, and `coder` makes
@@ -44,7 +44,7 @@ MOST_FRAMES = 400
 MOST_DISCS = 25_000
 """Discs a frame; beyond it a share of the ids is shown."""
 MOST_ROWS = 5_000_000
-"""Discs times frames: 11 MB of page."""
+"""Discs times frames: 7 to 15 MB of page."""
 FARTHEST = (1 << 30) - 1
 """Quanta; a disc beyond is shown there."""
 LARGEST_RESIDUAL = 1 << 15

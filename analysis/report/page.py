@@ -417,7 +417,7 @@ def smaller(picture: Image) -> bytes:
     """A picture as WebP, as wide as the page."""
     buffer, small = io.BytesIO(), picture.convert("RGB")
     small.thumbnail((960, 4000))
-    small.save(buffer, "WEBP", quality=20, method=2)
+    small.save(buffer, "WEBP", quality=20, method=3)
     return buffer.getvalue()
 
 

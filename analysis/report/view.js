@@ -372,13 +372,20 @@ function drawRing(p) {
   p.context.stroke();
 }
 
-function write(p, text, x, y, { colour = p.ink.ink, align = "left", size = 12.5 } = {}) {
+const TEXT = 12.5;  // pixels
+
+function textWidth(p, text, size = TEXT) {
   p.context.font = `${size}px system-ui, sans-serif`;
+  return p.context.measureText(text).width;
+}
+
+function write(p, text, x, y, { colour = p.ink.ink, align = "left", size = TEXT } = {}) {
+  const wide = textWidth(p, text, size);
   p.context.fillStyle = colour;
   p.context.textAlign = align;
   p.context.textBaseline = "middle";
   p.context.fillText(text, x, y);
-  return p.context.measureText(text).width;
+  return wide;
 }
 
 // Colours on the left, scale bar on the right.
@@ -513,14 +520,18 @@ function drawSequent(p, [from, to, depth], height) {
   write(p, `Bélanger ${depth.toFixed(2)} m`, x, y - up, { align: "right", colour: p.ink.theory });
 }
 
+// From the right, so that the unit has its room: a label stays within the picture, and one without room is left out.
 function drawDistances(p, bottom) {
-  const half = p.wide / p.view.scale / 2, all = ticks(p.view.x - half, p.view.x + half, p.wide / 70);
-  for (const x of all) {
-    const at = MARGIN.left + column(p, x), last = x === all[all.length - 1];
+  const half = p.wide / p.view.scale / 2, end = MARGIN.left + p.wide;
+  let room = Infinity;
+  ticks(p.view.x - half, p.view.x + half, p.wide / 70).reverse().forEach((x, k) => {
+    const at = MARGIN.left + column(p, x), label = short(x) + (k ? "" : " m"), wide = textWidth(p, label);
+    const right = Math.min(at + wide / 2, end);
     tickMark(p, at, bottom, at, bottom + 4);
-    const align = at > MARGIN.left + p.wide - 14 ? "right" : "center";
-    write(p, short(x) + (last ? " m" : ""), at, bottom + 14, { align, colour: p.ink.faint });
-  }
+    if (right > room) return;
+    write(p, label, right, bottom + 14, { align: "right", colour: p.ink.faint });
+    room = right - wide - 6;
+  });
 }
 
 // ---- numbers ----

@@ -19,7 +19,7 @@ OFF = 0.1
 """Share by which a draught may lie off that by weight."""
 
 
-def _told(summary: Mapping[str, Any]) -> Iterator[tuple[str, Mapping[str, Any]]]:
+def farthest_first(summary: Mapping[str, Any]) -> Iterator[tuple[str, Mapping[str, Any]]]:
     """Bodies of which something is known, by name; those that came farthest first."""
     found = [(name, body) for name, body in part(summary, "bodies").items() if isinstance(body, Mapping)]
     known = [(name, body) for name, body in found if body.get("largest_displacement") is not None]
@@ -87,14 +87,14 @@ def _listed(parts: list[str]) -> str:
 
 
 def _title(summary: Mapping[str, Any]) -> str:
-    told = list(_told(summary))
+    told = list(farthest_first(summary))
     said = [_one(name, body) for name, body in told[:MOST]]
     more = f" The report tells of {len(told)} bodies." if len(told) > MOST else ""
     return ". ".join(said) + "." + more if said else ""
 
 
 def _still_moves(summary: Mapping[str, Any]) -> str:
-    moving = [name for name, body in _told(summary) if not body.get("rest") and not body.get("floats")]
+    moving = [name for name, body in farthest_first(summary) if not body.get("rest") and not body.get("floats")]
     names = ", ".join(moving[:4]) + (f" and {len(moving) - 4} more" if len(moving) > 4 else "")
     return f"{names} still move{'s' if len(moving) == 1 else ''} at the end: run longer" if moving else ""
 
@@ -103,7 +103,7 @@ def _not_by_weight(summary: Mapping[str, Any]) -> str:
     off = [
         f"the draught of {name} is {shown(body['draught'])} m, that by its weight {shown(body['draught_by_weight'])} "
         "m: discs at rest carry a body before it has sunk that far"
-        for name, body in _told(summary)
+        for name, body in farthest_first(summary)
         if body.get("floats") and body.get("draught_by_weight")
         and abs(body["draught"] / body["draught_by_weight"] - 1) > OFF
     ]  # fmt: skip
