@@ -120,7 +120,7 @@ SWEEP_FILES = (
     *(f"figures/sweep_*.{ending}" for ending in PICTURES),
 )  # fmt: skip
 """What the folder of a study holds beside ``runs/`` (names and patterns)."""
-_BENCHMARKS = ("bench", "cells", "skips", "speed", "overhead", "collision")
+_BENCHMARKS = ("bench", "cells", "skips", "speed", "overhead", "collision", "page")
 STUDY_FILES = {
     "bench": (*(f"{name}.{end}" for name in _BENCHMARKS for end in ("json", "md")), "bench_*.png", "cells.png"),
     "calibrate": (

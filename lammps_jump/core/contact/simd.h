@@ -9,8 +9,13 @@
 
 #include "contact/scalar_ops.h"
 
+#include <cstdint>
+
 #ifdef __SSE2__
 #include <immintrin.h>
+#endif
+#ifdef __wasm_simd128__
+#include <wasm_simd128.h>
 #endif
 
 #pragma GCC diagnostic ignored "-Wpsabi"    // all inline: no vector crosses a library's border
@@ -35,6 +40,8 @@ inline Lanes root(const Lanes &x)
   return (Lanes) _mm256_sqrt_pd((__m256d) x);
 #elif defined(__SSE2__)
   return (Lanes) _mm_sqrt_pd((__m128d) x);
+#elif defined(__wasm_simd128__)
+  return (Lanes) wasm_f64x2_sqrt((v128_t) x);
 #else
   return Lanes{std::sqrt(x[0]), std::sqrt(x[1])};
 #endif
@@ -67,8 +74,8 @@ inline Four four(const double *from) { return *reinterpret_cast<const AnyFour *>
 
 inline FourInts four(const int *from) { return *reinterpret_cast<const FourInts *>(from); }
 
-/** Whether a vector of four is one of the machine's. */
-#ifdef __AVX__
+/** Whether four that are compared make bits, and go by them, in a few of the machine's operations. */
+#if defined(__AVX__) || defined(__wasm_simd128__)
 constexpr bool HAS_FOUR = true;
 #else
 constexpr bool HAS_FOUR = false;
@@ -79,6 +86,9 @@ inline int bits(decltype(Four{} < Four{}) four)
 {
 #ifdef __AVX__
   return _mm256_movemask_pd((__m256d) four);
+#elif defined(__wasm_simd128__)
+  const v128_t low = (v128_t) JUMP_SHUFFLE(four, four, 0, 1), high = (v128_t) JUMP_SHUFFLE(four, four, 2, 3);
+  return (int) (wasm_i64x2_bitmask(low) | wasm_i64x2_bitmask(high) << 2);
 #else
   return (int) ((four[0] & 1) | (four[1] & 2) | (four[2] & 4) | (four[3] & 8));
 #endif
@@ -88,14 +98,33 @@ inline int bits(decltype(Four{} < Four{}) four)
 alignas(16) inline constexpr int PLACES[16][4] = {{}, {0}, {1}, {0, 1}, {2}, {0, 2}, {1, 2}, {0, 1, 2}, {3}, {0, 3},
                                                   {1, 3}, {0, 1, 3}, {2, 3}, {0, 2, 3}, {1, 2, 3}, {0, 1, 2, 3}};
 
+#ifdef __wasm_simd128__
+/** Places of their bytes. */
+struct BytesOfPlaces {
+  alignas(16) uint8_t at[16][16] = {};
+
+  constexpr BytesOfPlaces()
+  {
+    for (int mask = 0; mask < 16; mask++)
+      for (int byte = 0; byte < 16; byte++) at[mask][byte] = (uint8_t) (4 * PLACES[mask][byte / 4] + byte % 4);
+  }
+};
+
+inline constexpr BytesOfPlaces PLACES_OF_BYTES;
+#endif
+
 /** Those of four numbers whose bit is set come first. */
 inline FourInts first_of(const FourInts &four, int mask)
 {
+#ifdef __wasm_simd128__
+  return (FourInts) wasm_i8x16_swizzle((v128_t) four, wasm_v128_load(PLACES_OF_BYTES.at[mask]));
+#else
   const int *const at = PLACES[mask];
 #ifdef __AVX__
   return (FourInts) _mm_permutevar_ps((__m128) four, *reinterpret_cast<const __m128i *>(at));
 #else
   return FourInts{four[at[0]], four[at[1]], four[at[2]], four[at[3]]};
+#endif
 #endif
 }
 
