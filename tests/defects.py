@@ -105,7 +105,7 @@ DEFECTS = [
     Defect("sign", CORE_PAIRS, "take_off", "-= *", "+= *", TWIN_TESTS),
     Defect("off by one", CORE_PARTITION, "divide", "reaching(s, own)", "own", THREAD_TESTS),
     Defect("left out", CORE_PARTITION, "divide", "reaching(s, part.end_row)", "part.end_row", THREAD_TESTS),
-    Defect("written twice", CORE_PAIRS, "recall", "= FULL", "= memory.look(s).place()", THREAD_TESTS),
+    Defect("seen across a cut", CORE_PAIRS, "across", "memory->see(p, touches)", "void()", THREAD_TESTS),
     Defect("factor", CORE_LAW, "force", "0.75 *", "", TWIN_TESTS),
     Defect("factor", CORE_LAW, "force", "0.5 * k", "k", TWIN_TESTS),
     Defect("bound", CORE_LAW, "slide", "stretch = over ? left : stretch;", "", TWIN_TESTS),

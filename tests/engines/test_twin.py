@@ -80,12 +80,20 @@ def close(one, two, what=""):
     assert np.abs(one - two).max(initial=0.0) <= CLOSE * scale, what
 
 
+def by_partner(discs):
+    """Order of the slots of each disc by what they remember: which slot has it is the engine's own."""
+    partner, sigma = discs.partner[: discs.n], discs.sigma[: discs.n]
+    return np.array([np.lexsort((np.round(foot, 6), one)) for one, foot in zip(partner, sigma, strict=True)])
+
+
 def same(core, twin):
     """All that a simulation hands out, and what its discs remember."""
     assert np.array_equal(core.ids, twin.ids)
     assert np.array_equal(core.discs.ids[: core.discs.n], twin.discs.ids[: twin.discs.n])  # their order in memory
     for name in core.discs.columns:
         a, b = (getattr(one.discs, name)[: one.discs.n] for one in (core, twin))
+        if name in ("partner", "sigma", "spring", "roll"):
+            a, b = (np.take_along_axis(rows, by_partner(one.discs), 1) for rows, one in ((a, core), (b, twin)))
         close(a, b, name)
     close(core.walls.sums, twin.walls.sums, "sums on walls")
     for name, listed in core.walls.listed.items():

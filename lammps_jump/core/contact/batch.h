@@ -25,20 +25,27 @@ inline Four square_of(const Four &a, const Four &b, const Four &c, const Four &d
   return JUMP_SHUFFLE(ab, cd, 0, 1, 4, 5);
 }
 
+/** Contacts that remember nothing. */
+struct NoPairMemory {
+  static constexpr bool REMEMBERS = false;
+};
+
 /** Up to ROOM pairs; each column is a number of each of them, side 0 of the first disc and 1 of the second. */
 template <int ROOM> struct ContactBatch {
   int n = 0;
   int32_t one[ROOM + 4], two[ROOM + 4];    // their discs; room for four that are written at once
+  int32_t place[ROOM + 4];                 // in the list
   alignas(64) double between[ROOM][4];     // from the second disc to the first: x, y, vx, vy
   alignas(64) double radius[2][ROOM], bulk[2][ROOM], spin[2][ROOM], moment[2][ROOM];
   alignas(64) double slide[ROOM], roll[ROOM];    // springs, before and behind the step
 
   Four &difference(int c) { return *reinterpret_cast<Four *>(between[c]); }
 
-  /** Take those of the pairs first[from] second[from] to `to` that touch; `at` has place and velocity of each disc. */
-  template <bool SIZES, class Place>
+  /** Take those of the pairs first[from] second[from] to `to` that touch; `at` has place and velocity of each disc. With a memory of
+      pairs their places are kept, and it sees which touch. */
+  template <bool SIZES, class Place, class Memory = NoPairMemory>
   void find(const double (*at)[4], const double *__restrict radii, double diameter, const int32_t *__restrict first,
-            const int32_t *__restrict second, Place from, Place to)
+            const int32_t *__restrict second, Place from, Place to, Memory *memory = nullptr)
   {
     const auto disc = [=](int64_t i) -> const Four & { return *reinterpret_cast<const Four *>(at[i]); };
     const auto apart = [&](Place p) { return disc(first[p]) - disc(second[p]); };
@@ -50,13 +57,23 @@ template <int ROOM> struct ContactBatch {
       const int mask = bits(square_of(apart(p), apart(p + 1), apart(p + 2), apart(p + 3)) < reaches * reaches);
       *reinterpret_cast<FourInts *>(one + found) = first_of(four(first + p), mask);
       *reinterpret_cast<FourInts *>(two + found) = first_of(four(second + p), mask);
+      if constexpr (Memory::REMEMBERS) {
+        const int q = (int) p;
+        *reinterpret_cast<FourInts *>(place + found) = first_of(FourInts{q, q + 1, q + 2, q + 3}, mask);
+        memory->see_four(p, mask);
+      }
       found += __builtin_popcount(mask);
     }
     for (; p < to; p++) {    // the last ones, and all of them without AVX
       const Four a = apart(p);
       one[found] = first[p];
       two[found] = second[p];
-      found += a[0] * a[0] + a[1] * a[1] < reach(p) * reach(p);
+      const bool touches = a[0] * a[0] + a[1] * a[1] < reach(p) * reach(p);
+      if constexpr (Memory::REMEMBERS) {
+        place[found] = (int32_t) p;
+        memory->see(p, touches);
+      }
+      found += touches;
     }
     n = found;
   }

@@ -45,7 +45,7 @@ static void forces_on(const jump_state &s, double slope, ThreadPart &part)
   pair_forces(s, slope, part);
   wall_forces(s, slope, part);
   if (s.fixed) clear_fixed(s, part);
-  if (s.partner && s.memory_step > 0.0) end_contacts(s, part.begin, part.end);
+  if (s.partner && part.memory->goes_on) part.memory->each_at_wall(part, [&](int64_t i) { end_contacts(s, i, i + 1); });
 }
 
 /** What follows the forces on discs. */
@@ -133,13 +133,18 @@ StopReason relist(jump_state &s, ThreadPartition &partition)
 
 static void store(const jump_state &s, ThreadPartition &partition)
 {
-  partition.each([&](ThreadPart &part) { store(s, part.begin, part.end, part.rows()); });
+  partition.each([&](ThreadPart &part) {
+    store(s, part.begin, part.end, part.rows());
+    partition.memory.end(s, part);
+  });
+  partition.memory.goes_on = false;    // slots hold it again
 }
 
 static void begin(const jump_state &s, ThreadPartition &partition)
 {
   partition.divide(s);
   partition.each([&](ThreadPart &part) { load(s, part.begin, part.end, part.rows()); });
+  if (s.partner && !s.grid_first) partition.memory.begin(s, partition);
 }
 
 int64_t advance(jump_state &s, ThreadPartition &partition, int64_t steps, bool forces_pending, StopReason &left)
@@ -156,6 +161,7 @@ int64_t advance(jump_state &s, ThreadPartition &partition, int64_t steps, bool f
         left = LIST_STALE;
         return done;
       }
+      if (s.partner) partition.memory.begin(s, partition);
     }
     if (steps == 0) {
       if (forces_pending) forces(s, partition);

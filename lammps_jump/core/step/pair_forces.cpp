@@ -6,6 +6,7 @@
 
 #include "step/forces.h"
 #include "step/kinds.h"
+#include "step/pair_memory.h"
 
 #include <algorithm>
 
@@ -20,8 +21,6 @@ struct SummedBatch : ContactBatch<BATCH> {
   int64_t row[BATCH];
   alignas(64) Column fx, fy, dashpot_x, dashpot_y, rubbed_x, rubbed_y;
   alignas(64) double given[BATCH][4];      // force and its lost part
-  int64_t slot[BATCH];    // of the springs; FULL: none, or another part's
-  double way[BATCH];      // of rolling, from the disc that remembers to the first of the pair
 };
 
 /** What pairs add to one disc: force and its lost part. */
@@ -34,7 +33,7 @@ struct Rubbed : PairGiven {
   double rubbed_x = 0.0, rubbed_y = 0.0, torque = 0.0;
 };
 
-/** Calls run(row, i, j, apart) for the pairs of some rows that touch and have a disc of the part, in their order; `apart` has
+/** Calls run(row, i, p, apart, touches) for the pairs of some rows that have a disc of the part, in their order; `apart` has
     their differences of place and velocity. It reads `at` alone: each line of memory of another part costs. */
 template <class Run>
 void each_across(const jump_state &s, const ThreadPart &part, int64_t from, int64_t to, const Run &run)
@@ -50,7 +49,7 @@ void each_across(const jump_state &s, const ThreadPart &part, int64_t from, int6
       if (!own && !part.owns(j)) continue;
       const Four apart = one - *reinterpret_cast<const Four *>(part.at[j]);
       const double reach = a + radius_of(s, j);
-      if (apart[0] * apart[0] + apart[1] * apart[1] < reach * reach) run(row, i, j, apart);
+      run(row, i, p, apart, apart[0] * apart[0] + apart[1] * apart[1] < reach * reach);
     }
   }
 }
@@ -73,7 +72,8 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
 
  public:
   PairSums(const jump_state &s, const Law &law, const ThreadPart &part)
-      : s(s), law(law), part(part), seen(seen_by(s)), at(part.at), rubs(HAS_FRICTION && s.friction_x)
+      : s(s), law(law), part(part), seen(seen_by(s)), at(part.at), memory(memory_of(part)), rubs(HAS_FRICTION && s.friction_x),
+        rolls(MEMORY && SPIN && s.pair.rolling > 0.0)
   {
   }
 
@@ -86,7 +86,7 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
         across(first, behind);
         continue;
       }
-      b.find<SIZES>(at, s.radius, s.diameter, part.first, s.neighbours, begin, end);
+      b.template find<SIZES>(at, s.radius, s.diameter, part.first, s.neighbours, begin, end, memory);
       for (int c = 0; c < b.n; c++) b.difference(c) = disc(b.one[c]) - disc(b.two[c]);
       compute();
       add_batch(first);
@@ -117,9 +117,13 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
       b.n = 0;
     };
     b.n = 0;
-    each_across(s, part, from, to, [&](int64_t row, int64_t i, int64_t j, const Four &apart) {
+    each_across(s, part, from, to, [&](int64_t row, int64_t i, int64_t p, const Four &apart, bool touches) {
+      if constexpr (MEMORY)
+        if (part.owns(i)) memory->see(p, touches);
+      if (!touches) return;
       b.one[b.n] = (int32_t) i;
-      b.two[b.n] = (int32_t) j;
+      b.two[b.n] = s.neighbours[p];
+      b.place[b.n] = (int32_t) p;
       b.row[b.n] = row;
       b.difference(b.n) = apart;
       b.n++;
@@ -135,11 +139,18 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
   const ThreadPart &part;
   const ContactVelocities seen;
   const double (*const at)[4];
-  const bool rubs;
+  using Memory = std::conditional_t<MEMORY, PairMemory, NoPairMemory>;
+  Memory *const memory;
+  const bool rubs, rolls;
   size_t remote_history = 0;    // of the part's, those that are read
   SummedBatch b;
   Added rows[BATCH];
 
+  static Memory *memory_of(const ThreadPart &part)
+  {
+    if constexpr (MEMORY) return part.memory;
+    else return nullptr;
+  }
   const Four &disc(int64_t i) const { return *reinterpret_cast<const Four *>(at[i]); }
   Four &force(int64_t i) const { return *reinterpret_cast<Four *>(part.forces[i]); }
 
@@ -180,35 +191,29 @@ template <bool SIZES, bool SPIN, class Law> class PairSums {
         b.spin[0][c] = seen.spin[i];
         b.spin[1][c] = seen.spin[j];
       }
-      if constexpr (MEMORY) recall(c, i, j);
+      if constexpr (MEMORY) recall(c);
     }
     b.fill(0.5 * s.diameter);
   }
 
-  void recall(int c, int64_t i, int64_t j)
+  /** Springs of a contact; those of rows of other parts are borrowed. */
+  void recall(int c)
   {
-    const PairHistory memory(s, i, j);
-    Stretch<double> held;
-    if (part.owns(memory.disc)) {
-      const ContactHistory found = memory.take(s);
-      b.slot[c] = found.place();
-      held = found.begin(memory.way);
-    } else {
-      b.slot[c] = FULL;
-      held = part.remote_history[remote_history++];
-    }
-    b.way[c] = memory.way;
-    b.slide[c] = held.slide;
-    b.roll[c] = held.roll;
+    const bool own = part.owns(b.one[c]);
+    const int32_t p = b.place[c];
+    b.slide[c] = own ? memory->slides()[p] : part.remote_history[remote_history].slide;
+    if (rolls) b.roll[c] = own ? memory->rolls()[p] : part.remote_history[remote_history].roll;
+    remote_history += !own;
   }
 
   void remember() const
   {
-    if (!(s.memory_step > 0.0)) return;
+    if (!memory->goes_on) return;
+    double *const slides = memory->slides(), *const rolls_of = memory->rolls();
     for (int c = 0; c < b.n; c++) {
-      if (b.slot[c] == FULL) continue;
-      s.spring[b.slot[c]] = b.slide[c];
-      s.roll[b.slot[c]] = b.way[c] * b.roll[c];
+      if (!part.owns(b.one[c])) continue;
+      slides[b.place[c]] = b.slide[c];
+      if (rolls) rolls_of[b.place[c]] = b.roll[c];
     }
   }
 
@@ -291,9 +296,8 @@ void borrow(const jump_state &s, ThreadPart &part)
 {
   part.remote_history.clear();
   const auto take = [&](int64_t from, int64_t to) {
-    each_across(s, part, from, to, [&](int64_t, int64_t i, int64_t j, const Four &) {
-      const PairHistory memory(s, i, j);
-      if (!part.owns(memory.disc)) part.remote_history.push_back(memory.look(s).begin(memory.way));
+    each_across(s, part, from, to, [&](int64_t, int64_t i, int64_t p, const Four &, bool touches) {
+      if (touches && !part.owns(i)) part.remote_history.push_back(part.memory->of(p));
     });
   };
   each_stretch(s, part, take, []() {});

@@ -35,6 +35,8 @@ struct Ends {
 /** Candidates of the list that are looked at together: what belongs to them stays in the first-level cache. */
 constexpr int BATCH = 128;
 
+class PairMemory;
+
 struct alignas(128) ThreadPart {
   int64_t begin = 0, end = 0;    // its discs
   int64_t sorted = 0;            // rows of the list that are sorted; others stand behind them
@@ -47,7 +49,8 @@ struct alignas(128) ThreadPart {
   double (*forces)[4] = nullptr;        // force on each disc, and its part that dashpots lose
   double *pushes = nullptr;             // the same where a host has but the force of each disc: two numbers
   std::vector<FeltContact> *felt = nullptr;    // takes the contacts with walls, where they are asked for
-  std::vector<Stretch<double>> remote_history;    // of contacts that discs of other parts remember, as they begin the step
+  PairMemory *memory = nullptr;         // of all pairs of the list
+  std::vector<Stretch<double>> remote_history;    // of contacts in rows of other parts, as they begin the step
   std::vector<Sum> on_walls;            // forces of contacts with walls on its discs, wall by wall
   std::vector<Lost> lost_at_walls;      // of those with walls that move
   std::vector<Ends> walls_end;

@@ -7,6 +7,7 @@
 #include "step/pair_search.h"    // before the core: its templates take vectors
 
 #include "step/integrate.h"
+#include "step/pair_memory.h"
 #include "step/thread_tuner.h"
 #include "step/rooms.h"
 #include "step/thread_part.h"
@@ -34,6 +35,7 @@ class ThreadPartition {
   Rooms rooms;
   int64_t lists_made = 0;
   std::vector<ThreadPart> parts;
+  PairMemory memory;
   std::vector<Dissipated> taken;    // of each block of discs
 
   /** Give each thread its part of the discs and of their list, as these are now. */
@@ -61,6 +63,7 @@ class ThreadPartition {
       part.end = k + 1 == count ? n : std::min(block * BLOCK, n);
       part.sorted = sorted;
       part.first = first.data();
+      part.memory = &memory;
       part.at = rows();
       part.forces = rows_of(forces);
       part.end_row = std::min(part.end, sorted);
