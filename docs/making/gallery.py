@@ -68,6 +68,7 @@ GROUPS = {
         "heap": "A heap below a hopper",
         "hopper": "A hopper that empties",
         "column_collapse": "A column of grains that collapses",
+        "sieved_column": "A column of sieved gravel",
         "settled_bed": "A bed that has settled",
         "inclined_flow": "A layer that flows down a rough bed",
         "drum": "A turning drum",

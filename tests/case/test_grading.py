@@ -64,6 +64,25 @@ def test_the_drawn_discs_have_the_table_within_their_counting_error(name, axis):
         )
 
 
+DRAWN = {name: f"{{kind: sieve, passing: {table}, BY}}" for name, table in TABLES.items()}
+DRAWN["log-normal"] = "{kind: log_normal, median: 0.1, spread: 1.5, BY}"
+
+
+@pytest.mark.parametrize("by", ["mass", "number"])
+@pytest.mark.parametrize("name", DRAWN)
+def test_drawn_discs_have_the_curve_that_was_asked_as_it_was_asked(name, by):
+    """By mass within its counting error; by number within 3/n: ids go through the quantiles evenly."""
+    fields = case(DRAWN[name].replace("BY", f"by: {by}")).fields.discs.sizes
+    ends, below = fields.ends()
+    sizes = case(DRAWN[name].replace("BY", f"by: {by}")).scene().sizes
+    for count in (300, 3000):
+        d = sizes.diameters(np.arange(1, count + 1))
+        weight = d**2 if by == "mass" else np.ones(count)
+        found = np.array([weight[d <= one * (1 + 1e-12)].sum() for one in ends]) / weight.sum()
+        error = 2.0 * sizes.passing_error(ends, count) if by == "mass" else 3.0 / count
+        assert (np.abs(found - below) <= error + 1e-3).all(), (count, found - below)
+
+
 @pytest.mark.parametrize("by", ["mass", "number"])
 @pytest.mark.parametrize(
     ("spread", "cut"),

@@ -48,6 +48,7 @@ SHORT = {
     "quick_jump": "run.duration=4; analysis.window=[2, 4]",
     "rockfall": "run.duration=3",
     "settled_bed": "run.duration=1",
+    "sieved_column": "run.duration=1",
     "shock": "run.duration=0.8; analysis.window=[0.4, 0.8]",
     "sluice_gate": "run.duration=3",
     "spillway": "run.duration=0.6; analysis.window=[0.3, 0.6]",
