@@ -145,6 +145,7 @@ docs-test: $(VENV)/.test
 # the pages of docs/reference that are made from the program; a test fails where they are not those of today
 reference: $(VENV)/.ready
 	cd docs && $(abspath $(BIN))/python -m making.pages
+	$(BIN)/python tests/fault_table.py
 
 # what the gallery shows, docs/stored, runs all scenes; make gallery X="spillway film notebook" makes those
 gallery: $(VENV)/.docs $(VENV)/.test

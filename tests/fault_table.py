@@ -251,3 +251,7 @@ def places_table() -> str:
         given += [field for field, (one, *_) in NAMED.items() if one == kind]
         lines.append(f"| {kind} | {', '.join(given)} | {', '.join(faults)} |")
     return "\n".join(lines) + "\n"
+
+
+if __name__ == "__main__":  # make reference: the table that needs no runs
+    _put(BEGIN_PLACES, places_table(), END)

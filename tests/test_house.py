@@ -521,6 +521,8 @@ NOT_OURS = {
     "lammps.js": "of npm",
     "law.py": "of each folder of validation/",
     "analysis/spread.py": "a recipe",
+    "validation/falls/measure.py": "a recipe",
+    "validation/falls/study.py": "a recipe",
 }
 """Files of others, or of a name that several have."""
 RESULTS = re.compile(

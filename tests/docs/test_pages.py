@@ -22,7 +22,6 @@ from lammps_jump.analysis.quantities import QUANTITIES, result_files  # noqa: E4
 from lammps_jump.case.fields import CaseFields  # noqa: E402
 from lammps_jump.cli.app import app  # noqa: E402
 from lammps_jump.files import RESULT_FILES, RUN_FILES  # noqa: E402
-from lammps_jump.scene import tracks  # noqa: E402
 from lammps_jump.units import numbers_of  # noqa: E402
 
 pytestmark = pytest.mark.prose
@@ -286,7 +285,6 @@ def test_every_number_named_on_a_page_is_one_of_the_summary(page):
 
 COUNTS = {
     r"folder `inputs/` has (\d+) scenes": lambda: len(list((ROOT / "inputs").glob("*.yaml"))),
-    r"`motion` has (\w+) kinds": lambda: len(get_args(tracks.KINDS)),
     r"`make cross-validation` runs (\w+) scenes": lambda: len(
         re.search(r"for scene in (.*?); do \S* cross-validate", (ROOT / "Makefile").read_text())[1].split()
     ),

@@ -88,7 +88,7 @@ def test_every_place_that_a_case_names_has_its_row():
 
 def test_the_page_shows_what_is_tried():
     _, begin, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN_PLACES)
-    assert begin and rest.partition(END)[0] == places_table(), "make faults writes it"
+    assert begin and rest.partition(END)[0] == places_table(), "make reference writes it"
 
 
 @pytest.fixture(scope="module")
