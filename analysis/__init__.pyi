@@ -14,4 +14,4 @@ from .guess import from_dump as from_dump
 from .jump.found import Jump as Jump
 from .pipeline import analyse as analyse
 from .quantities import QUANTITIES as QUANTITIES
-from .tables.rows import main_numbers as main_numbers
+from .tables import main_numbers as main_numbers

@@ -24,8 +24,7 @@ from lammps_jump.scene.faces import FaceGrid, grid_of
 from lammps_jump.scene.motion import Placed
 from lammps_jump.scene.walls import Wall
 
-from .beds.images import fixed_discs
-from .flow import Flow
+from .flow import Flow, fixed_discs
 
 _touch_wall = entry(
     "jump_touch_wall", INTEGER, n=INTEGER, x=REALS, y=REALS, radius=REALS, faces=ndpointer(FACE), deep=INTEGER,

@@ -15,9 +15,8 @@ from lammps_jump.dump.frame import Frame, make_frame, require_finite
 from lammps_jump.dump.read import Dump
 from lammps_jump.errors import DumpError
 
-from .beds.images import moving, placed, with_images
 from .contacts import ContactSeries
-from .flow import Flow
+from .flow import Flow, moving, placed, with_images
 from .profiles import add_means, bin_frames
 
 if TYPE_CHECKING:
@@ -58,7 +57,7 @@ class Gathered:
     warnings : tuple of str
         Notes on the flow and of the pass.
     along : Gathered or None
-        The same along a sloping stretch of bed (`lammps_jump.analysis.beds.slope`), where there is one.
+        The same along a sloping stretch of bed (`lammps_jump.analysis.slope`), where there is one.
     pressure : Path or None
         Forces along outlines, where the engine has summed them.
     """

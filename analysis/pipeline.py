@@ -24,7 +24,6 @@ from lammps_jump.errors import DumpError, SetupError
 from lammps_jump.files import CONTACTS_FILE, CURVES, PRESSURE_FILE, plain, write_json
 
 from . import draw
-from .beds.slope import AlongBed, sloping_stretch
 from .contacts import ContactCollector
 from .draw.chart import Bars, Chart, Drawings, Map
 from .draw.maps import depth_profile, xt_map
@@ -36,6 +35,7 @@ from .quantities import LISTED, QUANTITIES
 from .quantity import Marks
 from .report.page import Picture, Player, smaller
 from .report.player import still_of
+from .slope import AlongBed, sloping_stretch
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -15,7 +15,7 @@ from typing import Any
 
 from lammps_jump.engines.accuracy import KINDS, STORE, CalibratedSetting
 from lammps_jump.files import read_json, write_json
-from lammps_jump.studies.settings import StudySetting
+from lammps_jump.studies.bench import StudySetting
 
 KEPT = ("case", "restitution", "friction", "members", "reference", "versions", "machine")
 

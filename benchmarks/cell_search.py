@@ -20,7 +20,7 @@ from taking_turns import main, timed_in_turn
 from lammps_jump import Case
 from lammps_jump.analysis.draw.chart import Chart, Panel, Trace
 from lammps_jump.analysis.draw.style import drawn, save
-from lammps_jump.analysis.tables.markdown import Column, markdown
+from lammps_jump.analysis.tables import Column, markdown
 from lammps_jump.engines.native import run_native
 from lammps_jump.scene import Scene
 from lammps_jump.studies.runs import middle, not_interrupted

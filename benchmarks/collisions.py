@@ -19,12 +19,12 @@ import pandas as pd
 from taking_turns import FOLDER
 
 from lammps_jump.analysis.draw.style import drawing, save
-from lammps_jump.analysis.tables.markdown import Column, markdown, paragraphs
+from lammps_jump.analysis.tables import Column, markdown, paragraphs
 from lammps_jump.engines import usable_kernels
 from lammps_jump.errors import JumpError
 from lammps_jump.physics import contact
 from lammps_jump.provenance import machine
-from lammps_jump.studies.bench.collision import collision_scene, expected, measure_collisions
+from lammps_jump.studies.bench import collision_scene, expected, measure_collisions
 from lammps_jump.studies.folder import held_folder
 from lammps_jump.sweeps import Results, Say, Store
 

@@ -18,7 +18,7 @@ from pathlib import Path
 from taking_turns import main, timed_in_turn
 
 from lammps_jump import Case
-from lammps_jump.analysis.tables.markdown import Column, markdown
+from lammps_jump.analysis.tables import Column, markdown
 from lammps_jump.errors import RunError
 from lammps_jump.files import SUMMARY_FILE, read_json, write_text
 from lammps_jump.studies.runs import middle

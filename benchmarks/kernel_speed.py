@@ -16,14 +16,14 @@ from pathlib import Path
 from taking_turns import main, timed_in_turn
 
 from lammps_jump import Case
-from lammps_jump.analysis.tables.markdown import Column, markdown
+from lammps_jump.analysis.tables import Column, markdown
 from lammps_jump.engines import usable_kernels
 from lammps_jump.errors import SetupError
 from lammps_jump.scene import Scene
+from lammps_jump.studies.bench import SKINS
 from lammps_jump.studies.cross_validation import trajectories
 from lammps_jump.studies.cross_validation.trajectories import CONTACT_STEPS
 from lammps_jump.studies.runs import KERNELS, middle, run_frames
-from lammps_jump.studies.settings import SKINS
 from lammps_jump.sweeps import Results, Say, Store, all_versions
 
 WORK, QUICK_WORK = 6e7, 2e6

@@ -19,7 +19,7 @@ import numpy as np
 from taking_turns import main
 
 from lammps_jump import Case
-from lammps_jump.analysis.tables.markdown import Column, markdown
+from lammps_jump.analysis.tables import Column, markdown
 from lammps_jump.scene import Scene
 from lammps_jump.script import script_text
 from lammps_jump.studies.runs import KERNELS, in_turn, middle, run_frames

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import lammps_jump as lj
-from lammps_jump.analysis.tables.markdown import paragraphs
+from lammps_jump.analysis.tables import paragraphs
 from lammps_jump.errors import JumpError
 from lammps_jump.files import plain
 from lammps_jump.provenance import machine

@@ -88,7 +88,7 @@ HYDROGRAPH, DEVICES = "lammps_jump/physics/hydrograph.py", "lammps_jump/physics/
 MOVING_TESTS = "contacts/test_moving_forms.py engines/test_moving_walls.py"
 CHAINS, FACES, SHAPES = (f"lammps_jump/scene/{name}.py" for name in ("chains", "faces", "shapes"))
 SLOTS = LAW
-SHEAR, SLOSH = (f"lammps_jump/studies/fluid/{name}.py" for name in ("sound", "slosh"))
+FLUID = "lammps_jump/studies/fluid/box.py"
 LIST_TESTS = f"{TWIN_TESTS} engines/test_native_contacts.py engines/test_native_sizes.py"
 RULE_TESTS = f"scene/test_faces.py {TWIN_TESTS}"
 MOVING_PLUGIN_TESTS = "contacts/test_moving_forms.py integration/test_compiled_moving_walls.py integration/test_lids.py"
@@ -215,8 +215,8 @@ DEFECTS = [
     Defect("taken twice", SLOTS, "slot_of", "or slots.used[i, s] == 1", "", "physics/test_slots.py"),
     Defect("sizes", CORE_LISTS, "add", "radius ? far + radius[j] :", "", LIST_TESTS),
     Defect("cells", CORE_LISTS, "Span", "(place + reach)", "place", LIST_TESTS),
-    Defect("sign", SHEAR, "of_record", "-float", "float", "studies/test_fluid.py"),
-    Defect("factor", SLOSH, "coulomb_friction", "8.0 *", "4.0 *", "studies/test_fluid.py"),
+    Defect("sign", FLUID, "of_record", "-float", "float", "studies/test_fluid.py"),
+    Defect("factor", FLUID, "coulomb_friction", "8.0 *", "4.0 *", "studies/test_fluid.py"),
 ]  # fmt: skip
 
 

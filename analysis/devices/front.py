@@ -21,10 +21,9 @@ from lammps_jump.analysis.draw.chart import Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.quantity import HeadlineNumber, Quantity
-from lammps_jump.analysis.report.headline import A_JUMP, against_water
 from lammps_jump.analysis.report.page import Section, Table, Text, described, percent
 from lammps_jump.analysis.statistics import known_mean
-from lammps_jump.analysis.verdicts.kinds import at, part
+from lammps_jump.analysis.verdicts.kinds import A_JUMP, against_water, at, part
 from lammps_jump.analysis.verdicts.water import has_front
 from lammps_jump.dump.frame import Frame, make_frame
 from lammps_jump.physics import jump as waves

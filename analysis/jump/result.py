@@ -17,8 +17,8 @@ import numpy as np
 from lammps_jump.analysis.contacts import ContactSeries
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.profiles import window_of, within
-from lammps_jump.analysis.report.headline import AT_SILL
 from lammps_jump.analysis.statistics import piece_bounds
+from lammps_jump.analysis.verdicts.kinds import AT_SILL
 
 from . import frame
 from .found import MeasuredJump, StandingHeap, TrackedJump

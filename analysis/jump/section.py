@@ -11,18 +11,17 @@ from typing import Any
 
 import numpy as np
 
-from lammps_jump.analysis.beds.slope import TurnedFlow, in_place
 from lammps_jump.analysis.budgets import head, inflow
 from lammps_jump.analysis.budgets.head import EnergyFluxes, energy_budget, why_none
 from lammps_jump.analysis.draw.chart import PLACE, Bars, Chart, Drawings, Panel, Trace, stairs
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.quantity import HeadlineNumber, Marks, Quantity
-from lammps_jump.analysis.report.headline import A_JUMP, AT_SILL, applies
 from lammps_jump.analysis.report.page import Beside, Section, Table, Text, cut, described, heading, percent_of
+from lammps_jump.analysis.slope import TurnedFlow, in_place
 from lammps_jump.analysis.statistics import Mean, as_fields, propagated
 from lammps_jump.analysis.verdicts.jump import is_asked
-from lammps_jump.analysis.verdicts.kinds import part
+from lammps_jump.analysis.verdicts.kinds import A_JUMP, AT_SILL, applies, part
 from lammps_jump.physics.jump import Inflow
 from lammps_jump.units import ABSENT, known, numbers_of, shown
 

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from lammps_jump.analysis.flow import Flow
-from lammps_jump.analysis.report.headline import A_JUMP
 from lammps_jump.analysis.report.page import cut, percent_of, with_error
 from lammps_jump.analysis.statistics import Mean, as_fields, known_mean, propagated
+from lammps_jump.analysis.verdicts.kinds import A_JUMP
 from lammps_jump.physics import jump as theory
 from lammps_jump.units import AT_LEAST, sure_of
 

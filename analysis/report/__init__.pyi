@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-from . import headline as headline
 from . import page as page
 from .page import Block as Block
 from .page import Section as Section

@@ -15,14 +15,14 @@ from typing import Any
 
 from lammps_jump.analysis.budgets import head
 from lammps_jump.analysis.quantities import LISTED, QUANTITIES, captions
-from lammps_jump.analysis.tables.rows import MOST, lines, rows_of, sure, tiles
+from lammps_jump.analysis.tables import MOST, lines, rows_of, sure, tiles
 from lammps_jump.analysis.verdicts import doubts, verdict
 from lammps_jump.errors import DumpError
 from lammps_jump.files import write_text
 from lammps_jump.physics.contact import Coefficients
 from lammps_jump.units import ABSENT, Number, known, numbers_of, shown, sure_of
 
-from .curves_check import read_curves
+from .handed_on import read_curves
 from .page import (
     Beside,
     Block,

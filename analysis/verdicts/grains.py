@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from lammps_jump.analysis.report.headline import FELL
+from lammps_jump.analysis.verdicts.kinds import FELL
 
 from .kinds import Doubt, Verdict, above, at, below, of_grains, part, place, reason, shown
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from math import floor, log10
 from typing import Any
 
-from lammps_jump.analysis.report.headline import A_JUMP, AT_SILL, WITH
+from lammps_jump.analysis.verdicts.kinds import A_JUMP, AT_SILL, WITH
 
 from .kinds import Doubt, Verdict, above, asked_of_a_dump, at, below, of_grains, part, shown
 from .water import collapsed

@@ -160,7 +160,7 @@ def answered(summary: Mapping[str, Any]) -> list[tuple[str, int]]:
 def verdict(summary: Mapping[str, Any]) -> str:
     """One or two short sentences on what happened, the title of a report; empty where there is nothing to be said.
 
-    `summary` is that of a run, or of starts of one case, as of `rows.together`.
+    `summary` is that of a run, or of starts of one case, as of `tables.together`.
     """
     status = summary.get("status") or "complete"
     if status != "complete":

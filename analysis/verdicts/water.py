@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from math import sqrt
 from typing import Any
 
-from lammps_jump.analysis.report.headline import DISCS, against_water
 from lammps_jump.analysis.report.page import percent
+from lammps_jump.analysis.verdicts.kinds import DISCS, against_water
 from lammps_jump.physics.jump import GRAVITY
 
 from .kinds import Doubt, Verdict, asked_of_a_dump, at, below, part, place, shown

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 import lammps_jump as lj
-from lammps_jump.analysis.tables.markdown import markdown
+from lammps_jump.analysis.tables import markdown
 from lammps_jump.calibration import page, read_calibration
 from lammps_jump.calibration.model import model_of
 from lammps_jump.calibration.posterior import sample

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from lammps_jump.analysis.tables.markdown import Column, markdown
+from lammps_jump.analysis.tables import Column, markdown
 from lammps_jump.studies.cross_validation.quantities import relative_size
 
 Data = Mapping[str, Any]

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from lammps_jump.analysis.tables.markdown import markdown
+from lammps_jump.analysis.tables import markdown
 
 Data = Mapping[str, Any]
 STREAM = ("start", "stop", "mass_depth", "velocity", "momentum_flux", "thrust", "total", "total_error")

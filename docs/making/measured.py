@@ -17,14 +17,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import lammps_jump as lj
-from lammps_jump.analysis.tables.markdown import markdown, paragraphs
+from lammps_jump.analysis.tables import markdown, paragraphs
 from lammps_jump.identity import scene_key
 from lammps_jump.provenance import machine, versions
-from lammps_jump.studies import sensitivity
-from lammps_jump.studies.bench import page
-from lammps_jump.studies.bench.collision import collision_scene
-from lammps_jump.studies.cross_validation.scenes import micro_scenes
-from lammps_jump.studies.points.find import TREE, load_module
+from lammps_jump.studies import bench, sensitivity
+from lammps_jump.studies.bench import collision_scene
+from lammps_jump.studies.cross_validation.study import micro_scenes
+from lammps_jump.studies.folder import TREE, load_module
 
 from . import calibrated, crossed, jumps, laws
 
@@ -152,7 +151,7 @@ def _bench(scene: str, options: str = "") -> Measure:
         f"bench inputs/{scene}.yaml {options}".strip(),
         lambda: case_keys({}, scene=scene),
         _bench_rows,
-        lambda data: paragraphs(*page.page(dict(data))[1:]).strip(),
+        lambda data: paragraphs(*bench.page(dict(data))[1:]).strip(),
         partial(_draw_bench, scene),
     )
 
@@ -166,7 +165,7 @@ def _draw_bench(scene: str, data: Data, place: Path) -> dict[str, Path]:
     for name in DRAWN:
         if "pareto" in data["quantities"].get(name, {}):
             path = place / f"bench_{scene}_{name.replace(' ', '_')}.png"
-            found[f"{scene}: {name}"] = page.draw_quantity(dict(data), name, place).replace(path)
+            found[f"{scene}: {name}"] = bench.draw_quantity(dict(data), name, place).replace(path)
     return found
 
 

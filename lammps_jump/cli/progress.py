@@ -185,9 +185,9 @@ def print_summary(summary: Mapping[str, Any], folder: Path, *, verbose: bool = F
     """Prints the result of a run or a bare dump: on a terminal `ending`; in a pipe, or where asked for, all numbers."""
     page = folder / "report.html"
     if sys.stdout.isatty() and not verbose:
-        found = analysis.tables.rows.rows_of([summary])
-        about = analysis.tables.rows.lines(summary)
-        about += [analysis.tables.rows.sure(summary)] if found else []
+        found = analysis.tables.rows_of([summary])
+        about = analysis.tables.lines(summary)
+        about += [analysis.tables.sure(summary)] if found else []
         about += filter(None, (row.reason() for row in found))
         about += [f"doubtful: {text}" for text in analysis.verdicts.doubts(summary)]
         about += [_spent(summary)] if "discs" in summary else []
@@ -242,7 +242,7 @@ def ending(
     said : str
         Verdict.
     rows : sequence of Row
-        Of `analysis.tables.rows`.
+        Of `analysis.tables`.
     about : sequence of str
         One line each: error bars; time and discs.
     folder : Path or None
@@ -253,7 +253,7 @@ def ending(
         Columns; by default those of the terminal, at most `WIDEST`.
     """
     wide = width or min(WIDEST, shutil.get_terminal_size().columns)
-    above = [*textwrap.wrap(said, wide), *(analysis.tables.rows.table(rows, wide) if rows else [])]
+    above = [*textwrap.wrap(said, wide), *(analysis.tables.table(rows, wide) if rows else [])]
     above += [line for text in about for line in textwrap.wrap(text, wide)]
     below = [f"page: {typed('show', folder)}"] if folder is not None else []
     told = [line for text in notes for line in textwrap.wrap(f"note: {text}", wide, subsequent_indent="  ")]

@@ -3,7 +3,7 @@
 
 ``calibration.json`` is made from finished benchmarks by ``python benchmarks/accuracy_store.py``. A setting
 is *shown* to meet an accuracy where its error and the floor of that error (the scatter of the ensembles, see
-`lammps_jump.studies.bench.study`) are both within it. A small error under a high floor proves nothing.
+`lammps_jump.studies.bench`) are both within it. A small error under a high floor proves nothing.
 """
 
 from __future__ import annotations

@@ -24,8 +24,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lammps_jump.analysis.beds.images import moving
-from lammps_jump.analysis.flow import Flow, from_scene
+from lammps_jump.analysis.flow import Flow, from_scene, moving
 from lammps_jump.analysis.grains.rest import RestDetector, begin_of, state_of
 from lammps_jump.analysis.jump.result import STILL
 from lammps_jump.analysis.jump.track import LEAST_RATIO, LEAST_SHARE, fit_ramp

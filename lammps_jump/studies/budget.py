@@ -24,7 +24,7 @@ from lammps_jump.analysis.draw.style import BLACK, BLUE, GREY, drawing, save
 from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.analysis.report.page import Boxes, NumberBox, Section, Table, Text, picture
 from lammps_jump.analysis.statistics import student
-from lammps_jump.analysis.tables.markdown import Column, cells, markdown
+from lammps_jump.analysis.tables import Column, cells, markdown
 from lammps_jump.case import discs
 from lammps_jump.case.parts.grading import GradingCurve
 from lammps_jump.errors import CaseError, FieldError

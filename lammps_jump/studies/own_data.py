@@ -13,7 +13,7 @@ import numpy as np
 
 from lammps_jump.analysis.draw.style import drawing, save
 from lammps_jump.analysis.statistics import student
-from lammps_jump.analysis.tables.markdown import Column, markdown, paragraphs
+from lammps_jump.analysis.tables import Column, markdown, paragraphs
 from lammps_jump.calibration.targets import FEWEST, curve_of, measured_of, parse_columns
 from lammps_jump.errors import CaseError
 from lammps_jump.files import COMPARED_FILES, SUMMARY_FILE, write_json, write_text

@@ -19,7 +19,7 @@ from typing import Any
 import pandas as pd
 
 from lammps_jump.analysis.draw.style import BLUE, GREY, RED, drawing, save
-from lammps_jump.analysis.tables.markdown import Column, markdown, with_error
+from lammps_jump.analysis.tables import Column, markdown, with_error
 from lammps_jump.case.case import scene_folder
 from lammps_jump.engines import usable_kernels
 from lammps_jump.files import plain
@@ -27,10 +27,10 @@ from lammps_jump.physics import jump
 from lammps_jump.runs.run import Case, load_case
 from lammps_jump.sweeps import Results
 
+from .bench import StudySetting, listed, reference_setting, stable
 from .budget import Variation, numbers_of_run
 from .points import FAILED, Found, Point, PointStudy
 from .runs import middle
-from .settings import StudySetting, listed, reference_setting, stable
 
 NUMBERS = ("froude", "y1", "y2", "belanger_y2", "belanger_deviation", "length_over_y2", "length_usbr", "speed")
 """Of a jump that was found."""

@@ -28,8 +28,7 @@ from lammps_jump.analysis.report.page import (
     picture,
     render,
 )
-from lammps_jump.analysis.tables.markdown import markdown
-from lammps_jump.analysis.tables.rows import tiles, together
+from lammps_jump.analysis.tables import markdown, tiles, together
 from lammps_jump.analysis.verdicts import verdict
 from lammps_jump.files import write_text
 from lammps_jump.folders import require_no_link

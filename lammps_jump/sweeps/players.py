@@ -15,9 +15,9 @@ from typing import NamedTuple
 import numpy as np
 
 from lammps_jump.analysis.report import run as report
+from lammps_jump.analysis.report.handed_on import read_player
 from lammps_jump.analysis.report.page import Boxes, Curve, NumberBox, Player, PlayerChoice, Slider, Text
 from lammps_jump.analysis.report.player import make_player
-from lammps_jump.analysis.report.player_check import read_player
 from lammps_jump.errors import DumpError
 from lammps_jump.files import PLAYER
 from lammps_jump.runs.results import flow_of, packed

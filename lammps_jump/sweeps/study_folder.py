@@ -14,7 +14,7 @@ from pydantic import BaseModel, Field, NonNegativeInt, ValidationError, model_va
 
 import lammps_jump.sweeps as sweeps
 from lammps_jump.analysis.statistics import Mean
-from lammps_jump.analysis.tables.rows import MeasuredRow, rows_of
+from lammps_jump.analysis.tables import MeasuredRow, rows_of
 from lammps_jump.errors import CaseError
 from lammps_jump.files import plain, read_json
 from lammps_jump.quoting import echoed

@@ -27,7 +27,7 @@ from lammps_jump.analysis.jump.track import FrontMotion
 from lammps_jump.analysis.passes import feed
 from lammps_jump.analysis.profiles import compute_profiles
 from lammps_jump.analysis.report.page import Beside
-from lammps_jump.analysis.tables.rows import main_numbers
+from lammps_jump.analysis.tables import main_numbers
 from lammps_jump.case import load_case
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.engines.native.engine import take_frame

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from lammps_jump.analysis.draw.chart import TIME, Bars, Chart, Panel, Trace
-from lammps_jump.analysis.report.curves_check import read_curves
+from lammps_jump.analysis.report.handed_on import read_curves
 from lammps_jump.analysis.report.page import Curve
 from lammps_jump.analysis.report.run import Side, comparison
 from lammps_jump.errors import DumpError

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from lammps_jump.analysis import pipeline, quantities
-from lammps_jump.analysis.tables import rows
+from lammps_jump.analysis.tables import main_numbers
 from lammps_jump.analysis.verdicts import headline, verdict
 from lammps_jump.case import parse_case
 from lammps_jump.dump.frame import make_frame
@@ -87,7 +87,7 @@ def all_numbers(value, key=""):
 @pytest.mark.parametrize("bed, discs", CASES)
 def test_no_text_and_no_number_is_empty_of_meaning(found, bed, discs):
     parts = found[bed, discs]
-    texts = [headline(parts), verdict(parts), *rows.main_numbers(parts)]
+    texts = [headline(parts), verdict(parts), *main_numbers(parts)]
     told = (quantities.QUANTITIES[name] for name in WANTED if name in parts)
     for section in (quantity.section(quantity.read(parts[quantity.name])) for quantity in told):
         texts += [str(block) for block in section.blocks] if section else []

@@ -13,7 +13,7 @@ from made_up import INPUTS, collected, disc_frame, flow_context, numbers
 
 from lammps_jump.analysis.devices import drum, hopper, waves
 from lammps_jump.analysis.passes import Gathered
-from lammps_jump.analysis.tables.rows import rows_of
+from lammps_jump.analysis.tables import rows_of
 from lammps_jump.analysis.verdicts import doubts, headline, verdict
 from lammps_jump.case import load_case
 from lammps_jump.errors import CaseError

@@ -22,7 +22,7 @@ from lammps_jump.analysis.devices.front import (
     way,
 )
 from lammps_jump.analysis.passes import Gathered
-from lammps_jump.analysis.tables.rows import rows_of, tiles
+from lammps_jump.analysis.tables import rows_of, tiles
 from lammps_jump.analysis.verdicts import headline, verdict
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.physics import jump as waves

@@ -13,7 +13,7 @@ from made_up import collected, columns_of_discs, disc_frame, flow_context, numbe
 
 from lammps_jump.analysis.grains import heap, layers, rest, state
 from lammps_jump.analysis.passes import Gathered
-from lammps_jump.analysis.tables.rows import rows_of
+from lammps_jump.analysis.tables import rows_of
 from lammps_jump.analysis.verdicts import doubts, headline, verdict
 from lammps_jump.errors import DumpError
 from lammps_jump.physics import devices

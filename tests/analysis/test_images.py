@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 from made_up import disc_frame
 
-from lammps_jump.analysis.beds.images import fixed_discs, moving, placed, with_images
 from lammps_jump.analysis.contacts import bed_contacts, touching, whole_forces
-from lammps_jump.analysis.flow import from_scene
+from lammps_jump.analysis.flow import fixed_discs, from_scene, moving, placed, with_images
 from lammps_jump.analysis.grains.layers import LayerSums
 from lammps_jump.analysis.passes import feed
 from lammps_jump.scene import Sizes, handmade_scene

@@ -8,9 +8,9 @@ import pytest
 from made_up import disc_frame, flow_context
 
 import lammps_jump as lj
-from lammps_jump.analysis.beds.slope import AlongBed, BedStretch
 from lammps_jump.analysis.flow import from_scene
 from lammps_jump.analysis.profiles import OpenEnds, compute_profiles, intervals_of, running_rows
+from lammps_jump.analysis.slope import AlongBed, BedStretch
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.engines.native.engine import take_frame
 from lammps_jump.scene.scene import InletRow, Outlet

@@ -14,7 +14,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from made_up import columns_of_discs, disc_frame, examples, flow_context, numbers
 
-from lammps_jump.analysis.beds.slope import AlongBed, sloping_stretch
 from lammps_jump.analysis.jump.found import LOCAL_BOUNDS, LOWER_BOUNDS, MADE_OF, UNTOLD, Budget, Jump, Local, inherited
 from lammps_jump.analysis.jump.frame import Moving, Roller, growth_rate
 from lammps_jump.analysis.jump.result import analyse_jump, level_reach, without_baffles
@@ -25,8 +24,9 @@ from lammps_jump.analysis.jump.track import JumpTrack, equivalent_position, fit_
 from lammps_jump.analysis.passes import Gathered, feed
 from lammps_jump.analysis.profiles import compute_profiles
 from lammps_jump.analysis.report.page import Beside, Table, Text, errors_of, render
+from lammps_jump.analysis.slope import AlongBed, sloping_stretch
 from lammps_jump.analysis.statistics import STUDENT, Mean, mean_of, piece_error, propagated
-from lammps_jump.analysis.tables.rows import rows_of, tiles
+from lammps_jump.analysis.tables import rows_of, tiles
 from lammps_jump.analysis.verdicts import verdict
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.physics import jump as theory

@@ -17,7 +17,7 @@ from lammps_jump.analysis.guess import from_dump
 from lammps_jump.analysis.passes import with_velocities
 from lammps_jump.analysis.pipeline import Pictures, analyse
 from lammps_jump.analysis.quantities import result_files
-from lammps_jump.analysis.tables.rows import main_numbers
+from lammps_jump.analysis.tables import main_numbers
 from lammps_jump.cli.analyse import analyze
 from lammps_jump.dump.exports import export, read_netcdf
 from lammps_jump.dump.frame import make_frame

@@ -20,7 +20,7 @@ from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.analysis.report.page import SCRIPTS, Curve, Player, Section, Table, Text, render, text
 from lammps_jump.analysis.report.run import LARGEST, write_report
 from lammps_jump.analysis.statistics import Mean
-from lammps_jump.analysis.tables.rows import ONE_DUMP, ONE_RUN, rows_of, sure, table, tiles, together
+from lammps_jump.analysis.tables import ONE_DUMP, ONE_RUN, rows_of, sure, table, tiles, together
 from lammps_jump.analysis.verdicts import verdict
 from lammps_jump.cli.progress import ending
 from lammps_jump.errors import DumpError

@@ -9,12 +9,12 @@ from math import cos, radians, sin, tan
 import numpy as np
 import pytest
 
-from lammps_jump.analysis.beds.slope import BedStretch, sloping_stretch, turned_flow
 from lammps_jump.analysis.budgets.head import EnergyFluxes
 from lammps_jump.analysis.contacts import ContactCollector
 from lammps_jump.analysis.flow import from_scene
 from lammps_jump.analysis.forces.impulse import MomentumLedger, impulse_identity
 from lammps_jump.analysis.profiles import bin_frames
+from lammps_jump.analysis.slope import BedStretch, sloping_stretch, turned_flow
 from lammps_jump.dump.find import ForceHistory
 from lammps_jump.engines.native.engine import take_frame
 from lammps_jump.engines.native.simulation import NativeSimulation

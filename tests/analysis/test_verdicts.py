@@ -10,7 +10,7 @@ import pytest
 
 from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.analysis.statistics import Mean
-from lammps_jump.analysis.tables.rows import lines, main_numbers, together
+from lammps_jump.analysis.tables import lines, main_numbers, together
 from lammps_jump.analysis.verdicts import VERDICTS, doubts, headline, verdict
 
 GATE = {"height": 1.79, "height_interval": 0.03, "settled_at": 30.0, "holds": "front", "target": 30.0, "held": 30.02,

@@ -9,7 +9,7 @@ import re
 import pytest
 
 from lammps_jump.analysis.jump.found import Members, starts_needed
-from lammps_jump.analysis.tables.markdown import with_error
+from lammps_jump.analysis.tables import with_error
 from lammps_jump.analysis.verdicts import verdict
 from lammps_jump.cli.progress import StudyLine
 from lammps_jump.sweeps.sweep import SweepProgress

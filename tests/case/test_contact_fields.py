@@ -5,7 +5,7 @@ import pytest
 
 from lammps_jump.case.case import ReadCase
 from lammps_jump.case.parts.contact import Contact
-from lammps_jump.studies.fluid.discs import discs_of
+from lammps_jump.studies.fluid.cell import discs_of
 
 TEXT = """
 discs: {diameter: 0.2}

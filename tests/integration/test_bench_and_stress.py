@@ -12,7 +12,7 @@ from made_up import INPUTS
 
 from lammps_jump import load_case
 from lammps_jump.studies import sensitivity
-from lammps_jump.studies.bench.study import run_bench, stored_table
+from lammps_jump.studies.bench import run_bench, stored_table
 from lammps_jump.studies.points import load_module, run_named, run_study
 
 pytestmark = pytest.mark.lammps

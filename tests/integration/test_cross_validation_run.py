@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from lammps_jump import load_case
 from lammps_jump.cli.app import app
 from lammps_jump.studies.cross_validation import study as cross_validation
-from lammps_jump.studies.cross_validation.scenes import friction_scene, micro_scenes
+from lammps_jump.studies.cross_validation.study import friction_scene, micro_scenes
 from lammps_jump.studies.cross_validation.trajectories import check_scene
 
 pytestmark = pytest.mark.lammps

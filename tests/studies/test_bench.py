@@ -12,13 +12,21 @@ from made_up import INPUTS
 from lammps_jump import load_case
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.errors import CaseError, RunInterrupted
-from lammps_jump.studies.bench import page as bench_page
-from lammps_jump.studies.bench import study as bench_errors
-from lammps_jump.studies.bench.collision import SPEED, collision_scene
-from lammps_jump.studies.bench.study import QuantityError, read_axes
+from lammps_jump.studies import bench
+from lammps_jump.studies.bench import (
+    QUICK,
+    SPEED,
+    Axes,
+    QuantityError,
+    StudySetting,
+    collision_scene,
+    make_settings,
+    read_axes,
+    reference_setting,
+    stable,
+)
 from lammps_jump.studies.cross_validation.trajectories import with_discs_of
 from lammps_jump.studies.runs import in_turn, middle
-from lammps_jump.studies.settings import QUICK, Axes, StudySetting, make_settings, reference_setting, stable
 from lammps_jump.sweeps.members import JITTER, started
 
 
@@ -87,7 +95,7 @@ def test_reference_is_the_fastest_kernel():
 
 
 def test_error_against_an_ensemble():
-    found = bench_errors.quantity_error("sequent depth", [1.0, 1.2], [2.0, 2.2])
+    found = bench.quantity_error("sequent depth", [1.0, 1.2], [2.0, 2.2])
     assert found.error == pytest.approx(1.0 / 2.1)
     # both ensembles have a variance of 0.02: sqrt(0.02/2 + 0.02/2) over 2.1
     assert found.floor == pytest.approx(np.sqrt(0.02) / 2.1)
@@ -96,20 +104,20 @@ def test_error_against_an_ensemble():
 
 def test_error_of_curves_is_root_mean_square():
     ours, theirs = [[1.0, 3.0], [1.0, 3.0]], [[1.0, 1.0], [1.0, 1.0]]
-    found = bench_errors.quantity_error("front position", ours, theirs)
+    found = bench.quantity_error("front position", ours, theirs)
     assert found.error == pytest.approx(np.sqrt(2.0))
     assert found.floor == 0.0
 
 
 def test_exact_quantities_use_the_median():
-    found = bench_errors.quantity_error("energy deviation", [0.01, 0.02, 0.5], None)
+    found = bench.quantity_error("energy deviation", [0.01, 0.02, 0.5], None)
     assert found.error == 0.02 and found.floor == 0.0
 
 
 def test_missing_values_leave_no_number():
-    assert bench_errors.quantity_error("sequent depth", [None], [1.0]).error is None
-    assert bench_errors.quantity_error("sequent depth", [1.0], []).error is None
-    assert bench_errors.names_of([{"sequent depth": None, "shock speed": 1.0}, {"curve": [1.0]}]) == [
+    assert bench.quantity_error("sequent depth", [None], [1.0]).error is None
+    assert bench.quantity_error("sequent depth", [1.0], []).error is None
+    assert bench.names_of([{"sequent depth": None, "shock speed": 1.0}, {"curve": [1.0]}]) == [
         "shock speed",
         "curve",
     ]
@@ -124,21 +132,21 @@ def row(label, seconds, error, floor=0.0, **setting):
 def test_pareto_front():
     points = [(1.0, 0.5), (2.0, 0.1), (3.0, 0.2), (4.0, 0.05), (1.5, 0.6)]
     rows = [row(f"{seconds:g} s", seconds, error) for seconds, error in points]
-    assert bench_errors.summarise_quantity(rows, "q")["pareto"] == ["1 s", "2 s", "4 s"]
+    assert bench.summarise_quantity(rows, "q")["pareto"] == ["1 s", "2 s", "4 s"]
     unknown = [row("without an error", 0.5, None), row("not run", None, 0.01)]
-    assert bench_errors.summarise_quantity([*rows, *unknown], "q")["pareto"] == ["1 s", "2 s", "4 s"]
-    assert bench_errors.summarise_quantity(unknown, "q") == {
+    assert bench.summarise_quantity([*rows, *unknown], "q")["pareto"] == ["1 s", "2 s", "4 s"]
+    assert bench.summarise_quantity(unknown, "q") == {
         "pareto": [], "cheapest": {"0.01": None, "0.05": None}, "floor": None
     }  # fmt: skip
 
 
 def test_cheapest_needs_error_and_floor_within():
     rows = [row("quick", 1.0, 0.001, floor=0.2), row("good", 2.0, 0.009, floor=0.005), row("slow", 3.0, 0.001)]
-    found = bench_errors.summarise_quantity(rows, "q")
+    found = bench.summarise_quantity(rows, "q")
     assert found["cheapest"] == {"0.01": "good", "0.05": "good"} and found["floor"] == 0.005
-    assert bench_errors.summarise_quantity(rows[:1], "q")["cheapest"] == {"0.01": None, "0.05": None}
+    assert bench.summarise_quantity(rows[:1], "q")["cheapest"] == {"0.01": None, "0.05": None}
     other_flow = row("coarse", 0.1, 0.001, diameter=0.4)
-    assert bench_errors.summarise_quantity([other_flow, *rows], "q")["cheapest"]["0.01"] == "good"
+    assert bench.summarise_quantity([other_flow, *rows], "q")["cheapest"]["0.01"] == "good"
 
 
 def test_turns_go_to_and_fro():
@@ -163,7 +171,7 @@ def test_table_names_choices():
         ],
         "quantities": {"q": {"cheapest": {"0.01": "compiled f=0.1", "0.05": "compiled f=0.1"}, "pareto": []}},
     }  # fmt: skip
-    text = "\n".join(bench_page.page(data))
+    text = "\n".join(bench.page(data))
     assert "compiled f=0.1: 1.00 s, 4.0x (0.80 %)" in text
     assert "| compiled f=0.1 (1 failed) | 1.00 | 5.0 | 0.80 % |" in text
 
@@ -174,7 +182,7 @@ def test_a_setting_without_any_error_is_cheapest_and_has_no_place_on_a_logarithm
     summary = {"cheapest": {"0.01": "compiled f=0.1", "0.05": "compiled f=0.1"}, "pareto": ["compiled f=0.1"]}
     for some in (rows, rows[1:]):
         data = {"case": "box", "rows": some, "quantities": {"q": {**summary, "floor": None}}}
-        assert bench_page.draw_quantity(data, "q", tmp_path).stat().st_size > 5000
+        assert bench.draw_quantity(data, "q", tmp_path).stat().st_size > 5000
 
 
 def test_a_developed_flow_keeps_the_sizes_of_its_discs():

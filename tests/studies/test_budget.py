@@ -11,8 +11,8 @@ from made_up import BOX, INPUTS, call
 from lammps_jump import load_case
 from lammps_jump.errors import CaseError
 from lammps_jump.studies import budget as budgets
+from lammps_jump.studies import points as points_study
 from lammps_jump.studies.points import FAILED
-from lammps_jump.studies.points import study as points_study
 
 SIGMA = 0.03
 

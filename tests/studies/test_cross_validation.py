@@ -13,13 +13,12 @@ import lammps_jump as lj
 from lammps_jump.analysis.jump.found import Jump
 from lammps_jump.case import load_case
 from lammps_jump.errors import RunError, SetupError
-from lammps_jump.studies.cross_validation import statistics as cv_statistics
+from lammps_jump.studies.cross_validation import quantities as cv_statistics
 from lammps_jump.studies.cross_validation import study as cross_validation
 from lammps_jump.studies.cross_validation import trajectories
 from lammps_jump.studies.cross_validation.page import verdict_text
 from lammps_jump.studies.cross_validation.quantities import JUMP_NUMBERS, MemberCurve, Quantities, compare
-from lammps_jump.studies.cross_validation.scenes import micro_scenes
-from lammps_jump.studies.cross_validation.study import CrossValidation
+from lammps_jump.studies.cross_validation.study import CrossValidation, micro_scenes
 from lammps_jump.studies.cross_validation.trajectories import (
     AGREEMENT,
     DeterministicCheck,

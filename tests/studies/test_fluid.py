@@ -11,8 +11,8 @@ import pytest
 import lammps_jump as lj
 from lammps_jump.errors import CaseError
 from lammps_jump.studies import fluid
-from lammps_jump.studies.fluid import discs as fluid_discs
-from lammps_jump.studies.fluid import flow, page, slosh, sound, store, study
+from lammps_jump.studies.fluid import box as boxes
+from lammps_jump.studies.fluid import cell, flow, study
 from lammps_jump.sweeps.table import mean_of
 
 CASE = "inputs/hydraulic_jump_graded.yaml"
@@ -95,7 +95,7 @@ class TestShear:
 
     def test_friction_and_packing(self, discs):
         """0.254 and 0.811 at I = 0.1 (1,000 discs, three starts); here 200 discs and one start, scatter 0.02."""
-        (found,) = sound.sheared(discs, 60e3, 1, numbers=(0.1,), count=200)
+        (found,) = boxes.sheared(discs, 60e3, 1, numbers=(0.1,), count=200)
         number = found.inertial
         expected = 0.083 + 0.541 * number**0.5
         assert found.friction == pytest.approx(expected, abs=0.02)
@@ -103,20 +103,18 @@ class TestShear:
 
     def test_fit(self):
         inertial = np.geomspace(0.003, 0.3, 5)
-        found = fluid_discs.fit_friction(inertial, 0.083 + 0.541 * inertial**0.5)
+        found = cell.fit_friction(inertial, 0.083 + 0.541 * inertial**0.5)
         assert found == pytest.approx((0.083, 0.541, 0.5), rel=1e-6)
-        assert fluid_discs.fit_friction(inertial, found.static + found.slope * inertial**0.5, 0.5) == pytest.approx(
-            found
-        )
+        assert cell.fit_friction(inertial, found.static + found.slope * inertial**0.5, 0.5) == pytest.approx(found)
 
     @pytest.mark.parametrize(("depth", "rate", "nu"), [(1, 1, 2.2), (1, 10, 0.5), (6, 1, 10), (6, 10, 2.1)])
     def test_viscosity(self, depth, rate, nu):
         """nu = mu(I) p/(rho rate), two digits of the trial."""
-        friction = fluid_discs.Friction(0.083, 0.541, 0.5)
-        assert fluid_discs.viscosity(friction, 9810.0 * depth, rate, 0.2, 1000.0) == pytest.approx(nu, rel=0.05)
+        friction = cell.Friction(0.083, 0.541, 0.5)
+        assert cell.viscosity(friction, 9810.0 * depth, rate, 0.2, 1000.0) == pytest.approx(nu, rel=0.05)
 
     def test_rate(self):
-        assert fluid_discs.shear_rate(0.1, 0.2, 1000.0, 60e3) == pytest.approx(0.1 * 60**0.5 / 0.2)
+        assert cell.shear_rate(0.1, 0.2, 1000.0, 60e3) == pytest.approx(0.1 * 60**0.5 / 0.2)
 
 
 class TestSound:
@@ -124,13 +122,13 @@ class TestSound:
 
     def test_speed(self, discs):
         """0.6 n v0 in the trial, 0.63 ± 0.02 in longer boxes; one start of a short one scatters by 0.05."""
-        found = sound.sound_speed(discs, 60e3, 1, length=30)
+        found = boxes.sound_speed(discs, 60e3, 1, length=30)
         assert 0.53 < found.ratio < 0.70
         assert found.speed == pytest.approx(found.ratio * 160.0)
 
     def test_damped_cosine(self):
         times = np.linspace(0.0, 2.0, 100)
-        found = sound.damped_cosine(times, 0.1 + 2.0 * np.exp(-2.0 * times) * np.cos(6.0 * times + 0.3), 7.0)
+        found = boxes.damped_cosine(times, 0.1 + 2.0 * np.exp(-2.0 * times) * np.cos(6.0 * times + 0.3), 7.0)
         assert found == pytest.approx((6.0, 2.0, 0.1), rel=1e-5)
         assert found.damping == pytest.approx(2.0 / 40.0**0.5, rel=1e-5)
 
@@ -139,31 +137,31 @@ class TestSlosh:
     """Sloshing."""
 
     def test_water(self):
-        assert slosh.water_frequency(0.01, 100.0, 9.81) == pytest.approx((9.81 * 0.01) ** 0.5 * pi / 100.0, rel=1e-6)
+        assert boxes.water_frequency(0.01, 100.0, 9.81) == pytest.approx((9.81 * 0.01) ** 0.5 * pi / 100.0, rel=1e-6)
 
     def test_friction(self):
         """0.197 of the trial's swing of 3.18 m over 4 m that comes to -0.37."""
-        assert slosh.coulomb_friction(3.18, -0.37, 4.0) == pytest.approx(0.197, rel=2e-3)
+        assert boxes.coulomb_friction(3.18, -0.37, 4.0) == pytest.approx(0.197, rel=2e-3)
 
     def test_numbers(self):
         times = np.linspace(0.0, 1.6, 161)
         swing = np.exp(-2.5 * times) * np.cos(2.0 * pi * times)
-        found = slosh.slosh_of(times, swing / swing[0], 3.0, 4.0)
+        found = boxes.slosh_of(times, swing / swing[0], 3.0, 4.0)
         assert found.frequency == pytest.approx(1.0, rel=1e-4)
         assert found.damping == pytest.approx(2.5 / np.hypot(2.5, 2.0 * pi), rel=1e-4)
         assert found.opposite == pytest.approx(swing.min())
 
     def test_discs_that_do_not_swing(self):
         times = np.linspace(0.0, 1.6, 161)
-        found = slosh.slosh_of(times, 0.4 + 0.6 * np.exp(-times), 3.0, 4.0)
+        found = boxes.slosh_of(times, 0.4 + 0.6 * np.exp(-times), 3.0, 4.0)
         assert np.isnan(found.frequency)
         assert found.rest > 0.4
 
     def test_box(self, discs):
-        box = slosh.box_of(discs, 2.0, 9.81, 1)
+        box = boxes.box_of(discs, 2.0, 9.81, 1)
         assert np.hypot(*box.gravity) == pytest.approx(9.81)
         covered = pi / 4.0 * np.sum(box.diameters(np.arange(1, len(box.positions) + 1)) ** 2)
-        assert covered / (5.0 * 2.0 * 2.0) == pytest.approx(slosh.PACKED, rel=0.02)
+        assert covered / (5.0 * 2.0 * 2.0) == pytest.approx(boxes.PACKED, rel=0.02)
 
 
 class TestFlow:
@@ -207,24 +205,24 @@ class TestStudy:
         monkeypatch.setenv("LAMMPS_JUMP_CACHE", str(tmp_path))
         summary, scales = study.summary_of(*pieces()), flow.flow_of(case)
         assert summary["static"][0] == pytest.approx(0.08)
-        at = store.numbers_at(summary, discs, scales)
+        at = flow.numbers_at(summary, discs, scales)
         assert at["mach"] == pytest.approx(0.16)
         assert at["reynolds"] == pytest.approx(16.0 / at["viscosity"])
-        assert store.stored(case) is None
-        zones = {name: store.numbers_at(summary, discs, one) for name, one in flow.zones_of(case, scales).items()}
+        assert flow.stored(case) is None
+        zones = {name: flow.numbers_at(summary, discs, one) for name, one in flow.zones_of(case, scales).items()}
         doubts = study.warnings_of(discs, scales, at)
         found = {"case": case.name, "flow": at, "zones": zones, "warnings": doubts, "summary": summary}
-        text = page.text_of(found, discs, scales)
+        text = study.text_of(found, discs, scales)
         assert "| middle of the jump |" in text
         assert "| friction at rest (yield) μs | 0 | 0.08 " in text
         assert found["warnings"] == []
-        page.draw(found, discs, scales, tmp_path / "fluid.png")
+        study.draw(found, discs, scales, tmp_path / "fluid.png")
         assert (tmp_path / "fluid.png").stat().st_size > 10_000
-        path = store.store_of(store.measured_key(discs, scales))
+        path = flow.store_of(flow.measured_key(discs, scales))
         path.parent.mkdir()
         lj.files.write_json(path, {"summary": summary})
-        assert store.stored(case)["reynolds"] == pytest.approx(at["reynolds"])
-        assert "Reynolds number q/nu" in store.flow_numbers_in_words(at)
+        assert flow.stored(case)["reynolds"] == pytest.approx(at["reynolds"])
+        assert "Reynolds number q/nu" in flow.flow_numbers_in_words(at)
 
     def test_parts_of_a_jump_have_the_depths_of_its_run(self, case, tmp_path):
         scales = flow.flow_of(case)
@@ -245,23 +243,23 @@ class TestStudy:
         """The seed, walls and words of a case change nothing; the contact does."""
         scales = flow.flow_of(case)
         other = lj.load_case(CASE, {"run.seed": 7, "description": "another"})
-        assert store.measured_key(fluid.discs_of(other), flow.flow_of(other)) == store.measured_key(discs, scales)
+        assert flow.measured_key(fluid.discs_of(other), flow.flow_of(other)) == flow.measured_key(discs, scales)
         stiffer = fluid.discs_of(lj.load_case(CASE, {"contact.largest_overlap": 0.05}))
-        assert store.measured_key(stiffer, scales) != store.measured_key(discs, scales)
+        assert flow.measured_key(stiffer, scales) != flow.measured_key(discs, scales)
 
     def test_discs_that_attract_each_other_are_others(self, discs):
         scales = flow.flow_of(lj.load_case(CASE))
         sticky = fluid.discs_of(lj.load_case(CASE, {"contact.cohesion": {"weight": 0.5}}))
         pull = 0.5 * sticky.coefficients.mass * 9.81
         assert sticky.scene.law_numbers(sized=True).cohesion == pytest.approx(pull, rel=1e-3)
-        assert store.measured_key(sticky, scales) != store.measured_key(discs, scales)
+        assert flow.measured_key(sticky, scales) != flow.measured_key(discs, scales)
 
     def test_doubts(self, case):
         equal = lj.load_case(CASE, {"discs": {"diameter": 0.2, "density": 1000}, "contact.friction": 0.1})
         scales = flow.flow_of(equal, speed=40.0)
         summary = study.summary_of(*pieces())
         discs = fluid.discs_of(equal)
-        doubts = study.warnings_of(discs, scales, store.numbers_at(summary, discs, scales))
+        doubts = study.warnings_of(discs, scales, flow.numbers_at(summary, discs, scales))
         assert [text.split()[0:3] for text in doubts] == [
             ["the", "Mach", "number"], ["the", "discs", "are"], ["contact.friction", "is", "0.1:"],
         ]  # fmt: skip
@@ -293,5 +291,5 @@ def test_the_whole_command(tmp_path, monkeypatch):
 def test_springs_hold_a_slope():
     """Friction 0.5 with springs and spin: the yield is several times that of discs without friction."""
     rough = lj.load_case(CASE, {"contact.friction": 0.5, "contact.friction_law": "history", "contact.rotation": True})
-    (found,) = sound.sheared(fluid.discs_of(rough), 60e3, 1, numbers=(0.1,), count=100)
+    (found,) = boxes.sheared(fluid.discs_of(rough), 60e3, 1, numbers=(0.1,), count=100)
     assert found.friction > 0.3

@@ -9,7 +9,7 @@ import pytest
 import lammps_jump as lj
 from lammps_jump.engines.lammps.loader import load_lammps
 from lammps_jump.studies import fluid
-from lammps_jump.studies.fluid import sound
+from lammps_jump.studies.fluid import box
 
 BEFORE, DURING = 1.0, 8.0
 """Strain before and while the means are taken."""
@@ -79,12 +79,12 @@ def test_shear_is_that_of_stock_lammps(number):
     for seed in (1, 2, 3):
         cell = fluid.Cell(fluid.discs_of(case), 400, seed)
         cell.close(60e3)
-        rate = sound.shear_rate(number, cell.discs.diameter, cell.discs.density, 60e3)
+        rate = box.shear_rate(number, cell.discs.diameter, cell.discs.density, 60e3)
         cell.shear(0.0, rate)
         cell.advance(2.0 / rate, 1, rate=rate, pressure=60e3)
         theirs = by_stock(cell, case.fields.contact.restitution, rate)
         cell.advance(BEFORE / rate, 1, rate=rate)
-        ours = sound.of_record(cell.advance(DURING / rate, 10, rate=rate), rate, cell)
+        ours = box.of_record(cell.advance(DURING / rate, 10, rate=rate), rate, cell)
         found.append([theirs, (ours.friction, ours.pressure)])
     (friction, pressure), (ours_friction, ours_pressure) = np.mean(found, axis=0)
     assert ours_friction == pytest.approx(friction, rel=0.03)

@@ -8,9 +8,9 @@ from made_up import BOX, Here
 
 from lammps_jump import load_case
 from lammps_jump.errors import CaseError, RunError, SetupError
-from lammps_jump.studies.points import FAILED, Point, PointStudy, find, run_study, study_named, work
-from lammps_jump.studies.points import study as points_study
-from lammps_jump.studies.points.pieces import pieces_of
+from lammps_jump.studies import folder as studies_folder
+from lammps_jump.studies import points as points_study
+from lammps_jump.studies.points import FAILED, Point, PointStudy, pieces_of, run_study, study_named
 
 calls = []
 
@@ -99,7 +99,7 @@ def test_a_run_is_made_once_and_again_where_that_is_asked_for(tmp_path, monkeypa
     (tmp_path / "made.json").unlink()
     data, _ = run_study(made, tmp_path, say=calls.append)
     assert data["rows"] == [[{"discs": 16}]] and (folder / "summary.json").stat().st_mtime_ns == first
-    monkeypatch.setattr(work, "run_member", lambda member, store, again, keep: calls.append(again))
+    monkeypatch.setattr(points_study, "run_member", lambda member, store, again, keep: calls.append(again))
     run_study(made, tmp_path, fresh=True, say=calls.append)
     assert calls[-1] is True, "it would be run anew"
 
@@ -108,7 +108,7 @@ def test_a_wheel_says_where_its_studies_are(tmp_path, monkeypatch):
     name = "stress"
     with pytest.raises(CaseError, match=f"--laws .*: holds nothing of .*{name}.*study.py"):
         study_named(name, tmp_path)
-    monkeypatch.setattr(find, "TREE", tmp_path / "site" / "validation")
+    monkeypatch.setattr(studies_folder, "TREE", tmp_path / "site" / "validation")
     with pytest.raises(SetupError, match=f"lammps-jump {name}.* validation/ of the source .*--laws DIR"):
         study_named(name)
     (tmp_path / name).mkdir()

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Markdown tables of records."""
 
-from lammps_jump.analysis.tables.markdown import markdown, percent, with_error
+from lammps_jump.analysis.tables import markdown, percent, with_error
 
 
 def test_cells_come_from_templates_functions_and_the_title():

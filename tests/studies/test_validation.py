@@ -13,10 +13,8 @@ from lammps_jump.case import parse_case
 from lammps_jump.cli.app import main
 from lammps_jump.errors import CaseError, SetupError
 from lammps_jump.files import plain
-from lammps_jump.studies import validation
-from lammps_jump.studies.points import find, work
-from lammps_jump.studies.validation import LOOKED_UP, Row, around, mean_of
-from lammps_jump.studies.validation.page import explained
+from lammps_jump.studies import folder, points, validation
+from lammps_jump.studies.validation import LOOKED_UP, Row, around, explained, mean_of
 from lammps_jump.sweeps.members import Member, drop_dumps
 
 MEASURE = """
@@ -93,7 +91,7 @@ NUMBERS = LAW.replace("[case, ", "[").replace(
 
 
 def test_what_was_measured_is_kept_and_shown(laws, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("lammps_jump.studies.validation.study.Pool", Here)
+    monkeypatch.setattr("lammps_jump.studies.validation.Pool", Here)
     (laws / "fall" / "law.py").write_text(NUMBERS)
     words = ("fall", "--laws", laws, "--out", tmp_path / "out", "--quiet")
     assert command(monkeypatch, *words) == 0
@@ -118,7 +116,7 @@ def test_a_law_is_run_once_and_shown(laws, tmp_path, monkeypatch, capsys):
     assert not [*out.glob("runs/*/dump.*")]
     page = (out / "report.html").read_text()
     assert "Free fall" in page and "A note." in page and "data:image/png" in page
-    monkeypatch.setattr("lammps_jump.studies.points.work.run_member", None)  # nothing is run again
+    monkeypatch.setattr("lammps_jump.studies.points.run_member", None)  # nothing is run again
     assert validation.validate(["fall"], out, laws=laws, quick=True)["laws"] == stored["laws"]
     (tmp_path / "mine").mkdir()
     shutil.rmtree(out / "figures")
@@ -129,7 +127,7 @@ def test_a_law_is_run_once_and_shown(laws, tmp_path, monkeypatch, capsys):
 
 
 def test_what_fails_is_told_and_tried_again(laws, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("lammps_jump.studies.validation.study.Pool", Here)
+    monkeypatch.setattr("lammps_jump.studies.validation.Pool", Here)
     law = laws / "fall" / "law.py"
     law.write_text(LAW.replace('[case, Point("number", "twice", options={"value": 4})]', '[Point("number", "broken")]'))
     words = ("--laws", laws, "--out", tmp_path / "out", "--jobs", "1", "--quiet")
@@ -148,7 +146,7 @@ def test_laws_are_listed_and_what_is_not_there_is_named(laws, tmp_path, monkeypa
     with pytest.raises(CaseError, match="holds no law"):
         validation.laws_folder(tmp_path)
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(find, "TREE", tmp_path / "site" / "validation")
+    monkeypatch.setattr(folder, "TREE", tmp_path / "site" / "validation")
     with pytest.raises(SetupError, match="validation/ of the source of lammps-jump"):
         validation.laws_folder()
     assert command(monkeypatch) == 2
@@ -161,9 +159,9 @@ def test_no_law_of_the_current_folder_is_run(tmp_path, monkeypatch, tree):
         (place / "validation" / "x").mkdir(parents=True)
         (place / "validation" / "x" / "law.py").write_text("open('PWNED', 'w')")
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(find, "TREE", tmp_path / ("none" if tree == "no tree" else "site") / "validation")
+    monkeypatch.setattr(folder, "TREE", tmp_path / ("none" if tree == "no tree" else "site") / "validation")
     with pytest.raises(SetupError, match="validation/ of the source of lammps-jump"):
-        validation.study.listing()
+        validation.listing()
     assert not (tmp_path / "PWNED").exists()
 
 
@@ -179,7 +177,7 @@ def test_no_dump_behind_a_link_is_deleted(tmp_path):
     with pytest.raises(SetupError, match="is a link"):
         drop_dumps(member, tmp_path)
     with pytest.raises(SetupError, match="is a link"):
-        work._measured(work.Task(tmp_path, "x", {}, member, tmp_path), member, lambda run: {})
+        points._measured(points.Task(tmp_path, "x", {}, member, tmp_path), member, lambda run: {})
     assert (mine / "dump.lammpstrj").read_text() == "mine"
 
 

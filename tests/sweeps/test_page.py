@@ -14,8 +14,8 @@ from made_up import INPUTS, STUDY, call
 import lammps_jump as lj
 from lammps_jump.analysis.draw.style import drawing
 from lammps_jump.analysis.report.coder import LETTERS
+from lammps_jump.analysis.report.handed_on import read_player
 from lammps_jump.analysis.report.page import Player, PlayerChoice, Section, render
-from lammps_jump.analysis.report.player_check import read_player
 from lammps_jump.case import load_case
 from lammps_jump.sweeps import Sweep, held_study, open_sweep, page, prepare, read_study, slurm
 from lammps_jump.sweeps.players import by_member, by_point

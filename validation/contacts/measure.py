@@ -10,7 +10,7 @@ import numpy as np
 
 from lammps_jump.physics.slip import Rolling, Springs
 from lammps_jump.scene import Plane, Scene, handmade_scene
-from lammps_jump.studies.bench.collision import collision_scene, expected, measure_collisions
+from lammps_jump.studies.bench import collision_scene, expected, measure_collisions
 from lammps_jump.studies.runs import run_frames
 
 FLOOR = Plane("floor", "y", 0.0, "above")

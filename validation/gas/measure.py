@@ -9,8 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from lammps_jump.case import load_case
-from lammps_jump.studies.fluid.cell import KINETIC, LX, LY, SXX, SYY, Cell
-from lammps_jump.studies.fluid.discs import FluidDiscs, discs_of
+from lammps_jump.studies.fluid.cell import KINETIC, LX, LY, SXX, SYY, Cell, FluidDiscs, discs_of
 
 CASE = Path(__file__).with_name("gas.yaml")
 CONTACT_SHARE = 0.01

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from lammps_jump.studies.bench.collision import collision_scene, measure_collisions
+from lammps_jump.studies.bench import collision_scene, measure_collisions
 
 from .limits import ENGINES, integrator_of
 from .limits import crystal_growth as crystal_growth

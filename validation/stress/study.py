@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from lammps_jump.analysis.draw.style import drawing, save
-from lammps_jump.analysis.tables.markdown import filled, markdown
+from lammps_jump.analysis.tables import filled, markdown
 from lammps_jump.engines import usable_kernels
 from lammps_jump.physics import contact
 from lammps_jump.studies.points import FAILED, Found, Point, PointStudy

@@ -6,8 +6,8 @@ from __future__ import annotations
 import numpy as np
 
 from lammps_jump import Run, load_case
-from lammps_jump.studies.bench.collision import collision_scene, measure_collisions
-from lammps_jump.studies.points.find import TREE
+from lammps_jump.studies.bench import collision_scene, measure_collisions
+from lammps_jump.studies.folder import TREE
 
 
 def box(run: Run) -> dict:

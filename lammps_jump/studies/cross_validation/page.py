@@ -16,12 +16,11 @@ from matplotlib.figure import Figure
 from lammps_jump.analysis.draw.chart import PLACE, TIME, Chart, Panel, Trace
 from lammps_jump.analysis.draw.style import BLUE, GOLD, GREY, RED, drawing, drawn, save
 from lammps_jump.analysis.report.page import Mark, Picture, Section, Table, Text, picture, render
-from lammps_jump.analysis.tables.markdown import Column, cells
+from lammps_jump.analysis.tables import Column, cells
 from lammps_jump.files import write_text
 from lammps_jump.scene import Scene
 
-from .quantities import Comparison, MemberCurve, relative_size
-from .statistics import DECIDES, Difference
+from .quantities import DECIDES, Comparison, Difference, MemberCurve, relative_size
 from .trajectories import AGREEMENT, CONTACT_STEPS, DeterministicCheck, Divergence, Growth
 
 SHOWN = {

@@ -14,16 +14,17 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lammps_jump.analysis.budgets.head import EnergyFluxes
-from lammps_jump.analysis.contacts import ContactCollector
-from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.jump.found import TrackedJump
-from lammps_jump.analysis.passes import Gathered, Watcher
-from lammps_jump.analysis.profiles import Binner, add_means, bin_edges, running_rows
 from lammps_jump.dump.frame import Frame, make_frame
 from lammps_jump.dump.side_files.contacts import ContactFile
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.motion import Motion, MovingWall, Placed, Pose
 from lammps_jump.scene.walls import Wall
+
+from .contacts import ContactCollector
+from .flow import Flow
+from .passes import Gathered, Watcher
+from .profiles import Binner, add_means, bin_edges, running_rows
 
 LEVEL = 0.05
 """Change of the bed's height from bin to bin below which it counts as level, in diameters; and of its change below

@@ -1,0 +1,433 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Points of a study: what they are, how each is measured in a process of its own, kept, and made into a page.
+
+Runs, their folder and its marker, the store and going on are the same for all studies.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from lammps_jump.analysis.tables import paragraphs
+from lammps_jump.errors import CaseError, JumpError, RunError, RunInterrupted
+from lammps_jump.files import DUMP_NAMES, plain, text_of
+from lammps_jump.identity import short_hash
+from lammps_jump.provenance import usable_cores
+from lammps_jump.runs.run import Case, load_case, open_run
+from lammps_jump.studies.folder import LAW_FILE, MEASURE_FILE, STUDY_FILE, load_module, source_of
+from lammps_jump.sweeps import Pool, Results, Say, Start, Store, plan
+from lammps_jump.sweeps.members import Member, drop_dumps, require_no_links, run_member, state_of
+from lammps_jump.sweeps.pool import CallOutcome
+from lammps_jump.sweeps.store import Watch
+
+from .folder import held_folder
+
+FAILED = "failed"
+"""Key of a measurement that there is not, with the reason."""
+Measure = Callable[..., object]
+Found = Mapping[str, Sequence[Mapping[str, Any]]]
+"""What was measured: by the name of a point, what the measuring function returned for each of its starts."""
+
+
+@dataclass(frozen=True)
+class Point:
+    """One set of values, at which a law or another study is measured.
+
+    Attributes
+    ----------
+    name : str
+        Unique in its study.
+    measure : str or callable
+        Function at the top level of a module of the program, or name of one in ``measure.py`` of the study's folder.
+        With a case it is called ``measure(run, **options)``, else ``measure(**options)``. It returns a dict of plain
+        data.
+    case : str, Case or None
+        Case file, relative to the study's folder, or a case; None for a function without a run.
+    changes : mapping
+        Values of the case that this point changes, as ``--set``.
+    starts : int
+        Runs with their discs moved by 1e-6 diameters; 1 for a function.
+    options : mapping
+        Plain data, handed to the function by name.
+    seconds : float
+        Processor time of one start, about; weighs the line of progress.
+    seed : int
+        Of the first start; the others follow.
+    dump : bool
+        Whether the function reads the dump: a finished run without one is run again.
+    judged : bool
+        A run or call that fails is a finding too, ``{FAILED: reason}``, and is kept; else it is told and tried again.
+    patience : float
+        s that one start may take.
+    """
+
+    name: str
+    measure: str | Measure
+    case: str | Case | None = None
+    changes: Mapping[str, Any] = field(default_factory=dict)
+    starts: int = 1
+    options: Mapping[str, Any] = field(default_factory=dict)
+    seconds: float = 1.0
+    seed: int = 1
+    dump: bool = True
+    judged: bool = False
+    patience: float = float("inf")
+
+    @property
+    def measure_name(self) -> str:
+        """Name of the measuring function."""
+        return self.measure if isinstance(self.measure, str) else self.measure.__name__
+
+
+@dataclass(frozen=True)
+class PointStudy:
+    """A study with tables and a page in Markdown.
+
+    Attributes
+    ----------
+    name : str
+        Of its files: ``<name>.json``, ``<name>.md``, pictures ``<name>_*.png``.
+    points : sequence of Point
+    results : callable
+        ``results(found, stored)``: what stands in its JSON file; `stored` is what stands there already. Pure.
+    page : callable
+        ``page(results)``: paragraphs of its page in Markdown. Pure.
+    draw : callable
+        ``draw(results, folder)``: draws its figures.
+    told : callable
+        ``told(point, start, measured)``: a line on a start, counted from 1; an empty one is not shown.
+    opening : sequence of str
+        Lines that are told first.
+    ending : callable
+        ``ending(results)``: lines that are told last.
+    timed : bool
+        Run one start at a time, and each point once before any again: they are timed.
+    """
+
+    name: str
+    points: Sequence[Point]
+    results: Callable[[Found, Results], Results]
+    page: Callable[[Results], Sequence[str]]
+    draw: Callable[[Results, Path], object] = lambda results, folder: None
+    told: Callable[[Point, int, Any], str] = lambda point, start, measured: ""
+    opening: Sequence[str] = ()
+    ending: Callable[[Results], Sequence[str]] = lambda results: ()
+    timed: bool = False
+
+
+# --- work of a process: it runs one start of a point and measures it, or calls a function -----------------------------
+
+
+class Task(NamedTuple):
+    """One start of a point, as a worker takes it.
+
+    Attributes
+    ----------
+    folder : Path
+        Of the study.
+    measure : str or callable
+    options : mapping
+        Of that function.
+    member : Member or None
+        What is run; None for a function without a run.
+    store : Path
+        Holds ``runs/``.
+    dump : bool
+        Whether the function reads the dump.
+    again : bool
+        Run again what is there.
+    keep_dump : bool
+    """
+
+    folder: Path
+    measure: str | Measure
+    options: Mapping[str, Any]
+    member: Member | None
+    store: Path
+    dump: bool = True
+    again: bool = False
+    keep_dump: bool = False
+
+
+def function_of(task: Task) -> Measure:
+    """Return the measuring function; CaseError where the folder has none of this name."""
+    if not isinstance(task.measure, str):
+        return task.measure
+    found: Measure | None = getattr(load_module(task.folder, "measure"), task.measure, None)
+    if found is None:
+        raise CaseError(f"{task.folder / MEASURE_FILE}: has no function {task.measure}")
+    return found
+
+
+def work(task: Task) -> Any:
+    """Return what the measuring function finds; a run that failed is a measurement with the reason alone."""
+    function = function_of(task)
+    try:
+        return plain(function(**task.options) if task.member is None else _measured(task, task.member, function))
+    except RunInterrupted:
+        raise
+    except JumpError as error:
+        return failed(str(error))
+
+
+def failed(reason: str) -> dict[str, str]:
+    """Return the measurement that there is not."""
+    return {FAILED: reason}
+
+
+def _measured(task: Task, member: Member, function: Measure) -> object:
+    require_no_links([member], task.store)
+    folder = member.folder(task.store)
+    stage = state_of(member, task.store).stage
+    there = stage == "done" and not task.again
+    if there and task.dump:
+        there = any((folder / name).exists() for name in DUMP_NAMES.values())
+    if not there:
+        run_member(member, task.store, stage in ("done", "failed"), True)
+    found = function(open_run(folder), **task.options)
+    if not task.keep_dump:
+        drop_dumps(member, task.store)
+    return found
+
+
+# --- the starts of all points as pieces of a store: their keys, the calls that make them, what was found --------------
+
+
+class Piece(NamedTuple):
+    """One start of a point: whose it is, its number from 1, the key of its result, what makes it, the run behind it."""
+
+    owner: str
+    point: Point
+    start: int
+    key: str
+    call: partial[Any]
+    member: Member | None = None
+
+
+def pieces_of(
+    owner: str,
+    points: Iterable[Point],
+    store: Path,
+    folder: Path | None = None,
+    *,
+    fresh: bool = False,
+    keep_dumps: bool = False,
+) -> list[Piece]:
+    """Return the pieces of a study. A key holds the run, what measures it, and the text of the folder's modules.
+
+    Parameters
+    ----------
+    owner : str
+        Name of the study.
+    points : iterable of Point
+    store : Path
+        Holds ``runs/``.
+    folder : Path, optional
+        Of the study; none where its functions and cases are those of the program.
+    fresh : bool
+        Run again what is there, where the measuring function does not read the dump.
+    keep_dumps : bool
+        Leave the dumps in the run folders.
+
+    Raises
+    ------
+    CaseError, SetupError
+        A point that cannot be run, unless it is judged: nothing is run then.
+    """
+    text = text_of_measures(folder) if folder else ""
+    found = []
+    for point in points:
+        about = {"measure": point.measure_name, "options": plain(point.options), "text": text}
+        hashed = short_hash(about)
+        try:
+            members = members_of(point, folder)
+        except JumpError as error:
+            if not point.judged:
+                raise
+            asked = {**about, "changes": plain(point.changes), "refused": str(error)}
+            key = f"{owner} refused {short_hash(asked)}"
+            refused = partial(failed, str(error))
+            found += [Piece(owner, point, start, f"{key} {start}", refused) for start in range(1, point.starts + 1)]
+            continue
+        for start, member in enumerate(members, 1):
+            key = f"{owner} {hashed}" if member is None else f"{owner} {member.key}-{hashed}"
+            place, again = folder or Path(), fresh and not point.dump
+            task = Task(place, point.measure, point.options, member, store, point.dump, again, keep_dumps)
+            found.append(Piece(owner, point, start, key, partial(work, task), member))
+    return found
+
+
+def text_of_measures(folder: Path) -> str:
+    """Return the text of the modules of a study that measure: all but those that plan it and show it."""
+    paths = sorted(path for path in folder.glob("*.py") if path.name not in (LAW_FILE, STUDY_FILE))
+    return "".join(map(text_of, paths))
+
+
+def members_of(point: Point, folder: Path | None) -> Sequence[Member | None]:
+    """Return the runs of a point; one that is None where it is a function without a run."""
+    if point.case is None:
+        return [None]
+    case = point.case if isinstance(point.case, Case) else load_case((folder or Path()) / point.case)
+    starts = [Start(0, point.changes, point.seed + number) for number in range(point.starts)]
+    return plan(case, starts, {"analysis.figures": "none"})
+
+
+def forget(pieces: Iterable[Piece], store: Store, *, fresh: bool = False) -> None:
+    """Take out of a store what failed and is no finding, so that it is tried again; with `fresh` all pieces."""
+    for piece in pieces:
+        if fresh or (not piece.point.judged and FAILED in store.pieces.get(piece.key, ())):
+            store.pieces.pop(piece.key, None)
+
+
+def measure(pieces: Sequence[Piece], store: Store, pool: Pool, watch: Watch) -> None:
+    """Make the pieces that a store lacks, begun in their order; those with the same patience together."""
+    for patience in dict.fromkeys(piece.point.patience for piece in pieces):
+        some = [piece for piece in pieces if piece.point.patience == patience]
+        calls, keys = [piece.call for piece in some], [piece.key for piece in some]
+        store.call(calls, pool, keys=keys, watch=watch, otherwise=lost, patience=patience)
+
+
+def lost(outcome: CallOutcome) -> dict[str, str]:
+    """Return the measurement of a call that did not return: the reason alone."""
+    return failed(f"{outcome.kind}: {outcome.value}")
+
+
+def found_of(pieces: Iterable[Piece], store: Store) -> dict[str, list[Any]]:
+    """Return what was measured at each point, starts in their order; `FAILED` ones of judged points among them."""
+    found: dict[str, list[Any]] = {}
+    for piece in pieces:
+        measured, ones = store.pieces[piece.key], found.setdefault(piece.point.name, [])
+        if piece.point.judged or FAILED not in measured:
+            ones.append(measured)
+    return found
+
+
+def failures_of(pieces: Iterable[Piece], store: Store) -> list[str]:
+    """Return what failed and is no finding, a line each."""
+    return [
+        f"{piece.point.name}: {measured[FAILED]}"
+        for piece in pieces
+        if not piece.point.judged and FAILED in (measured := store.pieces[piece.key])
+    ]
+
+
+# --- A study of points and tables, run: the points that its store lacks, its JSON file, its page and figures ----------
+
+
+class Teller:
+    """Tells a line for each start that is made."""
+
+    def __init__(self, study: PointStudy, pieces: Sequence[Piece], say: Say):
+        self.pieces = {piece.key: piece for piece in reversed(pieces)}  # a run of two points is told of the first
+        self.study, self.say = study, say
+
+    def heard(self, key: str, news: object) -> None:
+        """Nothing is told of a run on its way."""
+
+    def ended(self, key: str, measured: Any) -> None:
+        """Tell what a start has found."""
+        piece = self.pieces[key]
+        lacks = not piece.point.judged and FAILED in measured
+        line = measured[FAILED] if lacks else self.study.told(piece.point, piece.start, measured)
+        if line:
+            self.say(f"  {line}")
+
+
+def run_study(
+    study: PointStudy,
+    folder: Path,
+    *,
+    source: Path | None = None,
+    command: str = "",
+    fresh: bool = False,
+    say: Say = print,
+) -> tuple[Results, str]:
+    """Return what the JSON file of a study holds, and its page in Markdown; what is stored is not made again.
+
+    Parameters
+    ----------
+    study : PointStudy
+    folder : Path
+        Gets runs, JSON file, page and figures.
+    source : Path, optional
+        Folder of the study where its functions are not those of the program.
+    command : str
+        That marks the folder; default the study's name.
+    fresh : bool
+        Make again what is stored.
+    say : callable
+        Takes a line of progress.
+
+    Raises
+    ------
+    CaseError, SetupError
+        A point that cannot be run, or a folder that holds something else.
+    RunError
+        A point that failed and is not judged; the others are kept.
+    """
+    with held_folder(folder, command or study.name):
+        pieces = pieces_of(study.name, study.points, folder, source, fresh=fresh)
+        store = Store(folder / f"{study.name}.json")
+        for line in study.opening:
+            say(line)
+        forget(pieces, store, fresh=fresh)
+        with Pool(1 if study.timed else usable_cores()) as pool:
+            order = list(by_turns(pieces)) if study.timed else pieces
+            measure(order, store, pool, Teller(study, pieces, say))
+        if failures := failures_of(pieces, store):
+            raise RunError(failures[0])
+        found: Results = plain(study.results(found_of(pieces, store), store.data))
+        for line in study.ending(found):
+            say(line)
+        study.draw(found, folder)
+        text = store.finish(paragraphs(*study.page(found)), **found)
+        return store.data, text
+
+
+def by_turns(pieces: Sequence[Piece]) -> Iterator[Piece]:
+    """Yield the pieces start by start, forwards and backwards in turn."""
+    for start in range(1, max((piece.start for piece in pieces), default=0) + 1):
+        some = [piece for piece in pieces if piece.start == start]
+        yield from some if start % 2 else reversed(some)
+
+
+def study_named(name: str, laws: Path | None = None, **options: Any) -> tuple[PointStudy, Path]:
+    """Return a study that the wheel does not carry, with its options, and its folder.
+
+    Raises
+    ------
+    CaseError
+        The folder given has no such study, or it has no function ``study``.
+    SetupError
+        The source is not there.
+    """
+    file = f"{name}/{STUDY_FILE}"
+    folder = source_of(f"the points of `lammps-jump {name}`", file, laws) / name
+    make = getattr(load_module(folder, "study"), "study", None)
+    found = make(**options) if callable(make) else None
+    if not isinstance(found, PointStudy):
+        raise CaseError(
+            f"{folder / STUDY_FILE}: has no function study that returns a PointStudy; CONTRIBUTING.md has one"
+        )
+    return found, folder
+
+
+def run_named(
+    name: str,
+    out: Path | None = None,
+    *,
+    laws: Path | None = None,
+    fresh: bool = False,
+    say: Say = print,
+    **options: Any,
+) -> tuple[Results, str]:
+    """Run a study that the wheel does not carry, by its name; as `run_study` and `study_named`.
+
+    `out` is ``runs/<name>`` unless given.
+    """
+    study, source = study_named(name, laws, **options)
+    return run_study(study, out or Path("runs") / name, source=source, fresh=fresh, say=say)
