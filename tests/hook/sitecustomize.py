@@ -6,6 +6,7 @@ itself reads none of these variables.
 
 JUMP_TEST_SIGNAL : ``NUMBER@STEP@WHO``; the engine's process sends this signal at the first step from STEP on, and waits
     until it is asked to end. WHO is the process that gets it: ``first``, the ``engine`` itself, or ``all``.
+JUMP_TEST_REACHED : a named pipe, in which the engine's process writes a byte before it waits there.
 JUMP_TEST_SAVE : numbers of steps with commas between; a checkpoint is due at each.
 JUMP_TEST_SLEEP : seconds to sleep at every step.
 JUMP_TEST_FULL : ``FIRST-LAST``; files of the engine's process cannot grow in these steps, as on a full disk.
@@ -41,6 +42,9 @@ if signal_at or sleep or save_at or full:
             for process in {"first": [first], "engine": [os.getpid()], "all": [first, os.getpid()]}[who]:
                 os.kill(process, int(number))
             if os.getpid() != first:
+                if pipe := os.environ.get("JUMP_TEST_REACHED"):
+                    with open(pipe, "wb") as file:
+                        file.write(b".")
                 stop_request.wait(LIMIT)
 
     interrupts.at_step = at_step

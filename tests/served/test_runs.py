@@ -3,9 +3,11 @@
 
 import json
 import os
+import select
 import shutil
 import struct
 import subprocess
+import threading
 from itertools import pairwise
 from pathlib import Path
 
@@ -440,23 +442,48 @@ def started(server):
     return server.pages.children.of(server.pages.runs._runs[number].folder)
 
 
-def test_run_stop_and_go_on(finished, tmp_path, monkeypatch):
-    """The engine waits at a step until it is stopped; what goes on ends with the bytes of the run without a stop."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "falls.yaml").write_text(CASE)
+@pytest.fixture
+def waiting(tmp_path, monkeypatch):
+    """The engine waits at step 400, behind some frames; a function that starts a run and returns when it is there."""
     path = os.pathsep.join([str(HOOK), *filter(None, [os.environ.get("PYTHONPATH")])])
     monkeypatch.setenv("PYTHONPATH", path)
     monkeypatch.setenv("JUMP_TEST_SIGNAL", "0@400@engine")
+    monkeypatch.setenv("JUMP_TEST_REACHED", str(pipe := tmp_path / "reached"))
     monkeypatch.delenv("JUMP_TEST_PROCESS", raising=False)
+    os.mkfifo(pipe)
+
+    def ended(child):
+        child.wait()
+        pipe.write_bytes(b"")  # so that nobody waits for a run that never comes there
+
+    def start(server):
+        reads = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+        child = started(server)
+        watcher = threading.Thread(target=ended, args=(child,), daemon=True)
+        watcher.start()
+        select.select([reads], [], [])
+        assert os.read(reads, 1) == b".", child.lines
+        begun.append((watcher, reads))
+        return child
+
+    begun = []
+    yield start
+    for watcher, reads in begun:
+        watcher.join()
+        os.close(reads)
+
+
+def test_run_stop_and_go_on(finished, tmp_path, monkeypatch, waiting):
+    """The engine waits at a step until it is stopped; what goes on ends with the bytes of the run without a stop."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "falls.yaml").write_text(CASE)
     with serving(tmp_path / "falls.yaml") as server:
         plan = asked(server, "file")["run"]
         assert plan == {"number": None, "command": f"lammps-jump build-and-run {tmp_path / 'falls.yaml'}"}
         assert send(server, "POST", f"/{server.token}/run", {"key": "other"})[0] == 422
-        child = started(server)
-        while asked(server, "run/0/state")["frames"] < 2 and child.status is None:
-            pass  # it waits at step 400, behind some frames
+        child = waiting(server)
         state = asked(server, "run/0/state")
-        assert state["own"] and state["stop"] == f"kill -TERM {child.process.pid}" and state["frames"] < 26
+        assert state["own"] and state["stop"] == f"kill -TERM {child.process.pid}" and 2 <= state["frames"] < 26
         asked(server, "run/0/stop", {})
         assert child.wait() == 75
         state = asked(server, "run/0/state")
@@ -475,16 +502,11 @@ def test_run_stop_and_go_on(finished, tmp_path, monkeypatch):
 
 
 @pytest.mark.long
-def test_what_was_started_here_is_stopped_when_the_server_ends(tmp_path, monkeypatch):
+def test_what_was_started_here_is_stopped_when_the_server_ends(tmp_path, monkeypatch, waiting):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "falls.yaml").write_text(CASE)
-    monkeypatch.setenv("PYTHONPATH", str(HOOK))
-    monkeypatch.setenv("JUMP_TEST_SIGNAL", "0@400@engine")
-    monkeypatch.delenv("JUMP_TEST_PROCESS", raising=False)
     with serving(tmp_path / "falls.yaml") as server:
-        child = started(server)
-        while asked(server, "run/0/state")["frames"] < 2 and child.status is None:
-            pass
+        child = waiting(server)
         assert server.pages.close() == [child]
     assert child.status == 75 and Watched(tmp_path / "runs" / "falls").update()["status"] == "interrupted"
 
