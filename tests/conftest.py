@@ -100,6 +100,45 @@ def remembered():
         yield
 
 
+@pytest.fixture(scope="session")
+def _kept_workers():
+    """Pools hand on the workers that they have done with, to a pool of the same folder and environment."""
+    from lammps_jump.sweeps import pool  # as above
+
+    kept, start = [], pool.Worker
+
+    def here():
+        variables = {name: value for name, value in os.environ.items() if name != "PYTEST_CURRENT_TEST"}
+        return os.getcwd(), variables
+
+    def take(*modules):
+        found = next((one for one in kept if one[0] == here() and one[1].process.poll() is None), None)
+        if found is None:
+            worker = start(*modules)
+            worker.begun_in = here()
+            return worker
+        kept.remove(found)
+        return found[1]
+
+    def close(self):
+        kept.extend((worker.begun_in, worker) for worker in self._idle)
+        self._idle.clear()
+
+    yield take, close
+    for _, worker in kept:
+        worker.end(kill=True)
+
+
+@pytest.fixture(scope="module")
+def kept_workers(_kept_workers):
+    """For the tests of a module: a worker of a pool costs more to start than most calls."""
+    take, close = _kept_workers
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("lammps_jump.sweeps.pool.Worker", take)
+        patch.setattr("lammps_jump.sweeps.pool.Pool.close", close)
+        yield
+
+
 def _blank_pictures():
     """One small picture for every figure: drawing takes longer than a short run; `tests/analysis` looks at drawings."""
     from made_up import blank_figures, on_the_spot  # 2.6 s, as above

@@ -21,6 +21,8 @@ from lammps_jump.calibration.posterior import sample, sobol
 from lammps_jump.calibration.targets import Target
 from lammps_jump.errors import CaseError, RunInterrupted
 
+pytestmark = pytest.mark.usefixtures("kept_workers")
+
 BOTH = ["heap.angle=20 ± 0.3", "heap.run_out=3 ± 0.05"]
 """At friction 0.5 and density 1500."""
 

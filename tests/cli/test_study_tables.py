@@ -16,6 +16,8 @@ import lammps_jump as lj
 from lammps_jump import runs, studies, sweeps
 from lammps_jump.cli.app import main
 
+pytestmark = pytest.mark.usefixtures("kept_workers")
+
 TABLE = "# A study\n\n| scene | y2 \x1b[31m |\n|---|---:|\n| quick_jump | 3.36 ± 0.02 |"
 """A table whose text holds a command for the terminal."""
 COMMANDS = {

@@ -12,7 +12,7 @@ from made_up import INPUTS
 
 import lammps_jump as lj
 
-pytestmark = pytest.mark.usefixtures("blank_pictures")
+pytestmark = pytest.mark.usefixtures("blank_pictures", "kept_workers")
 
 SHORT = {"run.duration": 0.3, "run.output_interval": 0.05, "engine.name": "native", "analysis.window": [0.1, 0.3]}
 

@@ -16,6 +16,8 @@ from lammps_jump.errors import CaseError, DumpError, SetupError
 from lammps_jump.files import CRATE
 from lammps_jump.runs.crate import write_crate
 
+pytestmark = pytest.mark.usefixtures("kept_workers")
+
 HERE = Path(__file__).parents[1]
 LICENCE = "https://spdx.org/licenses/CC-BY-4.0"
 

@@ -34,6 +34,8 @@ from lammps_jump.sweeps import Pool
 from lammps_jump.sweeps.members import JITTER, started
 from lammps_jump.units import numbers_of
 
+pytestmark = pytest.mark.usefixtures("kept_workers")
+
 DROP = """
 name: drops
 discs: {diameter: 0.2, density: 1000}

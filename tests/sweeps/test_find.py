@@ -23,6 +23,8 @@ from lammps_jump.sweeps.find import (
     write_answer,
 )
 
+pytestmark = pytest.mark.usefixtures("kept_workers")
+
 QUICK = {**BOX, "run": {**BOX["run"], "duration": 0.05, "output_interval": 0.01}}
 ENERGY = "energy.initial"
 """Of discs in a box, before any contact stores some: one of them moves at (6, 5) m/s, rho d^2 v^2/2 = 1.22 rho J/m."""

@@ -13,7 +13,7 @@ from lammps_jump.engines.child import Child
 from lammps_jump.sweeps import Pool, Start, Sweep, held_study, members, open_sweep, prepare, read_study, run_starts
 from lammps_jump.sweeps.members import run_member, state_of
 
-pytestmark = pytest.mark.usefixtures("blank_pictures")
+pytestmark = pytest.mark.usefixtures("blank_pictures", "kept_workers")
 
 
 @pytest.fixture(scope="module")

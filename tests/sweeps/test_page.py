@@ -21,6 +21,8 @@ from lammps_jump.sweeps import Sweep, held_study, open_sweep, page, prepare, rea
 from lammps_jump.sweeps.players import by_member, by_point
 from lammps_jump.sweeps.words import heading, words
 
+pytestmark = pytest.mark.usefixtures("kept_workers")
+
 MEMBERS = {
     **STUDY,
     "axes": {},

@@ -11,6 +11,8 @@ from lammps_jump.errors import RunError
 from lammps_jump.sweeps import Pool
 from lammps_jump.sweeps.store import Store
 
+pytestmark = pytest.mark.usefixtures("kept_workers")
+
 
 def test_store_goes_on_where_it_was(tmp_path):
     made = []

@@ -19,6 +19,8 @@ from lammps_jump.folders import locked
 from lammps_jump.sweeps import Sweep, held_study, open_sweep, prepare, read_study, slurm
 from lammps_jump.sweeps.members import run_member
 
+pytestmark = pytest.mark.usefixtures("kept_workers")
+
 SMALL = {**STUDY, "axes": {"run.time_step_fraction": [0.05, 0.1]}, "members": 1}
 """Two points of one member, for studies that are ended on the way."""
 OUT_OF_THE_BOX = {**STUDY, "axes": {"walls.box.x": [[0, 2], [0, 20]]}, "collect": ["discs.present"]}
