@@ -81,7 +81,7 @@ ARRAY_TESTS = "integration/test_compiled_arrays.py"
 STOCK, WRITE = "lammps_jump/script/stock.py", "lammps_jump/dump/write.py"
 FOLDERS, FILES_PY = "lammps_jump/folders.py", "lammps_jump/files.py"
 QUOTING, PROGRESS = "lammps_jump/quoting.py", "lammps_jump/cli/progress.py"
-PLUGIN_TESTS = "integration/test_compiled_kernel.py integration/test_compiled_sizes.py"
+PLUGIN_TESTS = "engines/test_hosts.py integration/test_compiled_kernel.py"
 NATIVE_TESTS = "contacts/test_contacts.py engines"
 MOTION, TRACKS = "lammps_jump/scene/motion.py", "lammps_jump/scene/tracks.py"
 HYDROGRAPH, DEVICES = "lammps_jump/physics/hydrograph.py", "lammps_jump/physics/devices.py"
@@ -91,7 +91,7 @@ SLOTS = LAW
 FLUID = "lammps_jump/studies/fluid/box.py"
 LIST_TESTS = f"{TWIN_TESTS} engines/test_native_contacts.py engines/test_native_sizes.py"
 RULE_TESTS = f"scene/test_faces.py {TWIN_TESTS}"
-MOVING_PLUGIN_TESTS = "contacts/test_moving_forms.py integration/test_compiled_moving_walls.py integration/test_lids.py"
+MOVING_PLUGIN_TESTS = "contacts/test_moving_forms.py engines/test_hosts.py integration/test_lids.py"
 
 DEFECTS = [
     Defect("factor", CONTACT, "disc_mass", "diameter * diameter)", "diameter * diameter) * 0.78", "physics"),

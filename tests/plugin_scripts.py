@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Small scenes as lines of LAMMPS, with stock styles and with those of the plugin, and a run of such lines."""
+"""Small scenes as lines of LAMMPS, with the styles of the plugin, and a run of such lines."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from lammps_jump.engines.native import WithoutDiscs
 from lammps_jump.files import SCENE_FILE
 from lammps_jump.scene.build import handmade_scene
-from lammps_jump.scene.walls import Box, Plane
+from lammps_jump.scene.walls import Plane
 from lammps_jump.script.plugin import contact_law, motion_and_walls
 from lammps_jump.script.walls import JOIN
 
@@ -32,21 +32,6 @@ def cloud(seed, nx=12, ny=12, speed=3.0, at=(0.3, 0.3)):
     generator = np.random.default_rng(seed)
     grid = np.array([(at[0] + 0.21 * i, at[1] + 0.21 * j) for i in range(nx) for j in range(ny)])
     return grid + generator.normal(0, 0.002, grid.shape), generator.normal(0, speed, grid.shape)
-
-
-def stock_wall(wall, law):
-    if isinstance(wall, Plane):
-        ends = f"{wall.at!r} NULL" if wall.side == "above" else f"NULL {wall.at!r}"
-        return [f"fix {wall.name} all wall/gran {law} {wall.axis}plane {ends}"]
-    if isinstance(wall, Box):
-        sides = [Plane(f"{wall.name}_{axis}_{side}", axis, at, side) for axis in "xy"
-                 for at, side in zip(getattr(wall, axis), ("above", "below"), strict=True)]  # fmt: skip
-        return [line for face in sides for line in stock_wall(face, law)]
-    extent = f"{wall.x[0]!r} {wall.x[1]!r} {wall.y[0]!r} {wall.y[1]!r}"
-    return [
-        f"region {wall.name} block {extent} INF INF side out",
-        f"fix {wall.name} all wall/gran/region {law} region {wall.name}",
-    ]
 
 
 def start(case):
@@ -87,17 +72,6 @@ def traffic(case, folder):
             f"fix out{index} all evaporate {out.every_steps} 100000 out{index} 3",
         ]
     return lines
-
-
-def stock(case, folder):
-    c = case.coefficients
-    rub = f"{c.gamma_tangential!r} {c.friction!r} 1" if c.friction else "0 0 0"
-    wall_rub = f"{c.gamma_tangential_wall!r} {c.friction!r} 1" if c.friction else "0 0 0"
-    law = f"hooke {c.stiffness_wall!r} NULL {c.gamma_normal_wall!r} {wall_rub}"
-    lines = [*start(case), f"pair_style gran/hooke {c.stiffness!r} NULL {c.gamma_normal!r} {rub}"]
-    lines += ["pair_coeff * *", f"fix move all {'nve/sphere disc' if case.rotation else 'nve'}"]
-    lines += [f"fix gravity all gravity {-case.gravity[1]!r} vector 0 -1 0"] if case.gravity[1] else []
-    return [*lines, *(line for wall in case.permanent for line in stock_wall(wall, law)), *traffic(case, folder)]
 
 
 def styles(case, plugin, folder, *, probe="", skin=0.3 * DIAMETER):

@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What the contact tests share: the engines behind one face, and a table entry turned into a scene and a record.
-
-An engine here is anything with ``run(steps)``, ``positions``, ``velocities`` (n, 2), ``spin`` (n,) and ``wall(name)``.
-"""
+"""What the contact tests share: a table entry turned into a scene and a record, on each host of `hosts`."""
 
 from __future__ import annotations
 
@@ -13,7 +10,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from made_up import plugin_or_skip
+from hosts import start
 
 from lammps_jump.physics import contact
 from lammps_jump.scene.faces import MOST, touching
@@ -30,103 +27,6 @@ ENGINES = {
     "native_leapfrog": ("leapfrog_extrapolated", "viscous"),
     "native_thesis": ("leapfrog_extrapolated", "sign"),
 }
-
-
-# --- engines ----------------------------------------------------------------------------------------------------
-
-
-class LammpsEngine:
-    """The generated script up to its run, then stepped from here."""
-
-    def __init__(self, scene: Scene, spins: list[float], folder: Path, *, compiled: bool):
-        from lammps_jump.engines.lammps.drive import plugin_arguments
-        from lammps_jump.engines.lammps.loader import load_lammps
-        from lammps_jump.engines.launch import write_script
-
-        self.scene = scene
-        plugin = plugin_or_skip() if compiled else None
-        path = write_script(scene, folder, kernel="compiled" if compiled else "stock")
-        commands = path.read_text().partition("# --- run")[0]
-        for name in (
-            "discs.data",
-            "scene.image",
-            "dump.lammpstrj",
-            "walls.csv",
-            "contacts.bin",
-            *(f"forces_{probe}.raw" for probe in scene.probes),
-        ):
-            commands = commands.replace(name, str(folder / name))
-        self.lmp = load_lammps().lammps(cmdargs=["-log", "none", "-screen", "none", *plugin_arguments(plugin)])
-        self.lmp.commands_string(commands)
-        for i, spin in enumerate(spins, 1):
-            if spin:
-                self.lmp.command(f"set atom {i} omega 0 0 {spin!r}")
-        self.lmp.command("run 0")
-
-    def run(self, steps: int) -> None:
-        self.lmp.command(f"run {steps} pre no post no")
-
-    def _by_id(self, name: str) -> np.ndarray:
-        n = self.lmp.get_natoms()
-        order = np.argsort(self.lmp.numpy.extract_atom("id")[:n])
-        return self.lmp.numpy.extract_atom(name)[:n][order]
-
-    @property
-    def positions(self) -> np.ndarray:
-        return self._by_id("x")[:, :2].copy()
-
-    @property
-    def velocities(self) -> np.ndarray:
-        return self._by_id("v")[:, :2].copy()
-
-    @property
-    def spin(self) -> np.ndarray:
-        return self._by_id("omega")[:, 2].copy()
-
-    def wall(self, name: str) -> list[float]:
-        """Means over the last whole window: force on a wall, moment, and power where walls move."""
-        columns, index = 3 + self.scene.moves, self.scene.probes.index(name)
-        return [self.lmp.extract_fix("motion", 0, 1, columns * index + column) for column in range(columns)]
-
-    def close(self) -> None:
-        self.lmp.close()
-
-
-class NativeEngine:
-    """The native engine; spins are put in by hand, because no scene starts with any."""
-
-    def __init__(self, scene: Scene, spins: list[float]):
-        from lammps_jump.engines.native import NativeSimulation
-
-        class Spun(NativeSimulation):
-            def _start(self) -> None:
-                discs = self.discs
-                if any(spins):
-                    given = np.array(spins)[discs.ids[: discs.n] - 1]
-                    for array in (discs.omega, discs.uomega):
-                        if array is not None:
-                            array[: discs.n] = given
-                super()._start()
-
-        self.simulation = Spun(scene)
-        self.run = self.simulation.run
-
-    positions = property(lambda self: self.simulation.positions)
-    velocities = property(lambda self: self.simulation.velocities)
-    spin = property(lambda self: self.simulation.spin)
-
-    def wall(self, name: str) -> list[float]:
-        """Means over the last whole window: force on a wall, moment, and power where walls move."""
-        return next(list(row[2:]) for row in reversed(self.simulation.forces) if row[1] == name)
-
-    def close(self) -> None:
-        pass
-
-
-def start(engine: str, scene: Scene, spins: list[float], folder: Path):
-    if engine.startswith("native"):
-        return NativeEngine(scene, spins)
-    return LammpsEngine(scene, spins, folder, compiled=engine.startswith("compiled"))
 
 
 # --- from a table entry to a record -----------------------------------------------------------------------------

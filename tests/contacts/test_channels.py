@@ -66,22 +66,6 @@ def started(rig, tmp_path):
         engine.close()
 
 
-@pytest.mark.lammps
-@pytest.mark.parametrize(("kernel", "rolling"), [("compiled", True), ("stock", False)])
-def test_engines_agree(started, kernel, rolling):
-    native, other = started(NATIVE, flow(rolling=rolling)), started(kernel, flow(rolling=rolling))
-    for engine in (native, other):
-        engine.run(STEPS)
-    crossed = native.simulation.ledger["work_of_slope"]
-    assert crossed > 0
-    assert beside(other.positions, native.positions) < 1e-9
-    assert np.abs(other.spin - native.spin).max() < 1e-6
-    n = len(native.positions) - 40
-    for engine in (native, other):
-        assert np.array_equal(engine.positions[n:], native.simulation.scene.positions[n:])
-        assert not engine.velocities[n:].any() and not engine.spin[n:].any()
-
-
 @pytest.mark.parametrize("engine", [NATIVE, pytest.param("compiled", marks=pytest.mark.lammps)])
 def test_the_seam_is_nowhere(started, engine):
     """A flow that begins half a period further on is the same flow there; springs go round with their discs."""

@@ -12,7 +12,6 @@ import pytest
 import lammps_jump as lj
 from lammps_jump.engines.launch import write_script
 from lammps_jump.engines.native import NativeSimulation
-from lammps_jump.engines.twin import Twin
 from lammps_jump.errors import CaseError
 from lammps_jump.files import SCENE_FILE
 from lammps_jump.scene import Plane, handmade_scene
@@ -59,39 +58,6 @@ def test_a_disc_hangs_on_a_ceiling_below_the_pull(started, bond, hangs):
         assert abs(speed) < 1e-9
     else:
         assert place < -D / 2 and speed < 0
-
-
-@pytest.mark.parametrize("friction", [{}, {"friction": 0.4, "rotation": True}], ids=["smooth", "friction"])
-def test_engines_agree_and_the_ledger_closes(rig, tmp_path, friction):
-    """Discs that fall on a floor and stick: twin and native the same course, energy by the ledger."""
-    rng = np.random.default_rng(3)
-    places = np.array([[x, y] for x in np.arange(-1, 1.1, 0.25) for y in (0.13, 0.36)]) + rng.normal(0, 0.01, (18, 2))
-    scene = scene_of(places, rng.normal(0, 0.3, (18, 2)), (Plane("floor", "y", 0.0, "above"),),
-                     gravity=(0.0, -9.81), restitution=0.5, integrator="velocity_verlet", **friction)  # fmt: skip
-    native, twin = NativeSimulation(scene), NativeSimulation(scene, loops=Twin())
-    native.run(200)
-    twin.run(200)
-    np.testing.assert_allclose(twin.positions, native.positions, atol=1e-12 * D)
-    native.run(1800)
-    ledger = native.ledger
-    assert (
-        abs(ledger["residual"]) < 1e-4 * ledger["throughput"]
-    )  # 4e-5 at f = 0.01, 3e-5 without a pull: of second order
-
-
-@pytest.mark.lammps
-def test_compiled_is_native(rig, plugin, tmp_path):
-    rng = np.random.default_rng(4)
-    places = np.array([[x, y] for x in np.arange(-1, 1.1, 0.25) for y in (0.13, 0.36)]) + rng.normal(0, 0.01, (18, 2))
-    scene = scene_of(places, rng.normal(0, 0.3, (18, 2)), (Plane("floor", "y", 0.0, "above"),), friction=0.3,
-                     rotation=True, gravity=(0.0, -9.81), restitution=0.5, time_step_fraction=0.05)  # fmt: skip
-    found = []
-    for name in ("native_verlet", "compiled"):
-        engine = rig.start(name, scene, [], tmp_path)
-        engine.run(1000)
-        found.append(engine.positions)
-        engine.close()
-    np.testing.assert_allclose(found[0], found[1], atol=1e-9 * D)
 
 
 CASE = {

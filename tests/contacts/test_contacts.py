@@ -289,11 +289,11 @@ def test_mean_restitution_follows_the_closed_form(engine, e, f, tmp_path, rig):
     assert mean_restitution(rig, engine, e, f, 40, tmp_path) == pytest.approx(expected, rel=allowed)
 
 
-@pytest.mark.lammps
+@pytest.mark.parametrize("engine", [pytest.param("lammps", marks=pytest.mark.lammps), "native_verlet"])
 @pytest.mark.parametrize("e", [0.2, 0.6])
-def test_correction_gives_the_wanted_restitution(e, tmp_path, rig):
+def test_correction_gives_the_wanted_restitution(engine, e, tmp_path, rig):
     # the same 0.5 % as above, now around e itself; uncorrected, e = 0.2 stands 3.2 % below at a wall
-    assert mean_restitution(rig, "lammps", e, 0.05, 40, tmp_path, correct=True) == pytest.approx(e, rel=0.005)
+    assert mean_restitution(rig, engine, e, 0.05, 40, tmp_path, correct=True) == pytest.approx(e, rel=0.005)
 
 
 @pytest.mark.parametrize(("engine", "order"), [("native_verlet", 1), ("native_leapfrog", 2)])

@@ -5,12 +5,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hosts import start
 from made_up import INPUTS
 
 from lammps_jump.case import load_case
 from lammps_jump.scene.scene import Scene
-
-from .conftest import start
 
 ENGINES = ("lammps", "compiled", "native_verlet")
 STARTS, SECONDS = 8, 20.0

@@ -11,15 +11,15 @@ import pytest
 from single_disc import R, one_disc
 
 from lammps_jump.physics.slip import Rolling, Springs
-from lammps_jump.scene import Block, Box, Motion, MovingWall, Plane, Sizes, handmade_scene
-from lammps_jump.scene.tracks import Oscillate, Rotate
-from lammps_jump.scene.walls import Circle, Line
+from lammps_jump.scene import Block, Motion, MovingWall, Plane, handmade_scene
+from lammps_jump.scene.tracks import Rotate
+from lammps_jump.scene.walls import Circle
 
 NATIVE, LAMMPS = "native_verlet", (pytest.param(name, marks=pytest.mark.lammps) for name in ("compiled", "stock"))
 COMPILED, STOCK = LAMMPS
 ENGINES = [NATIVE, COMPILED, STOCK]
 WITHOUT_SPIN = [pytest.param(NATIVE, marks=pytest.mark.long), COMPILED, STOCK]
-"""Numba compiles the native loops for each law anew, which takes longer than all of these tests."""
+"""The native engine has the law without spin in the default run from `test_hosts.py`."""
 FLOOR = Plane("floor", "y", 0.0, "above")
 RATIO = 2.0 / 7.0
 
@@ -191,60 +191,3 @@ def test_a_disc_turns_with_its_drum(started, engine):
     turned = rate * steps * scene.time_step - 2 * pi
     ((x, y),) = run.positions
     assert np.arctan2(y, x) == pytest.approx(turned, abs=1e-5)
-
-
-PLACES = np.array([[x, y] for x in np.arange(-1, 1.1, 0.25) for y in (0.5, 0.75, 1.0)])
-PLACES = PLACES + np.random.default_rng(3).normal(0, 0.01, PLACES.shape) - (0.0, 0.06)
-BOX, HUMP = Box("box", (-1.3, 1.3), (0.2, 2.0)), Block("hump", (-0.3, 0.3), (0.0, 0.28), angle=15.0)
-SHAPES = (
-    Line("bed", points=((-1.3, 0.3), (-0.5, 0.22), (1.3, 0.27)), rolling=0.05),
-    Circle("pier", (0.6, 0.15), 0.2, discs="outside"),
-)
-
-
-def heap(*more, stock, **changes):
-    """Discs that fall into a box and come to rest on what is in it, beside a block that shakes."""
-    shaken = Block("shaken", (-1.4, -1.2), (0.2, 1.5))
-    settings = {
-        "skin": 0.06, "friction": 0.5, "rotation": True, "impact_speed": 8.0, "friction_law": "history",
-        "domain": ((-5, 5), (-5, 5)), "steps": 10**6, "output_steps": 10**6,
-    }  # fmt: skip
-    scene = handmade_scene(PLACES, 0 * PLACES, (BOX, HUMP, *(() if stock else SHAPES)), **(settings | changes))
-    kind = Oscillate(amplitude=(0.02, 0.01), period=0.2, phase=0.0)
-    walls = (*scene.walls, MovingWall(shaken, Motion(kind=kind, ease=0.0, time_step=scene.time_step)))
-    own = (
-        {}
-        if stock or changes["springs"].rolling is None
-        else {"bed": scene.coefficients.wall_law._replace(rolling=0.05)}
-    )
-    return replace(scene, walls=walls, own_laws=own)
-
-
-FEATURES = {
-    "springs": {"springs": Springs()},
-    "rolling": {"springs": Springs(0.5, 0.5, Rolling(0.1, 0.1, 0.2))},
-    "rolling, sizes": {"springs": Springs(rolling=Rolling(0.1, 0.1, 0.2)), "sizes": Sizes((1.0,), (0.16,), (0.24,), 1)},
-}
-
-
-@pytest.mark.lammps
-@pytest.mark.parametrize("engine", ["compiled", "stock"])
-@pytest.mark.parametrize(
-    "feature", ["rolling", *(pytest.param(name, marks=pytest.mark.long) for name in ("springs", "rolling, sizes"))]
-)
-def test_engines_agree_on_a_heap(started, engine, feature):
-    scene = heap(stock=engine == "stock", **FEATURES[feature])
-    native, other = started(NATIVE, scene), started(engine, scene)
-    for run in (native, other):
-        run.run(1000)
-    assert np.abs(native.positions - PLACES).max() > 0.4 * 0.2 and np.abs(native.spin).max() > 0.1
-    assert np.abs(native.positions - other.positions).max() < 1e-9 * 0.2
-    assert np.abs(native.spin - other.spin).max() < 1e-6
-
-
-def test_energy_is_booked_with_springs(rig, tmp_path):
-    """What friction takes is the work of springs and dashpots, less what the springs hold."""
-    run = rig.start(NATIVE, heap(stock=False, time_step_fraction=0.02, **FEATURES["rolling"]), [], tmp_path)
-    run.run(5000)
-    ledger = run.simulation.ledger
-    assert abs(ledger["residual"]) < 1e-3 * ledger["throughput"]  # 1.7e-6 without memory at this step

@@ -9,6 +9,7 @@ import sys
 
 import numpy as np
 import pytest
+from hosts import start
 from made_up import native_frames
 
 from lammps_jump.engines.native import NativeSimulation, run_native
@@ -148,3 +149,17 @@ def test_native_engine_needs_neither_lammps_nor_mdanalysis():
         "assert not {'matplotlib', 'xarray'} & set(sys.modules)"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+@pytest.mark.lammps
+def test_binary_dump_is_byte_for_byte_what_lammps_writes(tmp_path):
+    scene = handmade_scene(
+        [[0.5, 1.0], [1.5, 1.0]], [[1.0, 0.0], [0.0, 2.0]], domain=((0.0, 2.0), (0.0, 2.0)), gravity=(0.0, 0.0), steps=0
+    )
+    run_native(scene, tmp_path, dump_format="binary")
+    lammps = start("stock", scene, [], tmp_path / "lammps")
+    lammps.do("dump d all custom 1 a.bin id x y vx vy", "dump_modify d sort id time yes units yes", "run 0")
+    lammps.close()
+    ours, theirs = (tmp_path / "dump.lammpsbin").read_bytes(), (tmp_path / "lammps" / "a.bin").read_bytes()
+    z = slice(26 + 20 + 24 + 32, 26 + 20 + 24 + 48)  # bounds: half a disc here
+    assert (len(ours), ours[: z.start], ours[z.stop :]) == (len(theirs), theirs[: z.start], theirs[z.stop :])

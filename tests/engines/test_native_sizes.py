@@ -40,39 +40,6 @@ def given(diameters):
     return AnalysisInputs((1 / len(diameters),) * len(diameters), diameters, diameters)
 
 
-def collide(ratio, wall, **kw):
-    """Rebound over approach speed of 15 collisions that differ in the phase of entry, and omega dt of the contact.
-
-    A disc of 0.1 m meets one of `ratio` times its mass, or the larger of the two meets a wall.
-    """
-    n, speed = 15, 3.0
-    diameters = np.repeat([0.1, 0.1 * ratio**0.5], n)
-    sizes = given(diameters)
-    c = handmade_scene([], [], sizes=sizes, **FREE, **kw).coefficients
-    mass = 1000.0 * diameters[[0, -1]] ** 2
-    m, k, walls = mass.prod() / mass.sum(), c.stiffness, ()
-    if wall:
-        m, k, walls = mass[1], c.stiffness_wall, (Plane("wall", "x", -0.05, "above"),)
-    gap = 1e-3 + (np.arange(n) + 0.5) / n * speed * c.time_step
-    x = np.concatenate([np.full(n, 50.0 if wall else 0.0), gap + diameters[n:] / 2 + (-0.05 if wall else 0.05)])
-    place = np.column_stack([x, np.tile(1.0 * np.arange(n), 2)])
-    scene = handmade_scene(place, [[0, 0]] * n + [[-speed, 0]] * n, walls, sizes=sizes, **FREE, **kw)
-    simulation = NativeSimulation(scene)
-    omega = (k / m) ** 0.5
-    simulation.run(int((1e-3 / speed + 1.6 * pi / omega) / c.time_step) + 3)
-    v = simulation.velocities[:, 0]
-    assert mass[0] * v[:n].sum() + mass[1] * (v[n:].sum() + n * speed) == pytest.approx(0.0, abs=1e-10) or wall
-    return (v[n:] - v[:n]).mean() / speed, omega * c.time_step, c
-
-
-@pytest.mark.parametrize("wall", [False, True], ids=["pair", "wall"])
-@pytest.mark.parametrize("integrator", CLOSED)
-@pytest.mark.parametrize("ratio", [1.0, 2.0, 10.0])
-def test_every_contact_has_the_restitution_of_the_discrete_map(ratio, integrator, wall):
-    measured, h, c = collide(ratio, wall, integrator=integrator, time_step_fraction=0.01)
-    assert measured == pytest.approx(CLOSED[integrator](c.damping_ratio, h), rel=0.005)
-
-
 def test_equal_sizes_run_as_equal_discs():
     """The law differs in the arm of friction alone: the same without spin, to round-off."""
     positions, velocities = cloud(4)

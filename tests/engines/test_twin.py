@@ -17,8 +17,8 @@ from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.engines.native.bound import Core
 from lammps_jump.engines.native.cells import CellSimulation
 from lammps_jump.engines.twin import Twin
-from lammps_jump.scene import Block, Box, Motion, MovingWall, handmade_scene
-from lammps_jump.scene.chains import lay, records_of
+from lammps_jump.scene import Block, Box, Motion, MovingWall, Plane, handmade_scene
+from lammps_jump.scene.chains import Chain, circle, lay, records_of
 from lammps_jump.scene.faces import MOST, foot_at, touching
 from lammps_jump.scene.scene import Fixed, Stations
 from lammps_jump.scene.sizes import Sizes
@@ -163,9 +163,25 @@ def test_random_states(seed, law, walls, sized):
     same(*both(state_of(seed, law, walls, sized=sized)))
 
 
+def same_rule(faces, wall, points, radii):
+    """Which faces of a wall push, from where, and the foot: bit for bit those of the specification; counts."""
+    near, records, counts = np.arange(faces.first[wall], faces.first[wall + 1]), records_of(faces), []
+    deep = int(faces.deep[wall])
+    for (x, y), radius in zip(points, radii, strict=True):
+        (found, which), (theirs, faces_of) = ((np.zeros((MOST, 4)), np.zeros(MOST, np.int64)) for _ in range(2))
+        count = touching(faces, deep, near, (x, y, radius), found, which)
+        of = np.array([x, y, radius])
+        assert core_touching(records.ctypes.data, deep, near, len(near), of, theirs, faces_of) == count
+        assert np.array_equal(theirs[:count, :3], found[:count, :3])
+        assert np.array_equal(faces_of[:count], which[:count])
+        for f in which[:count]:
+            assert core_foot(records[int(f) : int(f) + 1].ctypes.data, x, y) == foot_at(faces, int(f), x, y)
+        counts.append(count)
+    return counts
+
+
 @given(seed=st.integers(0, 10**6))
 def test_faces_of_random_chains(seed):
-    """Which faces push, from where, and the foot: the rule of the core and that of the specification, bit for bit."""
     rng = np.random.default_rng(seed)
     angles = np.pi / 3 * (np.arange(6) + rng.uniform(0.1, 0.9, 6))  # seen from the middle, it goes round once
     points = tuple(
@@ -173,19 +189,59 @@ def test_faces_of_random_chains(seed):
     )
     wall = Line("line", points=points)
     faces = lay([(wall.chains(), False), (Circle("c", (0.3, 0.1), 0.8, discs="outside").chains(), False)])
-    near = np.arange(len(faces.codes))
-    records = records_of(faces)
-    for x, y, radius in rng.uniform((-1.6, -1.6, 0.05), (1.6, 1.6, 0.4), (40, 3)):
-        for first, last in zip(faces.first, faces.first[1:], strict=False):
-            found, which = np.zeros((MOST, 4)), np.zeros(MOST, np.int64)
-            count = touching(faces, 0, near[first:last], (x, y, radius), found, which)
-            theirs, faces_of = np.zeros((MOST, 4)), np.zeros(MOST, np.int64)
-            there = core_touching(
-                records.ctypes.data, 0, near[first:last], last - first, np.array([x, y, radius]), theirs, faces_of
-            )
-            assert there == count
-            assert np.array_equal(theirs[:count, :3], found[:count, :3])
-            assert np.array_equal(faces_of[:count], which[:count])
-            for f in which[:count]:
-                foot = core_foot(records[int(f) : int(f) + 1].ctypes.data, x, y)
-                assert foot == foot_at(faces, int(f), x, y)
+    places = rng.uniform((-1.6, -1.6, 0.05), (1.6, 1.6, 0.4), (40, 3))
+    for one in (0, 1):
+        same_rule(faces, one, places[:, :2], places[:, 2])
+
+
+def bent(*turns, length=0.35):
+    """Equal straight faces with these turns (degrees) between them; positive towards the discs."""
+    points, angle = [(-0.8, 0.0)], 0.0
+    for turn in (*turns, 0.0):
+        x, y = points[-1]
+        points.append((x + length * float(np.cos(angle)), y + length * float(np.sin(angle))))
+        angle += np.radians(turn)
+    return Chain(tuple(points))
+
+
+def ring(count, inside):
+    """Polygon with equal sides."""
+    at = 2 * np.pi * np.arange(count) / count
+    points = tuple((0.6 * float(x), 0.6 * float(y)) for x, y in zip(np.cos(at), np.sin(at), strict=True))
+    return Chain(points if inside else points[::-1], closed=True)
+
+
+CHAINS = {
+    "block": Block("wall", (-0.5, 0.6), (-0.4, 0.3)).chains(),
+    "block without width": Block("wall", (0.1, 0.1), (-0.4, 0.3)).chains(),
+    "box": Box("wall", (-0.5, 0.6), (-0.4, 0.3)).chains(),
+    "plane": Plane("wall", "x", 0.1, "above").chains(),
+    "concave": (bent(30, 60, 15, 100),),
+    "convex": (bent(-30, -60, -15, -100),),
+    "smooth joints": (bent(1, 5, 1, 5, 4.9),),
+    "both ways": (bent(5, -5, 40, -40, 1, -1),),
+    "arcs": (Chain(((-0.6, 0), (-0.2, 0.4), (0.2, 0.4), (0.6, 0.8)), (0.4, 0.0, -0.4)),),
+    "a deep slot of arcs": (Chain(((-0.3, 0.3), (-0.3, 0.0), (0.3, 0.0), (0.3, 0.3)), (0.0, 0.3, 0.0)),),
+    "circle from inside": (circle((0.1, 0.2), 0.5, inside=True),),
+    "circle from outside": (circle((0.1, 0.2), 0.3, inside=False),),
+    "sheet": (Chain(((-0.5, 0.0), (0.4, 0.3), (-0.5, 0.0))),),
+    "V of 8 degrees": (Chain(((-0.07, 1.0), (0.0, 0.0), (0.07, 1.0))),),
+    "slot": (Chain(((-1, 0), (-0.05, 0), (-0.05, -1))), Chain(((0.05, -1), (0.05, 0), (1, 0)))),
+    "flat, in 12 pieces": (Chain(tuple((x, 0.0) for x in np.linspace(-1.0, 1.0, 13).tolist())),),
+    "72 sides from inside": (ring(72, True),),
+    "40 sides from outside": (ring(40, False),),
+}
+
+
+@pytest.mark.parametrize("deep", [False, True])
+@pytest.mark.parametrize("name", CHAINS)
+def test_faces_of_every_shape(name, deep):
+    """Random places, most of them near a face or a joint, some exactly above a joint or on it."""
+    faces, rng = lay([(CHAINS[name], deep)]), np.random.default_rng(list(CHAINS).index(name))
+    joints = np.concatenate([faces.shape[:, :2], faces.shape[:, 2:4]])
+    joints = joints[np.abs(joints).max(axis=1) < 2.0]
+    joints = joints if len(joints) else np.array([[0.1, 0.0]])  # a plane has none
+    close = rng.uniform(-0.16, 0.16, (150, 2)) * rng.choice([1.0, 1e-6, 0.0], (150, 1))
+    places = np.concatenate([joints[rng.integers(len(joints), size=150)] + close, rng.uniform(-0.9, 0.9, (50, 2))])
+    counts = same_rule(faces, 0, places, np.full(len(places), 0.1))
+    assert {0, 1} <= set(counts)

@@ -1,9 +1,14 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The plugin's styles against the stock styles and against the native engine, on small scenes written out here."""
+"""What is of the plugin alone: its commands, what it refuses, lists of LAMMPS, ranks, restart, the width of vectors.
+
+That it steps as the other hosts do is in `tests/engines/test_hosts.py`.
+"""
 
 from __future__ import annotations
 
 import os
+import platform
+import shlex
 import struct
 import subprocess
 import sys
@@ -11,222 +16,33 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from plugin_scripts import CLOUD, DIAMETER, FLOOR, Run, cloud, compiled, final, scene, stock, styles
+from hosts import start
+from plugin_scripts import CLOUD, DIAMETER, FLOOR, Run, cloud, compiled, final, scene, styles
 
-from lammps_jump.physics import law
-from lammps_jump.physics.slip import SIGN_RAMP
-from lammps_jump.scene.motion import MovingWall, gate
+from lammps_jump.compiling.compiler import find_compiler
+from lammps_jump.engines.child import close_idle
+from lammps_jump.engines.launch import write_script
+from lammps_jump.engines.plugin import plugin_path
+from lammps_jump.physics.slip import Springs
+from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.scene import InletRow, Outlet
-from lammps_jump.scene.walls import Block, Box, Plane
+from lammps_jump.scene.sizes import Sizes
+from lammps_jump.scene.walls import Block, Plane
+from lammps_jump.studies.runs import run_frames
 
 pytestmark = pytest.mark.lammps
 
+UNIFORM = Sizes((1.0,), (0.16,), (0.24,))
 EQUAL = 1e-9  # diameters after 1000 steps: the agreement that is promised
 # Sums are taken in another order, so the last digit differs; collisions amplify it some ten-fold each.
 
 
-CORNERS = (
-    Block("ground", (-2.5, 1.2), (-3.0, 0.1)),
-    Block("sill", (1.2, 2.0), (-3.0, 0.25)),
-    Box("room", (0.1, 4.0), (-2.0, 3.5)),
-)
-CASES = {
-    "pairs alone": dict(walls=(), gravity=(0.0, 0.0)),
-    "planes": dict(walls=FLOOR),
-    "planes, friction": dict(walls=FLOOR, friction=0.3),
-    "planes, friction, spin": dict(walls=FLOOR, friction=0.3, rotation=True),
-    "corners": dict(walls=CORNERS),
-    "corners, friction": dict(walls=CORNERS, friction=0.3),
-    "corners, friction, spin": dict(walls=CORNERS, friction=0.3, rotation=True),
-}
-
-
-@pytest.mark.parametrize("name", CASES)
-def test_viscous_equals_the_stock_styles(lammps, plugin, tmp_path, name):
-    case = scene(*CLOUD, **CASES[name])
-    names = ("x", "v", "omega") if case.rotation else ("x", "v")
-    expected = final(lammps, stock(case, tmp_path), 1000, *names)
-    found = final(lammps, compiled(case, plugin, tmp_path), 1000, *names)
-    assert np.abs(expected[0][:, :2] - case.positions).max() > DIAMETER  # discs have moved and collided
-    assert np.abs(found[0] - expected[0]).max() < EQUAL * DIAMETER
-    assert np.abs(found[1] - expected[1]).max() < 1e-8  # m/s, of speeds of 10 m/s: velocities are a digit worse
-    if case.rotation:
-        assert np.abs(expected[2]).max() > 1
-        assert np.abs(found[2] - expected[2]).max() < 1e-7  # rad/s, of 20 rad/s
-
-
-@pytest.mark.parametrize("touch", [{}, {"touch": "smooth", "touch_width": 0.01}], ids=["sharp", "smooth"])
-@pytest.mark.parametrize("friction_law", ["viscous", "sign"])
-def test_the_plugins_law_is_the_packages(lammps, plugin, tmp_path, touch, friction_law):
-    """Forces on two discs over a grid of overlaps and speeds against `lammps_jump.physics.law`."""
-    case = scene(
-        [[0.0, 0.0], [DIAMETER, 0.0]], np.zeros((2, 2)), (), friction=0.3, law=friction_law, gravity=(0.0, 0.0), **touch
-    )
-    c, width = case.coefficients, touch.get("touch_width")
-    damping, tangential = (0.5 * case.mass * gamma for gamma in (c.gamma_normal, c.gamma_tangential))
-    with Run(lammps, compiled(case, plugin, tmp_path)) as run:
-        for depth in (1e-6, 1e-3, 0.004, 0.0099, 0.0101, 0.03):
-            for vx, vy in ((0.0, 0.0), (2.0, 0.01), (-3.0, -4.0), (0.3, 1e-4), (-20.0, 3.0)):
-                run.do(f"set atom 2 x {DIAMETER - depth!r}", f"set atom 2 vx {vx!r} vy {vy!r}", "run 0 post no")
-                overlap = DIAMETER - run.discs("x")[1, 0]
-                slope = 1 / (SIGN_RAMP * np.hypot(vx, vy)) if vx else 1e300
-                normal, _ = law.normal_force(overlap, vx, c.stiffness, damping, width)
-                slip = law.friction_force(normal, vy, c.friction, tangential, slope if friction_law == "sign" else None)
-                force = run.discs("f")
-                assert force[1, :2] == pytest.approx([normal, slip], rel=1e-10, abs=1e-9 * c.stiffness * overlap)
-                assert force[0, :2] == pytest.approx(-force[1, :2], rel=1e-14)
-                assert run.overlap == pytest.approx(overlap, rel=1e-9)
-
-
-def test_discs_that_come_and_go_equal_the_stock_styles(lammps, plugin, tmp_path):
-    rows = tuple(InletRow(2.5, 1.0 + 0.25 * i, -12.0, 0.0, 0, 180 - 30 * i, 0.999 * DIAMETER) for i in range(3))
-    walls = (Block("ground", (-2.5, 1.2), (-3.0, 0.1)), Plane("left", "x", 0.0, "above"))
-    case = scene(*cloud(4, 9, 9), walls, friction=0.2, inlets=rows, outlets=(Outlet("y", 0.15, "below", 50),))
-    # sorting often, so that the list must notice that the indices mean other discs
-    more = ["atom_modify sort 70 0.3"]
-    expected = final(lammps, stock(case, tmp_path) + more, 1000, "id", "x")
-    found = final(lammps, compiled(case, plugin, tmp_path) + more, 1000, "id", "x")
-    assert np.array_equal(expected[0], found[0])
-    assert found[0].max() > 81 and len(found[0]) < found[0].max()  # discs have come and gone
-    assert np.abs(found[1] - expected[1]).max() < EQUAL * DIAMETER
-
-
-@pytest.mark.parametrize("skin", [0.002, 0.03, 0.3])
+@pytest.mark.parametrize("skin", [0.002, 0.3])
 def test_the_skin_of_the_list_changes_no_result(lammps, plugin, tmp_path, skin):
     case = scene(*CLOUD, FLOOR, friction=0.1)
     expected = final(lammps, compiled(case, plugin, tmp_path), 600, "x")[0]
     found = final(lammps, compiled(case, plugin, tmp_path, skin=skin), 600, "x")[0]
     assert np.abs(found - expected).max() < EQUAL * DIAMETER
-
-
-def test_the_list_misses_no_contact(lammps, plugin, tmp_path):
-    """Elastic forces against those of all pairs found afresh, while discs come, go and are sorted."""
-    from scipy.spatial import cKDTree
-
-    rows = tuple(InletRow(3.5, 0.6 + 0.21 * i, -15.0 + i, 0.0, 0, 150 + 10 * i, 0.999 * DIAMETER) for i in range(4))
-    walls = (Block("ground", (-2.5, 4.0), (-3.0, 0.1)), Plane("left", "x", 0.0, "above"))
-    case = scene(*cloud(5), walls, inlets=rows, outlets=(Outlet("y", 0.15, "below", 70),), restitution=1.0)
-    stiffness = case.coefficients.stiffness
-    seen = 0
-    with Run(lammps, [*compiled(case, plugin, tmp_path), "atom_modify sort 130 0.3", "run 0"]) as run:
-        for _ in range(80):
-            run.do("run 49 pre no post no")
-            x = run.discs()[:, :2]
-            pairs = cKDTree(x).query_pairs(DIAMETER, output_type="ndarray")
-            apart = x[pairs[:, 0]] - x[pairs[:, 1]]
-            overlaps = DIAMETER - np.linalg.norm(apart, axis=1)
-            push = (stiffness * overlaps / (DIAMETER - overlaps))[:, None] * apart
-            force = np.zeros_like(x)
-            np.add.at(force, pairs[:, 0], push)
-            np.add.at(force, pairs[:, 1], -push)
-            nearest = np.clip(x, (-2.5, -3.0), (4.0, 0.1)), np.column_stack([np.zeros(len(x)), x[:, 1]])
-            for off in (x - point for point in nearest):  # ground, left
-                distance = np.linalg.norm(off, axis=1)
-                touching = (distance < 0.5 * DIAMETER) & (distance > 0)
-                strength = case.coefficients.stiffness_wall * (0.5 * DIAMETER / distance[touching] - 1)
-                force[touching] += strength[:, None] * off[touching]
-            seen += len(overlaps)
-            assert run.discs("f")[:, :2] == pytest.approx(force, rel=1e-9, abs=1e-12 * stiffness)
-            assert run.overlap >= overlaps.max(initial=0.0) - 1e-15
-    assert seen > 1000
-
-
-NATIVE = {
-    "sign": dict(friction=0.2, law="sign"),
-    # a rolling contact is three times as stiff in friction: with μ = 0.2 the ramp of the sign law would chatter here
-    # (μ F_n dt 3 / (eps m_eff) > 2) and blow round-off up
-    "sign, spin": dict(friction=0.05, law="sign", rotation=True),
-    "viscous, spin": dict(friction=0.2, rotation=True),
-    "sign, smooth touch": dict(friction=0.2, law="sign", touch="smooth", touch_width=0.003),
-    "no friction, smooth touch": dict(touch="smooth", touch_width=0.003),
-    "viscous, spin, smooth touch": dict(friction=0.2, rotation=True, touch="smooth", touch_width=0.003),
-    "viscous, smooth touch, narrow": dict(friction=0.2, touch="smooth", touch_width=2e-4),
-}
-
-
-@pytest.mark.parametrize("name", NATIVE)
-def test_every_law_equals_the_native_engine(lammps, plugin, tmp_path, name):
-    from lammps_jump.engines.native import NativeSimulation
-
-    walls = (*CORNERS[:2], Plane("left", "x", 0.1, "above"))
-    case = scene(*CLOUD, walls, **NATIVE[name], probes=("ground", "sill"), probe_steps=250)
-    native = NativeSimulation(case)
-    native.run(1000)
-    expected = native.positions
-    lines = compiled(case, plugin, tmp_path, probe="probe 250 ground sill")
-    with Run(lammps, lines) as run:
-        run.do("run 1000")
-        found, values = run.discs()[:, :2], run.vector(6)
-    assert np.abs(found - expected).max() < EQUAL * DIAMETER
-    # the same mean force and moment over the last window of 250 steps
-    rows = {wall: force for step, wall, *force in native.forces if step == 1000}
-    for index, wall in enumerate(("ground", "sill")):
-        assert values[3 * index : 3 * index + 3] == pytest.approx(rows[wall], rel=1e-7, abs=1e-4)
-
-
-def restitution(lammps, plugin, folder, speed, *, at_wall):
-    """Mean over eight phases of entry; touch width = one step at 16 m/s."""
-    found = []
-    for phase in range(8):
-        case = scene(np.zeros((0, 2)), np.zeros((0, 2)), (), gravity=(0.0, 0.0), touch="smooth", touch_width=1.0)
-        step = case.time_step
-        gap = (phase + 0.5) / 8 * speed * step
-        walls = (MovingWall(Plane("wall", "x", 0.0, "above")),) if at_wall else ()
-        x = [[0.5 * DIAMETER + gap, 0.0]] if at_wall else [[0.0, 0.0], [DIAMETER + gap, 0.0]]
-        v = [[-speed, 0.0]] if at_wall else [[0.5 * speed, 0.0], [-0.5 * speed, 0.0]]
-        case = replace(case, positions=np.array(x), velocities=np.array(v), walls=walls, touch_width=16.0 * step)
-        after = final(lammps, compiled(case, plugin, folder), 1000, "v")[0][:, 0]
-        found.append(after[0] / speed if at_wall else (after[1] - after[0]) / speed)
-    return np.mean(found)
-
-
-@pytest.mark.parametrize("at_wall", [False, True], ids=["pair", "wall"])
-def test_the_smooth_touch_keeps_restitution_at_every_speed(lammps, plugin, tmp_path, at_wall):
-    e = [restitution(lammps, plugin, tmp_path, speed, at_wall=at_wall) for speed in (0.8, 4.0, 16.0, 32.0)]
-    # exact in continuous time; the lag of the dashpot is corrected in the mean over the speeds, and at f = 0.05
-    # leaves 0.0025 (docs/kernels.md; 8 phases scatter by less than 0.002)
-    assert np.abs(np.array(e) - 0.2).max() < 0.005
-
-
-def test_a_gate_is_felt_until_its_step(lammps, plugin, tmp_path):
-    shut = gate(Plane("gate", "x", 0.5, "below"), 400)
-    # pressed against the gate by a sideways weight
-    case = scene([[0.4, 0.5]], [[0.0, 0.0]], (shut,), gravity=(9.81, 0.0))
-    with Run(lammps, compiled(case, plugin, tmp_path, probe="probe 1 gate")) as run:
-        run.do("run 399")
-        assert run.vector(1)[0] > 0.1 * case.mass * 9.81
-        assert abs(run.discs()[0, 0] - 0.4) < 1e-3 * DIAMETER
-        run.do("run 1")
-        assert run.vector(1)[0] == 0
-        run.do("run 1000")
-        assert run.discs()[0, 0] > 0.41  # through where the gate was
-
-
-def test_floor_force_and_moment_are_the_weight_of_the_discs(lammps, plugin, tmp_path):
-    case = scene([[1.0, 0.1], [2.0, 0.1]], np.zeros((2, 2)), (Block("floor", (0.0, 3.0), (-1.0, 0.0)),))
-    with Run(lammps, compiled(case, plugin, tmp_path, probe="probe 2000 floor")) as run:
-        run.do("run 20000")
-        fx, fy, moment = run.vector(3)
-    weight = case.mass * 9.81
-    assert fx == 0
-    assert fy == pytest.approx(-2 * weight, rel=1e-6)
-    assert moment == pytest.approx(-(1.0 + 2.0) * weight, rel=1e-6)  # about (0, -1)
-
-
-@pytest.mark.parametrize("wall", [Block("floor", (0.0, 3.0), (-1.0, 0.0)), Plane("floor", "y", 0.0, "above")])
-@pytest.mark.parametrize("depth", [0.05, 0.5])
-def test_a_centre_behind_a_face_is_pushed_out(lammps, plugin, tmp_path, wall, depth):
-    """From any depth behind a plane, and within a radius of a block's face."""
-    case = scene([[1.0, -depth]], [[0.0, 0.0]], (wall,), gravity=(0.0, 0.0))
-    with Run(lammps, compiled(case, plugin, tmp_path, probe="probe 1 floor")) as run:
-        run.do("run 0")
-        force, (_, on_wall, moment) = run.discs("f")[0, 1], run.vector(3)
-        overlap = run.overlap
-    depth += 0.5 * DIAMETER
-    felt = wall.deep or depth < DIAMETER
-    assert force == pytest.approx(case.coefficients.stiffness_wall * depth * felt)
-    assert overlap == pytest.approx(depth * felt)
-    assert on_wall == -force and moment == pytest.approx(-force)  # 1 m beside the moment's point
 
 
 def test_a_restart_goes_on_as_if_never_stopped(lammps, plugin, tmp_path):
@@ -299,6 +115,43 @@ def test_discs_of_another_scene_are_refused(lammps, plugin, tmp_path, change, me
     refused(lammps, changed, message)
 
 
+def test_discs_larger_or_lighter_than_the_sizes_of_a_scene_are_refused(tmp_path):
+    case = handmade_scene([[0.0, 1.0]], [[0.0, 0.0]], sizes=UNIFORM, steps=1)
+    for change in ("diameter 0.25", "mass 1"):
+        engine = start("compiled", case, [], tmp_path)
+        with pytest.raises(Exception, match=r"disc 1 has diameter .* the scene says up to 0.24"):
+            engine.do(f"set atom 1 {change}", "run 1")
+        engine.close()
+
+
+def test_the_script_says_sizes_and_slots_only_where_there_are_some(tmp_path):
+    at, still, row = [[0.0, 1.0]], [[0.0, 0.0]], InletRow(5.0, 5.0, 1.0, 0.0, 1, 9, 0.2)
+    plain, sizes, slots = (
+        write_script(handmade_scene(at, still, **more), tmp_path, kernel="compiled").read_text()
+        for more in ({}, {"sizes": UNIFORM, "inlets": (row,), "steps": 9}, {"slots": 3})
+    )
+    assert " sizes " not in plain and "v_diameter" not in plain and "slots" not in plain
+    assert " sizes " in sizes and "fix             size" not in sizes  # at all discs it would cost a third of the run
+    assert plain == slots.replace(" &\n                slots 3", "")
+
+
+@pytest.mark.long
+@pytest.mark.skipif(platform.machine() != "x86_64", reason="AVX is of x86-64")
+@pytest.mark.parametrize("more", [{"sizes": UNIFORM, "rotation": True}, {}], ids=["sizes, spin", "equal"])
+def test_the_width_of_vectors_changes_no_bit(plugin, monkeypatch, request, more):
+    """Without AVX there are two numbers in a vector, and pairs are checked one at a time."""
+    case = scene(*cloud(4, 9, 9), FLOOR, friction=0.2, **more | {"output_steps": 250})
+    ours = run_frames(case, "compiled", dump_format="binary")[1]
+    monkeypatch.setenv("CXX", f"{shlex.join(find_compiler())} -mno-avx")
+    assert plugin_path() != plugin
+    close_idle()  # a process keeps the styles that it has loaded
+    request.addfinalizer(close_idle)
+    narrow = run_frames(case, "compiled", dump_format="binary")[1]
+    assert len(ours) == len(narrow) == 5
+    for one, two in zip(ours, narrow, strict=True):
+        assert np.array_equal([*one.columns.values()], [*two.columns.values()])
+
+
 HEAD = {"size": 16, "pointers": 24, "state": 32, "events": 40, "a place": 48}
 """Where numbers of a file of a scene stand: of its head, and the place of its first pointer."""
 
@@ -355,13 +208,19 @@ def run_on_ranks(folder, lines, ranks, steps=1000):
     return done, np.loadtxt(dump, skiprows=9) if dump.exists() else None
 
 
+SIGN, SPRINGS = {"law": "sign"}, {"law": "history", "springs": Springs()}  # of all ranks: largest speed; slots
+
+
 # four ranks on three columns: parts thinner than a disc, so that discs of the rank after next come into reach
-@pytest.mark.parametrize("ranks, steps, columns", [(2, 1000, 9), pytest.param(4, 150, 3, marks=pytest.mark.long)])
-def test_ranks_equal_one(plugin, tmp_path, ranks, steps, columns):
+@pytest.mark.parametrize(
+    ("ranks", "steps", "columns", "law"),
+    [(2, 1000, 9, SIGN), (2, 1000, 9, SPRINGS), pytest.param(4, 150, 3, SIGN, marks=pytest.mark.long)],
+)
+def test_ranks_equal_one(plugin, tmp_path, ranks, steps, columns, law):
     rows = (InletRow(2.5, 1.0, -12.0, 0.0, 0, 150, 0.999 * DIAMETER),)
     walls = (Block("ground", (-2.5, 1.2), (-3.0, 0.1)), Plane("left", "x", 0.0, "above"))
     # discs cross the border between the ranks, enter, fall off the ground's end and are taken out
-    case = scene(*cloud(4, columns, 9), walls, friction=0.2, law="sign", rotation=True, inlets=rows)
+    case = scene(*cloud(4, columns, 9), walls, friction=0.2, rotation=True, inlets=rows, **law)
     case = replace(case, domain=((-1.0, 3.0), (-4.0, 9.0)), outlets=(Outlet("y", 0.15, "below", 50),))
     lines = ["processors * 1 1", *compiled(case, plugin, tmp_path, probe="probe 500 ground")]
     lines.append("fix balance all balance 100 1.0 shift x 20 1.0")
