@@ -20,11 +20,13 @@ from lammps_jump.dump.exports import write_netcdf, write_table
 from lammps_jump.dump.find import read_forces
 from lammps_jump.dump.read import Dump, open_dump
 from lammps_jump.dump.side_files.contacts import ContactFile
+from lammps_jump.dump.side_files.pressure import read_pressure
 from lammps_jump.errors import DumpError, SetupError
 from lammps_jump.files import CONTACTS_FILE, CURVES, PRESSURE_FILE, plain, write_json
 
 from . import draw
 from .contacts import ContactCollector
+from .draw.arrows import ForceArrows
 from .draw.chart import Bars, Chart, Drawings, Map
 from .draw.maps import depth_profile, xt_map
 from .fields import write_fields
@@ -180,7 +182,7 @@ def analyse(
     out.mkdir(parents=True, exist_ok=True)  # only now: a dump that cannot be read leaves nothing behind
     with nullcontext(drawing) if drawing else DrawnAside() as busy:
         if pictures.figures != "none":
-            busy.still = busy.enter_context(aside(draw_discs, out, dump, flow))
+            busy.still = busy.enter_context(aside(draw_discs, out, dump, flow, felt(gathered)))
         told("results")
         names = [name for name, quantity in QUANTITIES.items() if name in wanted or quantity.always is not None]
         asked = {name: QUANTITIES[name].analyse(gathered) for name in names}
@@ -315,9 +317,22 @@ def _titled(shown: Drawings, flow: Flow) -> dict[str, Chart | Bars | Map]:
     return {name: replace(what, name=flow.title) for name, what in shown.items() if what is not None}
 
 
-def figure(name: str, shown: Mapping[str, Chart | Bars | Map], dump: Path, flow: Flow) -> Figure:
-    """The matplotlib figure of this name, of `drawings` or the discs themselves."""
-    return draw.film.snapshots(open_dump(dump), flow) if name == DISCS else draw.style.drawn(shown[name])
+def figure(
+    name: str, shown: Mapping[str, Chart | Bars | Map], dump: Path, flow: Flow, arrows: ForceArrows | None = None
+) -> Figure:
+    """The matplotlib figure of this name, of `drawings` or the discs themselves; `arrows` are drawn among these."""
+    return draw.film.snapshots(open_dump(dump), flow, arrows) if name == DISCS else draw.style.drawn(shown[name])
+
+
+def felt(gathered: Gathered) -> ForceArrows | None:
+    """Forces of a run for the outlines of its structures; None where none was recorded."""
+    if not gathered.forces:
+        return None
+    record = None
+    if gathered.pressure is not None:
+        with suppress(DumpError):  # the analysis says what is wrong with it
+            record = read_pressure(gathered.pressure, gathered.flow.scene)
+    return ForceArrows(gathered.flow, gathered.forces, record)
 
 
 def draw_figures(
@@ -327,18 +342,19 @@ def draw_figures(
     dump: Path,
     flow: Flow,
     ending: str = "png",
-    beside: Callable[[Image], None] | None = None,
+    **how: Any,
 ) -> None:
-    """Draw figures into a folder, as files with this ending; `beside` as of `draw.style.save`."""
+    """Draw figures into a folder, as files with this ending; `arrows` as of `figure`, `beside` as of `style.save`."""
+    arrows, beside = how.pop("arrows", None), how.pop("beside", None)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise DumpError(f"{folder}: cannot be made ({error.strerror}); name another folder.") from error
     for name in names:
-        draw.style.save(figure(name, shown, dump, flow), folder / f"{name}.{ending}", beside)
+        draw.style.save(figure(name, shown, dump, flow, arrows), folder / f"{name}.{ending}", beside)
 
 
-def draw_discs(folder: Path, dump: Path, flow: Flow) -> Picture | None:
+def draw_discs(folder: Path, dump: Path, flow: Flow, arrows: ForceArrows | None = None) -> Picture | None:
     """Draw the figure of the discs into the figures of a folder; the same for a page."""
     small: list[bytes] = []
 
@@ -346,7 +362,7 @@ def draw_discs(folder: Path, dump: Path, flow: Flow) -> Picture | None:
         with suppress(OSError, ValueError):  # the page makes it of the file
             small.append(smaller(picture))
 
-    draw_figures([DISCS], {}, folder / "figures", dump, flow, beside=keep)
+    draw_figures([DISCS], {}, folder / "figures", dump, flow, arrows=arrows, beside=keep)
     return still_of(folder, *small)
 
 
@@ -359,7 +375,7 @@ def _film(gathered: Gathered, dump: Path, out: Path, warnings: list[str], quiet:
     progress = None if quiet or not sys.stdout.isatty() else told
     try:
         path = out / "animation.mp4"
-        made = draw.film.animate(open_dump(dump), gathered.flow, path, forces=gathered.forces, progress=progress)
+        made = draw.film.animate(open_dump(dump), gathered.flow, path, arrows=felt(gathered), progress=progress)
     except SetupError as error:
         warnings.append(f"no animation: {error}")
         return []

@@ -146,6 +146,8 @@ class Quantity:
         Place of these among those of other quantities; small ones come first.
     is_shown : callable(HeadlineNumber, summary) -> bool
         Whether such a number is shown.
+    compares : callable(HeadlineNumber, name, summary) -> bool
+        Whether such a number is held against theory, of the structure of this name.
     label_values : callable(summary) -> mapping
         What the blanks of their labels are filled with.
     structures : callable(key, summary) -> mapping
@@ -194,6 +196,7 @@ class Quantity:
     headline: tuple[HeadlineNumber, ...] = ()
     rank: int = 1000
     is_shown: Callable[[HeadlineNumber, Mapping[str, Any]], bool] = lambda *_: True
+    compares: Callable[[HeadlineNumber, str, Mapping[str, Any]], bool] = lambda *_: True
     label_values: Callable[[Mapping[str, Any]], Mapping[str, str]] = lambda _: NONE
     structures: Callable[[str, Mapping[str, Any]], Mapping[str, str]] = lambda *_: NONE
     applies: Callable[[str, Any], bool] = lambda *_: True

@@ -14,7 +14,7 @@ from string import Formatter
 from typing import Any, NamedTuple
 
 from lammps_jump.analysis.report.page import NumberBox, heading
-from lammps_jump.units import ABSENT, AT_LEAST, POWERS, ROUND_OFF, known, numbers_of, shown, sure_of
+from lammps_jump.units import ABSENT, POWERS, ROUND_OFF, known, numbers_of, shown, sure_of
 
 from .budgets import head
 from .quantities import QUANTITIES
@@ -127,6 +127,7 @@ def _rows(
     for name, component in names.items():
         path = f"{quantity.name}.{wanted.key}".replace("*", name)
         held = wanted.other and component != "fy"  # water at rest pushes along x
+        held = held and all(quantity.compares(wanted, name, one) for one in summaries)
         other = f"{quantity.name}.{wanted.other}".replace("*", name) if held else ""
         pairs = [(_at(one, path), _at(one, other)) for one in summaries if quantity.is_shown(wanted, one)]
         known = [(value / wanted.scale, theory) for value, theory in pairs if isinstance(value, int | float)]
@@ -201,7 +202,7 @@ def _measured(row: MeasuredRow, summary: Mapping[str, Any] | None) -> str:
     scale = row.measured.value / stored
     bound = isinstance(bounds, Sequence) and key in bounds
     text = shown(row.measured.value, error=abs(scale) * error, bound=bound)
-    return text.replace("-", "−").replace(AT_LEAST, "≥ ")
+    return text.replace("-", "−")
 
 
 def table(rows: Sequence[MeasuredRow], width: int) -> list[str]:
@@ -297,7 +298,8 @@ def main_numbers(summary: Mapping[str, Any]) -> list[str]:
         found = summary.get(name)
         if isinstance(found, Mapping) and quantity.shown(summary) and (texts := _labelled(quantity, found)):
             lines.append(f"{name}: {', '.join(texts)}")
-    lines += filter(None, [head.line(summary)])
+    below = [quantity.line(summary) for quantity in QUANTITIES.values()]
+    lines += filter(None, [*below, head.line(summary)])
     return [*lines, *(f"doubtful: {text}" for text in doubts(summary))]
 
 

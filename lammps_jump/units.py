@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
+import re
 from collections.abc import Hashable, Mapping
 from functools import lru_cache, partial
 from math import floor, isfinite, log10, nan
@@ -195,6 +196,14 @@ POWERS = str.maketrans({"^": None, "2": "²", "3": "³", "4": "⁴"})
 def unit_in_words(unit: str) -> str:
     """A unit as sentences and tables show it."""
     return unit.translate(POWERS).replace("degree", "degrees").replace("*", " ")
+
+
+KILO = 1e3
+
+
+def in_kilo(unit: str) -> tuple[float, str]:
+    """Factor and unit in which pages show a number: forces, their moments and impulses in kN, pressure in kPa."""
+    return (KILO, f"k{unit}") if re.match(r"(N|Pa)(?![a-z])", unit) else (1.0, unit)
 
 
 AT_LEAST = "at least "

@@ -350,6 +350,12 @@ def shortfall(summaries: Sequence[Mapping[str, Any]]) -> str:
     )
 
 
+def line(summary: Mapping[str, Any]) -> str:
+    """Sentence on a structure that less passed than came in; what did not come in stands among the notes."""
+    text = shortfall([summary])
+    return text if " passed " in text else ""
+
+
 def _through(one: Mapping[str, Any]) -> tuple[float, float]:
     """Discharge over and below a structure and its error, m^2/s; infinite where it is not known."""
     rates = [(one.get(key), one.get(f"{key}_error") or 0.0) for key in ("discharge", "below")]
@@ -407,7 +413,7 @@ Froude      u/√(g s) of these, and Bélanger's depth of this stream, in the la
     collector=InflowCounter,
     analyse=analyse,
     section=section,
-    line=lambda summary: shortfall([summary]) if summary.get("overtopping") else "",
+    line=line,
     notes=lambda found: found.notes,
     headline=(
         HeadlineNumber("delivered", "asked", "asked", holds="of an inlet that nothing holds up"),

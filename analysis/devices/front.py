@@ -24,7 +24,7 @@ from lammps_jump.analysis.quantity import HeadlineNumber, Quantity
 from lammps_jump.analysis.report.page import Section, Table, Text, described, percent
 from lammps_jump.analysis.statistics import known_mean
 from lammps_jump.analysis.verdicts.kinds import A_JUMP, against_water, at, part
-from lammps_jump.analysis.verdicts.water import has_front
+from lammps_jump.analysis.verdicts.water import has_front, ritter_holds
 from lammps_jump.dump.frame import Frame, make_frame
 from lammps_jump.physics import jump as waves
 from lammps_jump.physics import measured
@@ -482,7 +482,7 @@ dZ/dT         slope of the bulk front over T, from Martin & Moyce's table beside
 
 def _goes(wanted: HeadlineNumber, summary: Mapping[str, Any]) -> bool:
     front = part(summary, "front")
-    if wanted.key == "speed" and (wanted.other == RITTER) != against_water(front):
+    if wanted.key == "speed" and (wanted.other == RITTER) != ritter_holds(front):
         return False
     return _is_shown(summary) and part(summary, "jump").get("verdict") not in A_JUMP
 

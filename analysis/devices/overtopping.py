@@ -21,9 +21,10 @@ from lammps_jump.analysis.draw.chart import TIME, Chart, Drawings, Panel, Trace
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.profiles import window_of
-from lammps_jump.analysis.quantity import Named, Quantity
+from lammps_jump.analysis.quantity import HeadlineNumber, Named, Quantity
 from lammps_jump.analysis.report.page import Section, Table, Text, described
 from lammps_jump.analysis.statistics import as_fields, known_mean, mean_of
+from lammps_jump.analysis.verdicts.kinds import part
 from lammps_jump.dump.frame import Frame
 from lammps_jump.physics.jump import brink_depth, critical_depth, critical_discharge, gate_discharge
 from lammps_jump.scene.walls import Wall
@@ -308,5 +309,13 @@ gate          a structure above a gap that a disc passes: its head is over the b
     figures=figures,
     section=section,
     summary=summary,
+    headline=(
+        HeadlineNumber("*.discharge", label="discharge over {name}"),
+        HeadlineNumber("*.head", label="head over the crest of {name}"),
+        HeadlineNumber("*.below", label="discharge below {name}"),
+        HeadlineNumber("*.below_head", label="head before {name}, over the bed"),
+    ),
+    rank=95,
+    structures=lambda key, found: {name: "" for name, one in part(found, "overtopping").items() if known(one.get(key))},
     named=Named("structure", "name the wall in probes.forces, or give the case a body", "overtopped", "<structure>"),
 )

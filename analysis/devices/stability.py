@@ -40,7 +40,7 @@ from lammps_jump.physics.stability import (
 from lammps_jump.scene.bodies import Free
 from lammps_jump.scene.motion import MovingWall, reference
 from lammps_jump.scene.scene import Weighed
-from lammps_jump.units import as_summary, known, number
+from lammps_jump.units import as_summary, from_summary, known, number
 
 from .bodies import BodyResult
 from .bodies import analyse as how_bodies_are
@@ -66,20 +66,21 @@ class Stability:
     weight: float = number("N/m", "weight per metre of width", default=nan)
     base: float = number("m", "width of its base", default=nan)
     friction: float = number("", "friction of its base", default=nan)
-    sliding_factor: float = number(
-        "", "factor of safety against sliding, of the mean forces of the window", default=nan
-    )
     sliding_factor_least: float = number("", "least factor against sliding", default=nan)
     sliding_factor_least_at: float = number("s", "time of the least factor against sliding", default=nan)
     sliding_factor_least_mean: float = number("", "least factor against sliding of the moving mean", default=nan)
     sliding_factor_time_below_1: float = number("s", "time below 1 of the factor against sliding", default=nan)
-    tipping_factor: float = number(
-        "", "factor of safety against tipping, of the mean forces of the window", default=nan
-    )
     tipping_factor_least: float = number("", "least factor against tipping", default=nan)
     tipping_factor_least_at: float = number("s", "time of the least factor against tipping", default=nan)
     tipping_factor_least_mean: float = number("", "least factor against tipping of the moving mean", default=nan)
     tipping_factor_time_below_1: float = number("s", "time below 1 of the factor against tipping", default=nan)
+    sliding_factor: float = number(
+        "", "factor against sliding of the mean forces of the analysis window, which holds no peak", default=nan
+    )
+    tipping_factor: float = number(
+        "", "factor against tipping of the mean forces of the analysis window, which holds no peak", default=nan
+    )
+    window_time: float = number("s", "time of a window of the record, over which single forces are means", default=nan)
     mean_time: float = number("s", "time of the moving mean", default=nan)
     toe: str | None = None
     driving_force_peak: float = number("N/m", "largest force along its base, either way", default=nan)
@@ -235,7 +236,7 @@ def found_of(loads: Loads, window: tuple[float, float], mean_time: float) -> Sta
     told_why = ((NO_FRICTION, loads.rubs), (UNPUSHED, driven), (NO_WINDOW, lasts), (BESIDE, inside))
     return Stability(
         weight=hypot(*loads.weight), base=loads.base, friction=loads.friction, **numbers, **steady,
-        mean_time=samples * float(np.median(loads.lengths)),
+        window_time=float(np.median(loads.lengths)), mean_time=samples * float(np.median(loads.lengths)),
         toe=toe if isfinite(numbers["tipping_factor_least"]) else None,
         driving_force_peak=_most(np.where(stands, np.abs(sums.driving), nan), least=0.0),
         moment_about_toe_peak=_most(np.where(stands, getattr(sums, f"over_{toe}"), nan), least=0.0),
@@ -522,7 +523,11 @@ def section(found: Mapping[str, Stability]) -> Section:
         keys = [key for key in KEYS if known(getattr(one, key))]
         if known(one.weight):
             told = [("Toe", one.toe)] if one.toe else []
-            blocks.append(Table([*described(one, *keys), *told], (f"Structure {name}", "")))
+            rows = [
+                (f"{head}{over_time(one, key)}", value)
+                for key, (head, value) in zip(keys, described(one, *keys), strict=True)
+            ]
+            blocks.append(Table([*rows, *told], (f"Structure {name}", "")))
         if one.reason:
             blocks.append(Text(_reason(name, one), "small" if known(one.weight) else "warn"))
     if any(known(one.weight) for one in found.values()):
@@ -530,9 +535,25 @@ def section(found: Mapping[str, Stability]) -> Section:
     return Section("Stability", blocks)
 
 
+OF_WINDOWS = (
+    "_least", "_least_at", "_time_below_1", "driving_force_peak", "moment_about_toe_peak", "uplift_peak",
+)  # fmt: skip
+OF_MEANS = ("_least_mean", "eccentricity_peak", "toe_pressure_peak", "heel_pressure_least")
+"""Ends of the keys of numbers by single windows of the record, and by the moving mean."""
+
+
+def over_time(one: Stability, key: str) -> str:
+    """Averaging time of the forces of a number, to stand behind its words; empty where it has none."""
+    for ends, time in ((OF_WINDOWS, one.window_time), (OF_MEANS, one.mean_time)):
+        if key.endswith(ends) and known(time):
+            return f", {time:z.2g} s means"
+    return ""
+
+
 ABOUT = (
     "A factor of safety is what is borne over what drives; below 1 the structure moves. Forces are those of the discs, "
-    "means over the windows of the record, and the weight. A moving body may have factors above 1: friction stops it."
+    "means over the windows of the record, and the weight. A moving body may have factors above 1: friction stops it. "
+    "Forces over a shorter time have higher peaks: compare what has one averaging time."
 )
 """What is said below the tables."""
 
@@ -543,6 +564,34 @@ def _reason(name: str, one: Stability) -> str:
 
 
 KEYS = tuple(key for key in Stability.__dataclass_fields__ if key not in ("toe", "state", "reason", "table"))
+
+
+def line(summary: Mapping[str, Any]) -> str:
+    """Least factors of each structure that was pushed, with their averaging times, as a sentence; empty without any."""
+    said = []
+    for name in _told("", summary):
+        one = from_summary(Stability, part(summary, "stability")[name])
+        kinds = []
+        for kind in ("sliding", "tipping"):
+            ends = ((f"{kind}_factor_least", one.window_time), (f"{kind}_factor_least_mean", one.mean_time))
+            texts = [
+                f"{getattr(one, key):z.2g}{f' of {time:z.2g} s means' if known(time) else ''}"
+                for key, time in ends
+                if known(getattr(one, key))
+            ]
+            kinds += [f"{kind} {', '.join(texts)}"] if texts else []
+        said += [f"{name}: least factor against {' and '.join(kinds)}"] if kinds else []
+    return "; ".join(said)
+
+
+def _times(summary: Mapping[str, Any]) -> dict[str, str]:
+    """Averaging times for the labels of the numbers at the top."""
+    found = [one for one in part(summary, "stability").values() if isinstance(one, Mapping)]
+    words = {}
+    for key in ("window_time", "mean_time"):
+        times = dict.fromkeys(f"{one[key]:z.2g} s" for one in found if known(one.get(key)))
+        words[key] = " or ".join(times) or "single windows"
+    return words
 
 
 def _told(_: str, summary: Mapping[str, Any]) -> dict[str, str]:
@@ -579,9 +628,11 @@ time          only as long as the structure stands on its base: turned by less t
     section=section,
     summary=summary,
     headline=(
-        HeadlineNumber("*.sliding_factor_least", label="{name}, least factor against sliding"),
-        HeadlineNumber("*.tipping_factor_least", label="{name}, least factor against tipping"),
+        HeadlineNumber("*.sliding_factor_least", label="{name}, least factor against sliding, {window_time} means"),
+        HeadlineNumber("*.tipping_factor_least", label="{name}, least factor against tipping, {window_time} means"),
     ),
+    label_values=_times,
+    line=line,
     rank=105,
     structures=_told,
     named=Named("structure", "give it a weight in probes.stability, or make it a body", "weighed", "<structure>"),

@@ -135,7 +135,8 @@ def section(waves: Waves) -> Section:
 def line(summary: Mapping[str, Any]) -> str:
     """A line on the depths at the gauges of the case; empty where there are none."""
     columns = [part(summary, "waves").get(key) or () for key in ("gauges", "means", "largest")]
-    each = [f"x = {x:zg} m {mean:z.2f} ({most:z.2f})" for x, mean, most in zip(*columns, strict=False)]
+    known = (row for row in zip(*columns, strict=False) if None not in row)
+    each = [f"x = {x:zg} m {mean:z.2f} ({most:z.2f})" for x, mean, most in known]
     return f"depth at gauges, mean of the window (largest), m: {', '.join(each)}" if each else ""
 
 

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
+from . import arrows as arrows
 from . import film as film
 from . import maps as maps
 from . import sketch as sketch

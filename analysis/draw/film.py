@@ -8,7 +8,7 @@ its discs in software straight into it and goes to ffmpeg (mp4) or into Pillow (
 from __future__ import annotations
 
 import io
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import closing
 from math import ceil, floor
 from pathlib import Path
@@ -21,21 +21,23 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.gridspec import SubplotSpec
 from matplotlib.image import AxesImage
+from matplotlib.text import Annotation
 
 from lammps_jump.analysis.flow import Flow
-from lammps_jump.dump.find import ForceHistory
 from lammps_jump.dump.frame import Frame, require_finite, ten_indices
 from lammps_jump.dump.read import Dump
 from lammps_jump.errors import DumpError, SetupError
 from lammps_jump.files import open_to_write, whole, write_bytes, writes
-from lammps_jump.scene.walls import Interval, Wall
+from lammps_jump.scene.walls import Interval
 
+from .arrows import ForceArrows, ScaleArrow
 from .painter import View, blank, disc_speeds, paint_arrow, paint_frame, paint_walls, seen, top_of
 from .style import STYLE, colour_bar, style
 
 NO_FFMPEG = "the animation is a GIF file: MP4 files need ffmpeg, which pip install 'lammps-jump[movie]' brings"
 """What to tell users where a GIF took the place of an MP4."""
-ARROW = (179, 38, 58)
+CLOCK = 230
+"""Pixels of time and count of discs."""
 ABOVE, LEFT = 34, 62
 """Pixels above and left of the discs."""
 SAMPLE = 12
@@ -48,7 +50,7 @@ def animate(
     out: str | Path,
     *,
     fps: float = 20.0,
-    forces: Mapping[str, ForceHistory] | None = None,
+    arrows: ForceArrows | None = None,
     width: int = 1280,
     progress: Callable[[int, int], None] | None = None,
 ) -> Path:
@@ -63,8 +65,8 @@ def animate(
         of an MP4.
     fps : float
         Frames of the dump shown a second.
-    forces : mapping of structure to ForceHistory, optional
-        An arrow on each structure that has a wall of that name: the force, interpolated to the time of the frame.
+    arrows : ForceArrows, optional
+        Forces that are drawn on the outlines of structures, interpolated to the time of the frame.
     width : int
         Pixels of the whole picture.
     progress : callable(done, all), optional
@@ -90,7 +92,7 @@ def animate(
         out = out.with_suffix(".gif")
     chosen = dump.select({round(i) for i in np.linspace(0, count - 1, SAMPLE)})
     sample = [require_finite(frame, dump.path) for frame in chosen]
-    painter = _Painter(sample, flow, width, forces or {})
+    painter = _Painter(sample, flow, width, arrows)
 
     def pictures() -> Iterable[np.ndarray]:
         for done, frame in enumerate(dump, start=1):
@@ -114,7 +116,7 @@ def still(frame: Frame, flow: Flow, out: str | Path, *, width: int = 1280) -> Pa
     from PIL import Image
 
     picture = io.BytesIO()
-    Image.fromarray(_Painter([frame], flow, width, {}).paint(frame)).save(picture, format="PNG")
+    Image.fromarray(_Painter([frame], flow, width, None).paint(frame)).save(picture, format="PNG")
     with writes(f"{out}: the picture"):
         return write_bytes(Path(out), picture.getbuffer())
 
@@ -122,7 +124,7 @@ def still(frame: Frame, flow: Flow, out: str | Path, *, width: int = 1280) -> Pa
 class _Painter:
     """Paints frames into copies of the picture around them: axes, labels and colour bar, in whole, even pixels."""
 
-    def __init__(self, sample: Sequence[Frame], flow: Flow, width: int, forces: Mapping[str, ForceHistory]):
+    def __init__(self, sample: Sequence[Frame], flow: Flow, width: int, arrows: ForceArrows | None):
         from matplotlib.font_manager import findfont
         from PIL import ImageFont
 
@@ -131,12 +133,9 @@ class _Painter:
         self.view, self.picture = _surroundings(*seen(sample, flow), width, self.top_speed, flow.title)
         self.inside = slice(ABOVE, ABOVE + self.view.height), slice(LEFT, LEFT + self.view.width)
         self.font = ImageFont.truetype(findfont("DejaVu Sans"), 16)
-        walls = {wall.name for wall, _ in flow.scene.standing}
-        # a force may act on something that is no wall
-        self.forces = {name: history for name, history in forces.items() if name in walls and len(history.time)}
-        biggest = max((float(np.quantile(np.hypot(h.fx, h.fy), 0.995)) for h in self.forces.values()), default=0.0)
-        # the largest force is a third of the picture's height long
-        self.pixels_per_newton = self.view.height / 3.0 / biggest if biggest > 0 else 0.0
+        self.arrows = arrows
+        if arrows is not None:
+            self._tell_scales(arrows)
         self.ground: tuple[object, np.ndarray] = None, self.picture
 
     def paint(self, frame: Frame) -> np.ndarray:
@@ -148,15 +147,22 @@ class _Painter:
             paint_walls(self.ground[1][self.inside], view, walls, gates)
         picture = self.ground[1].copy()
         paint_frame(picture[self.inside], view, frame, self.flow, self.top_speed)
-        places = {wall.name: _anchor(wall, view) for wall in walls if wall.name in self.forces}
-        for name, history in self.forces.items():
-            x, y = places[name]
-            fx, fy = (self.pixels_per_newton * np.interp(time, history.time, part) for part in (history.fx, history.fy))
-            start = float(view.column(x)), float(view.row(y))
-            end = start[0] + fx, start[1] - fy
-            paint_arrow(picture[self.inside], start, end, max(3.0, view.height / 90), ARROW)
-        self._write(picture[9:29, LEFT:], f"{self.flow.clock(time)}   {self.flow.count(frame)} discs")
+        if self.arrows is not None:
+            self.arrows.paint(picture[self.inside], view, time, walls)
+        self._write(picture[9:29, LEFT : LEFT + CLOCK], f"{self.flow.clock(time)}   {self.flow.count(frame)} discs")
         return picture
+
+    def _tell_scales(self, arrows: ForceArrows) -> None:
+        """Write the scales of forces and pressure above the discs, right of the clock, as far as there is room."""
+        at = float(LEFT + CLOCK)
+        for scale in arrows.scales(self.view):
+            long = scale.length * self.view.scale
+            wide = round(8 + self.font.getlength(scale.text))
+            if at + long + wide > LEFT + self.view.width:
+                break
+            paint_arrow(self.picture, (at, 20.0), (at + long, 20.0), 3.0, scale.colour)
+            self._write(self.picture[9:29, round(at + long) + 8 :], scale.text)
+            at += long + wide + 24
 
     def _write(self, strip: np.ndarray, text: str) -> None:
         from PIL import Image, ImageDraw
@@ -164,13 +170,6 @@ class _Painter:
         image = Image.fromarray(strip)
         ImageDraw.Draw(image).text((0, 0), text, font=self.font, fill="#1a1a1a")
         strip[:] = image
-
-
-def _anchor(wall: Wall, view: View) -> tuple[float, float]:
-    """Start of the arrow of a structure: its middle, of what is seen, m."""
-    sides = zip(wall.extent, (view.x, view.y), strict=True)
-    x, y = (float(np.mean(np.clip(side, *shown))) if side[0] < side[1] else side[0] for side, shown in sides)
-    return x, y
 
 
 def _surroundings(x: Interval, y: Interval, width: int, top_speed: float, name: str) -> tuple[View, np.ndarray]:
@@ -252,7 +251,7 @@ BAR = 0.52, 0.12
 """Bottom and height of the colour bar, inches."""
 
 
-def snapshots(frames: Dump | Sequence[Frame], flow: Flow) -> Figure:
+def snapshots(frames: Dump | Sequence[Frame], flow: Flow, arrows: ForceArrows | None = None) -> Figure:
     """Discs at ten equal times as true circles coloured by speed, walls in grey (the thesis' ten pictures).
 
     Shown is the studied stretch, as high as discs go. Colours end at the 99.5 % quantile of the speeds.
@@ -262,6 +261,8 @@ def snapshots(frames: Dump | Sequence[Frame], flow: Flow) -> Figure:
     frames : Dump or sequence of Frame
         Of a Dump only the ten frames are parsed.
     flow : Flow
+    arrows : ForceArrows, optional
+        Forces that are drawn on the outlines of structures; their scale stands at the top.
     """
     indices = ten_indices(len(frames))
     chosen = list(frames.select(indices)) if isinstance(frames, Dump) else [frames[i] for i in indices]
@@ -276,8 +277,11 @@ def snapshots(frames: Dump | Sequence[Frame], flow: Flow) -> Figure:
         for frame, place in zip(chosen, places, strict=True):
             picture = blank(view)
             time = flow.time(frame)
-            paint_walls(picture, view, flow.standing_at(time), flow.shut_gates(time))
+            walls = flow.standing_at(time)
+            paint_walls(picture, view, walls, flow.shut_gates(time))
             paint_frame(picture, view, frame, flow, top_speed)
+            if arrows is not None:
+                arrows.paint(picture, view, time, walls)
             axes = figure.add_subplot(place)
             axes.add_image(Painted(picture, axes, view))
             # no title: its place is sought among all ticks, which took a fifth of the time
@@ -292,8 +296,25 @@ def snapshots(frames: Dump | Sequence[Frame], flow: Flow) -> Figure:
         bar = figure.add_axes((SIDE / wide, BAR[0] / high, 1 - (SIDE + RIGHT) / wide, BAR[1] / high))
         scale = mpl.cm.ScalarMappable(mpl.colors.Normalize(0, top_speed), "cividis")
         colour_bar(figure, scale, "Speed [m/s]", cax=bar, orientation="horizontal")
+        if arrows is not None:
+            _tell_scales(figure, arrows.scales(view), width / (x[1] - x[0]))
         figure.suptitle(flow.title, x=0.01, y=1 - 0.07 / high, ha="left", va="top", fontsize=10)
     return figure
+
+
+def _tell_scales(figure: Figure, scales: Sequence[ScaleArrow], inches: float) -> None:
+    """Draw arrows with their sizes at the right end of the top of a figure; `inches` are those of a metre."""
+    wide, high = figure.get_size_inches()
+    right = 1 - RIGHT / wide
+    for scale in reversed(scales):
+        colour = [part / 255 for part in scale.colour]
+        text = figure.text(right, 1 - 0.14 / high, scale.text, ha="right", va="center", fontsize=8)
+        end = right - (0.065 * len(scale.text) + 0.08) / wide
+        start = end - scale.length * inches / wide
+        look: dict[str, Any] = {"arrowstyle": "-|>", "color": colour, "lw": 2.0, "shrinkA": 0, "shrinkB": 0}
+        ends: dict[str, Any] = {"xycoords": "figure fraction", "textcoords": "figure fraction", "arrowprops": look}
+        figure.add_artist(Annotation("", (end, text.get_position()[1]), (start, text.get_position()[1]), **ends))
+        right = start - 0.25 / wide
 
 
 class Painted(AxesImage):

@@ -18,6 +18,7 @@ from lammps_jump.analysis.quantity import HeadlineNumber, Named, Quantity
 from lammps_jump.analysis.report import Block
 from lammps_jump.analysis.report.page import Section, Table, Text, cut, heading
 from lammps_jump.analysis.verdicts.kinds import part
+from lammps_jump.analysis.verdicts.water import runs_against
 from lammps_jump.units import known, numbers_of, sure_of
 
 from .history import LOW_PASS, Force, Forces, analyse_forces
@@ -217,6 +218,13 @@ def _touched(key: str, summary: Mapping[str, Any]) -> dict[str, str]:
     return {name: component for name, component in found.items() if key == f"mean_{component}"}
 
 
+def _at_rest(wanted: HeadlineNumber, name: str, summary: Mapping[str, Any]) -> bool:
+    """Tells whether the mean force on a structure may be held against water at rest: discs do not run to or over it."""
+    over = part(summary, "overtopping").get(name) or {}
+    return wanted.key != "*.mean_fx" or not (over.get("discs") or runs_against(part(summary, "force")[name]))
+
+
+PEAK = f"peak {{component}}, {{name}}, {LOW_PASS:zg} s mean"
 AT_REST = "of water at rest before an upright face"
 QUANTITY = Quantity(
     name="force",
@@ -262,13 +270,12 @@ oncoming      largest ρsu² + ρgs²/2 two bins in front
             "*.mean_fx", "hydrostatic", "*.mean_hydrostatic", "mean Fx, {name}", KILO, KILO_NEWTON, holds=AT_REST
         ),
         HeadlineNumber("*.mean_fy", label="mean Fy, {name}", scale=KILO, unit=KILO_NEWTON),
-        HeadlineNumber(
-            "*.peak", "hydrostatic", "*.hydrostatic", "peak {component}, {name}", KILO, KILO_NEWTON, holds=AT_REST
-        ),
+        HeadlineNumber("*.peak", "hydrostatic", "*.hydrostatic", PEAK, KILO, KILO_NEWTON, holds=AT_REST),
         HeadlineNumber("*.impulse", label="impulse of {component}, {name}", scale=KILO, unit="kN s/m", rank=116),
     ),
     rank=110,
     structures=_touched,
+    compares=_at_rest,
     errors=lambda found: [*found.structures.items(), ("", found.reflected)],
     named=Named("probe", "name the wall in probes.forces of the case", "structures", "<wall>"),
     parts={

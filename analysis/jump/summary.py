@@ -314,8 +314,9 @@ def headline(jump: Jump) -> str:
 def compared(jump: Jump) -> str:
     """The depth behind the jump against Bélanger's of a named state."""
     off = percent_of(jump.belanger_deviation, *sure_of(jump, OFF))
+    of = "sequent depth" if jump.at == TAIL else jump.at
     return (
-        f"Compare the {jump.at}, {_number(jump, 'y2', 'm')}, with {_number(jump, 'belanger_y2', 'm')} by Bélanger "
+        f"Compare the {of}, {_number(jump, 'y2', 'm')}, with {_number(jump, 'belanger_y2', 'm')} by Bélanger "
         f"for the {jump.of} in the front's frame (Fr = {_number(jump, 'froude')}): {off}."
     )
 

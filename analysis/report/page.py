@@ -25,7 +25,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined, Template
 from markupsafe import Markup, escape
 
 from lammps_jump.files import plain, read_file, read_start, text_of
-from lammps_jump.units import ABSENT, AT_LEAST, POWERS, known, numbers_of, shown, sure_of, two_digits
+from lammps_jump.units import ABSENT, AT_LEAST, POWERS, in_kilo, known, numbers_of, shown, sure_of, two_digits
 
 from .coder import digits_of, encode
 
@@ -326,10 +326,14 @@ def text(value: Value) -> Markup:
 
 
 def described(result: object, *keys: str) -> list[tuple[str, Value]]:
-    """Rows (meaning with unit, value) of a result's numbers, in words of their descriptions."""
-    numbers = numbers_of(result)
-    heads = (heading(numbers[key].meaning, numbers[key].unit) for key in keys)
-    return list(zip(heads, cells(result, *keys), strict=True))
+    """Rows (meaning with unit, value) of a result's numbers, in words of their descriptions; forces in kN."""
+    numbers, values = numbers_of(result), cells(result, *keys)
+    scaled = [in_kilo(numbers[key].unit) for key in keys]
+    heads = (heading(numbers[key].meaning, unit) for key, (_, unit) in zip(keys, scaled, strict=True))
+    told = (
+        value / scale if isinstance(value, float) else value for value, (scale, _) in zip(values, scaled, strict=True)
+    )
+    return list(zip(heads, told, strict=True))
 
 
 def cells(result: object, *keys: str) -> tuple[Value, ...]:
@@ -349,9 +353,10 @@ def errors_of(result: object) -> list[tuple[str, str]]:
     numbers = [number for number in numbers_of(result).values() if known(getattr(result, number.key))]
     sure = [(number, *sure_of(result, number.key)) for number in numbers]
     return [
-        (heading(number.meaning, number.unit), f"{AT_LEAST * bound}{two_digits(error)}")
+        (heading(number.meaning, unit), f"{AT_LEAST * bound}{two_digits(error / scale)}")
         for number, error, bound in sure
         if error
+        for scale, unit in [in_kilo(number.unit)]
     ]
 
 

@@ -20,7 +20,7 @@ from lammps_jump.analysis.verdicts import doubts, verdict
 from lammps_jump.errors import DumpError
 from lammps_jump.files import write_text
 from lammps_jump.physics.contact import Coefficients
-from lammps_jump.units import ABSENT, Number, known, numbers_of, shown, sure_of
+from lammps_jump.units import ABSENT, Number, in_kilo, known, numbers_of, shown, sure_of
 
 from .handed_on import read_curves
 from .page import (
@@ -314,14 +314,14 @@ def _rows(left: Mapping[str, Any], right: Mapping[str, Any]) -> Iterator[tuple[s
 
 
 def _row(part: str, number: Number, left: object, right: object) -> tuple[str, str, str, str]:
-    key, unit = number.key, number.unit
+    key, (scale, unit) = number.key, in_kilo(number.unit)
     values: list[Any] = [getattr(side, key, None) for side in (left, right)]
-    texts = [shown(None) if side is None else cut(side, key) for side in (left, right)]
+    texts = [shown(None) if side is None else cut(side, key, scale) for side in (left, right)]
     errors = [sure_of(side, key).value for side in (left, right)]
     difference = shown(None)
     if all(known(value) for value in values):
-        error = hypot(*(error for error in errors if error is not None)) if None not in errors else None
-        difference = shown(values[1] - values[0], error=error, alone=True).replace("-", "−")
+        error = hypot(*(error / scale for error in errors if error is not None)) if None not in errors else None
+        difference = shown((values[1] - values[0]) / scale, error=error, alone=True).replace("-", "−")
     label = heading(number.meaning, unit)
     return f"{part}: {label}" if part else label, texts[0], texts[1], difference
 

@@ -517,7 +517,7 @@ function drawSequent(p, [from, to, depth], height) {
   const left = Math.min(x0, x1), right = Math.min(Math.max(x0, x1), MARGIN.left + p.wide);
   // before the front, where the stream is low; above the line where there is no room
   const [x, up] = left - MARGIN.left > 110 ? [left - 8, 0] : [right, 10];
-  write(p, `Bélanger ${depth.toFixed(2)} m`, x, y - up, { align: "right", colour: p.ink.theory });
+  write(p, `Bélanger at this instant ${depth.toFixed(2)} m`, x, y - up, { align: "right", colour: p.ink.theory });
 }
 
 // From the right, so that the unit has its room: a label stays within the picture, and one without room is left out.

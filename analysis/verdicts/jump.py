@@ -76,6 +76,7 @@ def _jump(jump: Mapping[str, Any], errors: float) -> str:
         return "No hydraulic jump." if none else f"No hydraulic jump: {jump['verdict']}."
     said = []
     off, of, left_out = jump.get("belanger_deviation"), jump.get("at") or "depth", jump.get("left_out") or ()
+    of = "sequent depth" if of == "tail water" else of  # as the number at the top is called
     if off is not None:
         but = ", which leaves that out," if left_out and jump["verdict"] == "jump" else ""
         said.append(_off(of, off, jump.get("belanger_deviation_error")) + but)
@@ -132,7 +133,7 @@ def _unanswered(summary: Mapping[str, Any]) -> str:
 
 HYDRAULIC_JUMP = Verdict(
     "Is there a hydraulic jump, and is it as deep as theory says?",
-    "A hydraulic jump. Its tail water is 1.0 % below Bélanger’s and its front stands.",
+    "A hydraulic jump. Its sequent depth is 1.0 % below Bélanger’s and its front stands.",
     ("jump.verdict", "jump.y2", "jump.belanger_y2", "jump.belanger_deviation", "jump.speed", "jump.length"),
     title,
     (

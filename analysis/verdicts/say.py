@@ -13,7 +13,7 @@ from .bodies import BODIES, TAILGATE
 from .grains import DRUM, HEAP, INCLINE, OUTLET
 from .jump import HYDRAULIC_JUMP
 from .kinds import Doubt, Verdict, at, part, shown
-from .water import COLLAPSE, IMPACT, RUN_UP, WAVES
+from .water import COLLAPSE, IMPACT, OVERTOPPED, RUN_UP, WAVES
 
 
 def _conserved(summary: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -134,6 +134,7 @@ VERDICTS = (
     WAVES,
     COLLAPSE,
     RUN_UP,
+    OVERTOPPED,
     IMPACT,
     ENERGY,
     DISCS,

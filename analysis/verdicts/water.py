@@ -19,6 +19,8 @@ CREEPS = 0.02
 ONE_WAY = 0.7
 """Share of the mean speed that the mean velocity has where discs run as a stream."""
 
+MANY_OVER = 100
+"""Discs over a crest from which on their volume is the answer, and no run-up."""
 RUNNING = 0.2
 """Momentum flux of what comes over the largest thrust of water at rest from which on water runs against a wall."""
 
@@ -39,6 +41,13 @@ def has_front(summary: Mapping[str, Any]) -> bool:
     return along is not None and speed is not None and abs(along) > ONE_WAY * speed
 
 
+def ritter_holds(front: Mapping[str, Any]) -> bool:
+    """Tells whether Ritter's front holds as long as the mean speed is taken: up to the first obstacle, or the end."""
+    until = (front.get("ritter") or {}).get("valid_until")
+    end = front.get("arrival_time") if front.get("arrival_time") is not None else front.get("time")
+    return against_water(front) and until is not None and end is not None and end <= until
+
+
 def _collapse(summary: Mapping[str, Any]) -> str:
     front = part(summary, "front")
     if not has_front(summary) or part(summary, "heap").get("run_out_over_base") is not None:  # told by the heap
@@ -46,7 +55,7 @@ def _collapse(summary: Mapping[str, Any]) -> str:
     if not collapsed(front):
         after = "" if front.get("time") is None else f" after {front['time']:z.3g} s"
         return f"The front of the discs is at {front['position']:z.3g} m{after}."
-    ritter = against_water(front) and (front.get("ritter") or {}).get("front_speed")
+    ritter = ritter_holds(front) and (front.get("ritter") or {}).get("front_speed")
     more = f"; Ritter’s would run at {shown(ritter)} m/s" if ritter else ""
     arrival = front.get("arrival_time")
     more = f" and meets the obstacle after {shown(arrival)} s" if arrival is not None else more
@@ -93,14 +102,15 @@ def _against_water(front: Mapping[str, Any]) -> list[str]:
     if water.get("mean_bulk") is not None:
         low, high = (100 * bound for bound in DISCS)
         inside = "as discs do" if low <= 100 * water["mean_bulk"] <= high else "unlike discs"
-        off = f"{100 * water['mean_bulk']:+z.0f} % off Martin & Moyce's water (n² = 2) in the mean"
-        said.append(f"It is {off}, {inside} ({low:z.0f} to {high:z.0f} %).")
+        off = f"{100 * water['mean_bulk']:+z.0f} % off Martin & Moyce's water in the mean"
+        said.append(f"It is {off} (a column twice as high as wide), {inside} ({low:z.0f} to {high:z.0f} %).")
     elif water.get("slope_of_table") is not None and water.get("slope") is not None:
         of_table = f"{water['slope_of_table']:z.2f}"
         said.append(f"Slope dZ/dT {water['slope']:z.2f}; Martin & Moyce's water of this shape has {of_table}.")
     elif water:
         said.append(
-            f"No measured curve of water belongs to its shape (n² = {water['aspect']:z.2f}; measured: 1 and 2)."
+            f"No measured curve of water belongs to it: it is {water['aspect']:z.2g} times as high as wide; "
+            "measured are columns as high as wide, and twice as high."
         )
     if water and ritter.get("rms") is not None:
         said.append(
@@ -182,6 +192,7 @@ def _run_up(summary: Mapping[str, Any]) -> str:
         return _goes_over(found, on)
     above_still = f", {shown(still)} m over the still water" if still is not None else ""
     tail = f"{shown(over)} m² go over the crest at y = {place(crest)} m"
+    tail += " by the end, and more comes" if found.get("still_passes") else ""
     if not over:
         tail = f"nothing goes over the crest at y = {place(crest)} m"
     return f"The water reaches y = {place(found['highest'])} m on {on}{above_still}; {tail}."
@@ -201,20 +212,16 @@ def _to_the_crest(summary: Mapping[str, Any]) -> str:
     found = part(summary, "runup")
     if not found.get("reaches_crest") or (found.get("freeboard") is not None and found["freeboard"] <= 0):
         return ""
+    if (found.get("over_discs") or 0) >= MANY_OVER:  # it is overtopped, and nobody asks for a run-up
+        return ""
     return "the water reaches the crest: a higher slope or wall would show a higher run-up"
 
 
 def _few_over(summary: Mapping[str, Any]) -> str:
     discs = at(summary, "runup.over_discs")
-    if not discs or discs >= 100:
+    if not discs or discs >= MANY_OVER:
         return ""
     return f"{discs} discs make the volume over the crest, which scatters by {100 / discs**0.5:z.0f} % at least"
-
-
-def _still_passes(summary: Mapping[str, Any]) -> str:
-    return (
-        "water still goes over the crest at the end: run longer" if part(summary, "runup").get("still_passes") else ""
-    )
 
 
 RUN_UP = Verdict(
@@ -232,9 +239,8 @@ RUN_UP = Verdict(
     ),
     _run_up,
     (
-        Doubt("the water reaches the crest, so that the run-up is a lower bound", _to_the_crest),
+        Doubt("the water reaches the crest, where fewer than 100 discs go over: a lower bound", _to_the_crest),
         Doubt("fewer than 100 discs go over", _few_over),
-        Doubt("water still goes over at the end", _still_passes),
         Doubt(
             "the run-up is less than three diameters",
             below("runup.diameters", 3.0, "the run-up is {} diameters, and the surface is known to about one"),
@@ -252,11 +258,11 @@ def struck(summary: Mapping[str, Any]) -> tuple[str, Mapping[str, Any]]:
     walls = {name: one for name, one in part(summary, "force").items() if isinstance(one, Mapping) and "peak" in one}
     known = [pair for pair in walls.items() if None not in (pair[1]["peak"], pair[1].get("stagnation"))]
     climbed = part(summary, "runup").get("wall")
-    known = [pair for pair in known if pair[0] == climbed] or [pair for pair in known if _runs(pair[1])]
+    known = [pair for pair in known if pair[0] == climbed] or [pair for pair in known if runs_against(pair[1])]
     return max(known, key=lambda pair: abs(pair[1]["peak"]), default=("", {}))
 
 
-def _runs(force: Mapping[str, Any]) -> bool:
+def runs_against(force: Mapping[str, Any]) -> bool:
     """Tells whether discs bring momentum beside the thrust of the deepest water; what climbs the wall is that deep."""
     return (force.get("oncoming_flux") or 0.0) > RUNNING * (force.get("hydrostatic") or 0.0)
 
@@ -286,6 +292,38 @@ def _unbalanced(summary: Mapping[str, Any]) -> str:
     if max(off, default=0.0) <= 0.05:
         return ""
     return f"the impulses of walls and gravity miss the momentum of the discs by {shown(100 * max(off))} %"
+
+
+def _overtopped(summary: Mapping[str, Any]) -> str:
+    """Sentence on what goes over weirs and below gates; the run-up tells of its own wall."""
+    if _run_up(summary):
+        return ""
+    said = []
+    for name, one in part(summary, "overtopping").items():
+        for key, where, head in (("discharge", "over", "head"), ("below", "below", "below_head")):
+            if one.get(key) is not None:
+                under = f" under a head of {shown(one[head])} m" if one.get(head) is not None else ""
+                said.append(f"{shown(one[key])} m²/s go {where} {name}{under}")
+    return f"{'; '.join(said)}." if said else ""
+
+
+def _few_pass(summary: Mapping[str, Any]) -> str:
+    """Structures over which few discs have gone."""
+    told = [
+        f"{one['discs']} discs make what goes over {name}"
+        for name, one in part(summary, "overtopping").items()
+        if one.get("discharge") is not None and (one.get("discs") or 0) < MANY_OVER
+    ]
+    return "; ".join(told)
+
+
+OVERTOPPED = Verdict(
+    "How much goes over a weir or below a gate, and under which head?",
+    "0.42 m²/s go over weir under a head of 0.51 m.",
+    ("overtopping.<structure>.discharge", "overtopping.<structure>.head", "overtopping.<structure>.below"),
+    _overtopped,
+    (Doubt("fewer than 100 discs go over", _few_pass),),
+)
 
 
 IMPACT = Verdict(

@@ -32,6 +32,8 @@ from .to_scene import build_scene
 
 NOT_TOLD = ("name", "analysis", "probes", "engine", "run.members", "run.checkpoint_interval", "run.dump_format")
 """Fields whose change is not told behind a description: the flow is the same."""
+TOLD = "analysis.window"
+"""The one among them that is told: all means are of it."""
 OF_THE_FLOW = ("gravity", "slope", "discs", "contact", "domain", "walls", "initial", "inflow", "outflow")
 """Fields that a description of a scene may speak of."""
 CHANGED = "changed: "
@@ -84,7 +86,8 @@ def described(text: str, source: CaseSource) -> str:
 
 def _is_told(path: PathKey) -> bool:
     dotted = ".".join(map(str, path))
-    return "jitter" not in path and not any(f"{dotted}.".startswith(f"{name}.") for name in NOT_TOLD)
+    silent = "jitter" in path or any(f"{dotted}.".startswith(f"{name}.") for name in NOT_TOLD)
+    return dotted == TOLD or not silent
 
 
 def of_another_case(source: CaseSource) -> str:

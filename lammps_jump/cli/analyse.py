@@ -21,6 +21,9 @@ from .options import Quiet, Sets, Verbose, diameters, log_printed, open_page, pl
 from .progress import print_summary
 
 app = typer.Typer(rich_markup_mode=None)
+Arrows = Annotated[
+    bool, typer.Option("--arrows/--no-arrows", help="Forces and pressure as arrows on the outlines of structures.")
+]
 
 
 def looking(command: Callable[..., None]) -> Callable[..., None]:
@@ -147,10 +150,11 @@ def animate(
     ],
     out: Annotated[Path | None, place("File (.mp4 or .gif); default animation.mp4 in the folder.")] = None,
     fps: Annotated[int, typer.Option(help="Frames a second.", min=1, max=120)] = 20,
+    arrows: Arrows = True,
 ) -> None:
-    """Write a film of a run: discs coloured by speed, forces on structures, time."""
+    """Write a film of a run: discs coloured by speed, forces as arrows on the outlines of structures, time."""
     with log_printed(quiet=False):
-        print(runs.results.animate(folder, out, fps))
+        print(runs.results.animate(folder, out, fps, arrows=arrows))
 
 
 @app.command()
@@ -207,6 +211,7 @@ def _open(path: Path) -> None:
 def figures(
     folder: Annotated[Path, typer.Argument(help=OR_STUDY, show_default=False)],
     ending: Annotated[Literal["png", "pdf", "svg"], typer.Option("--format", help="Format of the files.")] = "png",
+    arrows: Arrows = True,
 ) -> None:
     """Draw every figure of a run or of a study; prints the names of the files."""
     if (folder / "study.yaml").is_file():
@@ -214,7 +219,7 @@ def figures(
     elif runs.results.is_of_a_dump(folder):
         paths = runs.results.draw_dump(folder, ending)
     else:
-        paths = lj.open_run(folder).figures(ending)
+        paths = lj.open_run(folder).figures(ending, arrows=arrows)
     print(*paths, sep="\n")
 
 

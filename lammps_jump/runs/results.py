@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Collection, Mapping, Sequence
-from contextlib import nullcontext
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass, fields, replace
 from importlib import import_module
 from pathlib import Path
@@ -30,8 +30,9 @@ from lammps_jump.dump.exports import export as write_exports
 from lammps_jump.dump.exports import load_netcdf
 from lammps_jump.dump.find import ForceHistory, find_dump, read_dump, read_forces
 from lammps_jump.dump.read import Dump, open_dump
+from lammps_jump.dump.side_files.pressure import StretchForces, read_pressure
 from lammps_jump.errors import CaseError, DumpError
-from lammps_jump.files import PLAYER, SUMMARY_FILE, checksum, read_json, write_json, write_text, writes
+from lammps_jump.files import PLAYER, PRESSURE_FILE, SUMMARY_FILE, checksum, read_json, write_json, write_text, writes
 from lammps_jump.provenance import versions
 from lammps_jump.quoting import visible
 from lammps_jump.scene.schedule import MOST_BINS
@@ -336,8 +337,8 @@ def draw_dump(folder: Path, ending: str = "png") -> list[Path]:
         return draw_all(ResultsInMemory(gathered, results, ()), folder, ending)
 
 
-def animate(target: Path, out: Path | None, fps: int) -> Path:
-    """Write the moving picture of a run folder or dump; its path.
+def animate(target: Path, out: Path | None, fps: int, *, arrows: bool = True) -> Path:
+    """Write the moving picture of a run folder or dump; its path. Without `arrows` it shows no forces.
 
     By default it is ``animation.mp4`` beside the dump, or in the folder of a dump's results. Without ffmpeg it is a
     GIF, and a note says so. Only a film that this program made in such a folder is replaced.
@@ -347,16 +348,24 @@ def animate(target: Path, out: Path | None, fps: int) -> Path:
     case = ReadCase.load(require_case(home)) if (home / "case.yaml").exists() else None
     table = home / "forces.csv"
     results_of(home).require_same(table.name)
-    forces = read_forces(table) if case is not None and table.exists() else None
+    forces = read_forces(table) if arrows and case is not None and table.exists() else None
     destination = out or home / "animation.mp4"
     written = destination if drawing.film.has_ffmpeg() else destination.with_suffix(".gif")
     folders.require_replaceable(written.parent, written.name)
     flow = flow_of_dump(target) if analysed else _flow(path, case)
     with folders.locked(home) if out is None and folders.read_marker(home) else nullcontext():
-        drawing.film.animate(open_dump(path), flow, written, fps=fps, forces=forces)
+        felt = drawing.arrows.ForceArrows(flow, forces, _pressure_of(home, flow)) if forces else None
+        drawing.film.animate(open_dump(path), flow, written, fps=fps, arrows=felt)
     if written != destination:
         log.info(f"note: {drawing.film.NO_FFMPEG}")
     return written
+
+
+def _pressure_of(folder: Path, flow: Flow) -> StretchForces | None:
+    """Record of the pressure in a run folder; None where there is none that can be read."""
+    with suppress(DumpError):
+        return read_pressure(folder / PRESSURE_FILE, flow.scene) if flow.scene.pressure else None
+    return None
 
 
 def export(place: Path, kinds: Collection[str], out: Path | None = None) -> list[Path]:
@@ -388,7 +397,7 @@ def draw(found: ResultsInMemory, folder: Path, name: str) -> Figure:
     there = [*shown, pipeline.DISCS]
     if name not in there:
         raise DumpError(f"figure '{name}': the run in {folder} holds no data for it; use another of {', '.join(there)}")
-    return pipeline.figure(name, shown, find_dump(folder), found.gathered.flow)
+    return pipeline.figure(name, shown, find_dump(folder), found.gathered.flow, pipeline.felt(found.gathered))
 
 
 def figure_named(found: ResultsInMemory, name: str = "") -> str:
@@ -409,14 +418,19 @@ def figure_named(found: ResultsInMemory, name: str = "") -> str:
     return fitting[0]
 
 
-def draw_all(found: ResultsInMemory, folder: Path, ending: str = "png") -> list[Path]:
-    """Draw every figure of a run folder into its ``figures``, in a format of `files.PICTURES`; the paths."""
+def draw_all(found: ResultsInMemory, folder: Path, ending: str = "png", *, arrows: bool = True) -> list[Path]:
+    """Draw every figure of a run folder into its ``figures``, in a format of `files.PICTURES`; the paths.
+
+    Without `arrows` the discs have no forces on the outlines of structures.
+    """
+    drawn = pipeline.felt(found.gathered) if arrows else None
     shown = pipeline.drawings(found.gathered, found.results)
     names = [*shown, pipeline.DISCS]
     for name in names:
         folders.require_replaceable(folder, f"figures/{name}.{ending}")
     with folders.staging(folder) as stage:
-        pipeline.draw_figures(names, shown, stage / "figures", find_dump(folder), found.gathered.flow, ending)
+        place, dump = stage / "figures", find_dump(folder)
+        pipeline.draw_figures(names, shown, place, dump, found.gathered.flow, ending, arrows=drawn)
         folders.publish(stage, folder)
     return [folder / "figures" / f"{name}.{ending}" for name in names]
 

@@ -471,8 +471,10 @@ class Run(NearestNames):
         """
         return runs.results.draw(self._found, self.folder, name)
 
-    def figures(self, ending: Literal["png", "pdf", "svg"] = "png") -> list[Path]:
+    def figures(self, ending: Literal["png", "pdf", "svg"] = "png", *, arrows: bool = True) -> list[Path]:
         """Draw every figure of the run into ``figures`` of its folder, as files with this ending; the paths.
+
+        Without `arrows` the discs have no forces on the outlines of structures.
 
         Raises
         ------
@@ -480,7 +482,7 @@ class Run(NearestNames):
             ``figures`` is a link, or holds a file of this name that is not of this program.
         """
         with locked(self.folder):
-            return runs.results.draw_all(self._found, self.folder, ending)
+            return runs.results.draw_all(self._found, self.folder, ending, arrows=arrows)
 
     def report(self, path: str | Path | None = None, *, live: LivePage | None = None) -> Path:
         """Write the report page; into the run folder where no `path` is given. Figures are those of the folder.

@@ -25,7 +25,7 @@ from lammps_jump.errors import CaseError, FieldError
 from lammps_jump.files import plain
 from lammps_jump.quoting import echoed, shortened, typed
 from lammps_jump.runs.run import Case
-from lammps_jump.units import numbers_of, parse_accuracy
+from lammps_jump.units import in_kilo, numbers_of, parse_accuracy
 
 ZIP = "zip"
 MOST_RUNS = 100_000
@@ -144,8 +144,8 @@ class Collected(NamedTuple):
 
     @property
     def scale(self) -> float:
-        """Factor of what is shown: forces are in kN."""
-        return 1e-3 if self.unit.startswith("N") else 1.0
+        """Factor of what is shown: forces are in kN, pressure in kPa."""
+        return 1.0 / in_kilo(self.unit)[0]
 
     @property
     def level(self) -> float | None:
@@ -157,7 +157,7 @@ class Collected(NamedTuple):
     @property
     def heading(self) -> str:
         """Heading of a number, in words, and its unit; of a force also the structure."""
-        unit = f"k{self.unit}" if self.unit.startswith("N") else self.unit
+        unit = in_kilo(self.unit)[1]
         name = self.path.split(".")[1] if self.path.startswith("force.") else ""
         return heading(f"{self.meaning}, {name}" if name else self.meaning, unit)
 

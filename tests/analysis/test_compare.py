@@ -39,7 +39,7 @@ def test_numbers_stand_beside_each_other_with_their_difference(page):
     found = {row[0]: row[1:] for row in rows if row}
     (depth,) = (cells for label, cells in found.items() if label.startswith("Sequent depth, by mass"))
     assert depth == ["3.000", "3.500", "0.500"]
-    assert found["sill: Peak force [N/m]"] == ["1000", "1000", "0"]
+    assert found["sill: Peak force [kN/m]"] == ["1.000", "1.000", "0.000"]
     assert not any("elocity of the front" in label for label in found)  # neither has it
 
 

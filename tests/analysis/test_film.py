@@ -8,17 +8,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from free_bodies import body
-from made_up import flow_context
+from made_up import disc_frame, flow_context
 
 from lammps_jump.analysis.draw import film, painter
+from lammps_jump.analysis.draw.arrows import ForceArrows, entry, rounded
 from lammps_jump.analysis.draw.film import animate, still
 from lammps_jump.analysis.draw.painter import View, blank, coloured, paint_arrow, paint_discs, paint_walls
 from lammps_jump.dump.find import ForceHistory
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.dump.read import open_dump
 from lammps_jump.dump.side_files.poses import PoseFile
+from lammps_jump.dump.side_files.pressure import StretchForces
 from lammps_jump.dump.write import DumpWriter
 from lammps_jump.errors import DumpError
+from lammps_jump.scene.pressed import FaceStretch
 from lammps_jump.scene.walls import Block, Box, Plane
 
 CONTEXT = flow_context(
@@ -106,6 +109,11 @@ def decoded(path):
     return text, np.frombuffer(done.stdout, np.uint8).reshape(-1, height, width, 3)
 
 
+def inside(frames):
+    """Frames without the strip above, which tells time and scale."""
+    return frames[:, film.ABOVE :]
+
+
 def test_mp4_decodes_to_the_frames_of_the_dump(dump, tmp_path):
     seen = []
     forces = {
@@ -117,7 +125,7 @@ def test_mp4_decodes_to_the_frames_of_the_dump(dump, tmp_path):
         CONTEXT,
         tmp_path / "a.mp4",
         fps=10,
-        forces=forces,
+        arrows=ForceArrows(CONTEXT, forces),
         progress=lambda done, total: seen.append((done, total)),
     )
     text, frames = decoded(out)
@@ -126,18 +134,18 @@ def test_mp4_decodes_to_the_frames_of_the_dump(dump, tmp_path):
     height, width, _ = frames[0].shape
     assert height % 2 == 0 and width % 2 == 0 and width <= 1280
     # the first frame's discs rest (dark blue), the last one's move (yellow); the arrow grows red on the sill
-    reddish = [((f[..., 0] > 150) & (f[..., 1] < 90) & (f[..., 2] < 110)).sum() for f in (frames[0], frames[-1])]
+    reddish = [((f[..., 0] > 150) & (f[..., 1] < 90) & (f[..., 2] < 110)).sum() for f in inside(frames)[[0, -1]]]
     assert reddish[0] == 0 and reddish[1] > 200
 
 
 def test_a_body_is_filmed_where_it_is_with_the_arrow_of_its_force(dump, tmp_path):
-    """A block of 1 m moves by 4 m above the discs; a force upwards stands on its middle."""
+    """A block of 1 m moves by 4 m above the discs; a force upwards pushes the middle of its underside."""
     (tmp_path / "walls.csv").write_text("time,wall,x,y,angle\n0,box,0,0,0\n1.1,box,4,0,0\n")
     scene = replace(CONTEXT.scene, walls=(*CONTEXT.scene.walls, body(Block("box", (0.5, 1.5), (2.2, 2.8)))))
     flow = replace(CONTEXT, scene=scene, poses=PoseFile(tmp_path / "walls.csv", scene.lids))
     forces = {"box": ForceHistory(np.array([0.0, 1.1]), np.zeros(2), np.full(2, 1e4), np.zeros(2))}
-    _, frames = decoded(animate(dump, flow, tmp_path / "a.mp4", forces=forces))
-    first, last = frames[0].astype(int), frames[-1].astype(int)
+    _, frames = decoded(animate(dump, flow, tmp_path / "a.mp4", arrows=ForceArrows(flow, forces)))
+    first, last = inside(frames)[[0, -1]].astype(int)
     red = [np.flatnonzero(((f[..., 0] > 150) & (f[..., 1:] < 110).all(axis=2)).any(axis=0)) for f in (first, last)]
     solid = [(np.abs(f - painter.SOLID) < 6).all(axis=2) for f in (first, last)]
     came = np.flatnonzero((solid[1] & ~solid[0]).sum(axis=0) > 20)
@@ -208,3 +216,63 @@ def test_a_still_shows_the_radii_of_the_dump(tmp_path):
         # the fastest disc has the top of the scale, which is yellow: red, no blue; the scale itself is on the right
         shown[radius] = ((picture[:, :1000, 0] > 200) & (picture[:, :1000, 2] < 120)).any(axis=0).sum()
     assert shown[0.4] / shown[0.1] == pytest.approx(4, rel=0.05)  # columns of pixels: the rim is one of a hundred
+
+
+SQUARE = np.array([[2.0, 0.0], [3.0, 0.0], [3.0, 2.0], [2.0, 2.0]])
+
+
+@pytest.mark.parametrize(
+    ("force", "moment", "at"),
+    [
+        ((5.0, 0.0), -5.0 * 0.7, (2.0, 0.7)),  # from the left, 0.7 m above the point of the moment
+        ((-5.0, 0.0), 5.0 * 0.7, (3.0, 0.7)),
+        ((0.0, -4.0), -4.0 * 0.25, (2.25, 2.0)),  # from above, right of it
+        ((3.0, -3.0), -3.0 * 1.5, (2.0, 1.5)),  # slanting, into the left face
+        ((5.0, 0.0), -5.0 * 9.0, (2.0, 2.0)),  # passes above it: the corner next to the line
+    ],
+)
+def test_a_resultant_stands_where_its_moment_is_that_of_the_record(force, moment, at):
+    found = np.array(entry(SQUARE, (2.0, 0.0), force, moment))
+    assert found[1] == pytest.approx(at[1]) and (found[0] == pytest.approx(at[0]) or at[1] == 2.0)
+    if at != (2.0, 2.0):
+        arm = found - (2.0, 0.0)
+        assert arm[0] * force[1] - arm[1] * force[0] == pytest.approx(moment)
+
+
+def test_the_force_of_still_water_stands_at_a_third_of_its_depth(tmp_path):
+    """On a block, and on the same block that has come along and turned; a face that is pressed has its arrows."""
+    wall = Block("sill", (6.0, 7.0), (0.0, 3.0))
+    one = body(wall)
+    stretch = FaceStretch("sill", 0.0, 0.5, (6.0, 0.25), (0.0, 1.0))
+    scene = replace(CONTEXT.scene, walls=(one,), pressure=(stretch,))
+    (tmp_path / "walls.csv").write_text(f"time,wall,x,y,angle\n0,sill,0,0,0\n1,sill,3,1,{np.pi / 2}\n")
+    flow = replace(CONTEXT, scene=scene, poses=PoseFile(tmp_path / "walls.csv", scene.lids))
+    force = 1e3 * 9.81 * 3.0**2 / 2
+    time, moment = np.array([0.0, 1.0]), np.full(2, (one.motion.about[1] - 1.0) * force)
+    history = ForceHistory(time, np.array([force, 0.0]), np.array([0.0, force]), moment)  # it turns with the block
+    pressed = StretchForces(time, np.full((2, 1), 1e4), np.zeros((2, 1)), np.zeros((2, 1)))
+    arrows = ForceArrows(flow, {"sill": history, "gone": history}, pressed)
+    for now, tip, middle, way in ((0.0, (6, 1), (6, 0.25), (1, 0)), (1.0, (10, 2), (10.75, 2), (0, 1))):
+        (whole,) = arrows.resultants(now, flow.standing_at(now), (0.0, 20.0), (0.0, 9.0))
+        assert whole.tip == pytest.approx(tip) and whole.size == pytest.approx(force * np.array(way))
+        (part,) = arrows.pressures(now, flow.standing_at(now))
+        assert part.tip == pytest.approx(middle) and part.size == pytest.approx(2e4 * np.array(way), abs=1e-6)
+    assert arrows.pressures(0.5, ()) == []
+
+
+def test_the_scale_of_arrows_is_round_and_stands_in_the_picture():
+    assert [rounded(value) for value in (1.0, 4.99, 7e4, 0.03)] == [1.0, 2.0, 5e4, pytest.approx(0.02)]
+    history = ForceHistory(np.array([0.0, 1.1]), np.full(2, 5e4), np.zeros(2), np.zeros(2))
+    arrows = ForceArrows(CONTEXT, {"sill": history})
+    view = View.fitted((0.0, 10.0), (0.0, 3.0), 800)
+    ((text, length, _),) = arrows.scales(view)
+    assert text == "20 kN/m" and length == pytest.approx(20 / 50 * 10.0 / 9)  # the longest is a ninth of the width
+    assert ForceArrows(CONTEXT, {}).scales(view) == []
+    figure = film.snapshots([disc_frame([1.0], [0.5], box=[[0, 8], [0, 4]])], CONTEXT, arrows)
+    assert "20 kN/m" in [text.get_text() for text in figure.texts]
+
+
+def test_a_film_without_arrows_shows_none(dump, tmp_path):
+    _, frames = decoded(animate(dump, CONTEXT, tmp_path / "a.mp4", width=400))
+    red = (frames[..., 0] > 150) & (frames[..., 1] < 90) & (frames[..., 2] < 110)
+    assert not red.any()

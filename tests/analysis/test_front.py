@@ -152,13 +152,17 @@ def test_each_table_belongs_to_one_shape_of_column():
     tall = compared(4.0, 12.0)
     found = numbers(tall)["martin_moyce"]
     assert found["comparable"] is False and found["rms_bulk"] is None and found["slope_of_table"] is None
-    assert "No measured curve of water belongs to its shape (n² = 3.00" in headline({"front": numbers(tall)})
+    assert "No measured curve of water belongs to it: it is 3 times as high as wide" in headline(
+        {"front": numbers(tall)}
+    )
     assert "Ritter's front, until 0.37 s" in headline({"front": numbers(tall)})
     assert numbers(compared(4.0, 4.0))["martin_moyce"]["slope_of_table"] == 1.4
     assert "water of this shape has 1.40" in headline({"front": numbers(compared(4.0, 4.0))})
     square = compared(4.0, 8.0)
-    assert square.martin_moyce.comparable and "off Martin & Moyce's water (n² = 2)" in headline(
-        {"front": numbers(square)}
+    assert (
+        square.martin_moyce.comparable
+        and "off Martin & Moyce's water in the mean (a column twice as high as wide)"
+        in headline({"front": numbers(square)})
     )
 
 

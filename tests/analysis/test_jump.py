@@ -565,7 +565,7 @@ def test_the_headline_is_the_comparison_everywhere():
     expected = f"{jump.belanger_y2:.4f}"
     off = f"{100 * jump.belanger_deviation:+.1f}".replace("-", "−")
     assert expected in jump.headline and off in jump.headline and f"Fr = {jump.froude:.4f}" in jump.headline
-    assert f"Its tail water is {-100 * jump.belanger_deviation:.2f} % below Bélanger’s" in verdict({"jump": found})
+    assert f"Its sequent depth is {-100 * jump.belanger_deviation:.2f} % below Bélanger’s" in verdict({"jump": found})
     boxes = tiles(rows_of([{"jump": found}]))
     assert float(boxes[0].value) == pytest.approx(jump.y2, abs=0.005)
     assert f"Bélanger {jump.belanger_y2:.2f} m" in boxes[0].against and off in boxes[0].against

@@ -111,17 +111,19 @@ def test_the_verdict_stands_at_the_top_and_its_numbers_have_errors_and_a_compari
     jump |= {"belanger_y2": 5.2, "belanger_deviation": -0.038, "length": 7.0, "lower_bounds": ["y2"]}
     force = {"sill": {"peak": 4200.0, "peak_error": 300.0, "hydrostatic": 2100.0, "mean_fx": 1.0}}
     content = page(write_report(tmp_path, {"name": "x", "jump": jump, "force": force}))
-    title = "A hydraulic jump. Its tail water is 3.8 % below Bélanger’s and its front moves upstream at 1.0 m/s.</h1>"
+    title = (
+        "A hydraulic jump. Its sequent depth is 3.8 % below Bélanger’s and its front moves upstream at 1.0 m/s.</h1>"
+    )
     assert content.index(title) < content.index('class="numbers"') < content.index(ONE_RUN)
     assert "Compare this" not in content.partition("<pre>")[0]
     assert tiles_of(content) == {
-        "Sequent depth": ("5.000", " ± ≥ 0.040 m||Bélanger 5.20 m, −3.8 %|"),
+        "Sequent depth": ("5.000", " ± at least 0.040 m||Bélanger 5.20 m, −3.8 %|"),
         "Front velocity": ("−1.00", " m/s|"),
         "Jump length": ("7.00", " m|"),
-        "Peak Fx, sill": ("4.20", " ± 0.30 kN/m||hydrostatic 2.10 kN/m, +100 %|"),
+        "Peak Fx, sill, 0.05 s mean": ("4.20", " ± 0.30 kN/m||hydrostatic 2.10 kN/m, +100 %|"),
     }
     errors = content.partition(">Errors within this run</h2>")[2].partition("<h2")[0]
-    assert "Sequent depth, by mass [m]" in errors and "at least 0.040" in errors and "sill: Peak force [N/m]" in errors
+    assert "Sequent depth, by mass [m]" in errors and "at least 0.040" in errors and "sill: Peak force [kN/m]" in errors
     assert "<summary>What these numbers mean</summary>" in content and "where a sharp step between" in content
     jump |= {"verdict": "drowned inlet"}
     content = page(write_report(tmp_path, {"name": "x", "jump": jump}))
@@ -141,16 +143,21 @@ def test_a_steady_stream_has_a_mean_force_and_at_most_five_numbers(tmp_path):
         patched.setattr(section, {})  # the sections want the whole of it
         content = page(write_report(tmp_path, summary))
     assert list(tiles_of(content))[-1] == "Mean Fx, sill" and len(tiles_of(content)) == 5
-    assert "Its tail water is 20 % above Bélanger’s and its front stands." in content
+    assert "Its sequent depth is 20 % above Bélanger’s and its front stands." in content
 
 
 COLUMN = {"position": 30.0, "time": 5.0, "speed": 9.87, "column_base": 4.0, "ritter": {"front_speed": 21.7}}
 
 
+RITTER = {"front_speed": 21.7, "valid_until": 0.37}
+WATER_COLUMN = {**COLUMN, "ritter": RITTER, "martin_moyce": {"aspect": 2.0}}
+
+
 @pytest.mark.parametrize(
     ("summary", "said"),
     [
-        ({"front": {**COLUMN, "martin_moyce": {"aspect": 2.0}}}, "runs at 9.9 m/s; Ritter’s would run at 22 m/s."),
+        ({"front": {**WATER_COLUMN, "time": 0.3}}, "runs at 9.9 m/s; Ritter’s would run at 22 m/s."),
+        ({"front": WATER_COLUMN}, "runs at 9.9 m/s."),
         ({"front": COLUMN}, "runs at 9.9 m/s."),
         ({"front": {"position": 30.0, "time": 5.0, "speed": None}}, "is at 30 m after 5 s."),
         ({"energy": {"conservative": True, "max_deviation": 0.012}}, "The energy stays within 1.2 % of"),
@@ -285,7 +292,7 @@ def test_one_run_has_no_error_bars_and_starts_have_one_interval():
     assert (box.value, box.error, box.unit) == ("3.500", "0.050", "m")
     found = together([*starts, {"jump": JUMP | {"verdict": "locked heap"}}], mean)
     assert found["starts"] == (2, 3) and found["jump"]["y2_error"] == pytest.approx(0.05)
-    assert verdict(found).startswith("A hydraulic jump in 2 of 3 starts. Its tail water")
+    assert verdict(found).startswith("A hydraulic jump in 2 of 3 starts. Its sequent depth")
     assert [row.measured.value for row in rows_of([{"jump": JUMP | {"verdict": "locked heap"}}])] == [-0.634]
 
 
@@ -303,13 +310,14 @@ def test_the_end_of_a_run_is_twelve_lines(width):
 
 def test_flows_without_a_jump_have_rows_of_their_own():
     front = {"position": 32.8, "time": 5.0, "speed": 10.2, "arrival_time": 2.4, "martin_moyce": {"aspect": 3.0}}
-    front["ritter"] = {"front_speed": 21.7}
+    front["ritter"] = RITTER
     force = {"back": {"peak": -4.5e5, "hydrostatic": 7.0e5}}
     rows = rows_of([{"front": front, "force": force}])
     assert [row.label for row in rows] == [
-        "front after 5 s", "mean speed of the front", "peak Fx, back", "arrival at the first obstacle",
+        "front after 5 s", "mean speed of the front", "peak Fx, back, 0.05 s mean", "arrival at the first obstacle",
     ]  # fmt: skip
-    assert [row.off() for row in rows] == ["", "−53 %", "−36 %", ""]
+    assert [row.off() for row in rows] == ["", "", "−36 %", ""]  # Ritter's front holds for 0.37 s
+    assert rows_of([{"front": {**front, "arrival_time": 0.3}}])[1].off() == "−53 %"
     energy = {"conservative": True, "max_deviation": 0.012, "drift": -0.003, "initial": 5760.0, "final": 5705.0}
     energy |= {"kinetic": 5705.0, "potential": 0.0}
     box = rows_of([{"energy": energy}])
@@ -323,7 +331,9 @@ def test_forces_are_named_by_their_component():
     sill = {"component": "fx", "peak": 6.9e4, "hydrostatic": 5.9e3, "mean_fx": 1.9e4, "mean_hydrostatic": 1.8e4}
     dry = {"component": None, "peak": 0.0, "mean_fx": 0.0, "mean_fy": 0.0, "reason": "nothing touched it"}
     force = {"bed": bed, "sill": sill | {"mean_fy": -2e3}, "dry": dry}
-    assert [row.label for row in rows_of([{"force": force}])] == ["peak Fy, bed", "peak Fx, sill"]
+    assert [row.label for row in rows_of([{"force": force}])] == [
+        "peak Fy, bed, 0.05 s mean", "peak Fx, sill, 0.05 s mean",
+    ]  # fmt: skip
     stream = rows_of([{"force": force, "inflow": {"asked": None}}])
     assert [(row.label, row.words) for row in stream] == [("mean Fx, sill", "hydrostatic"), ("mean Fy, bed", "")]
 

@@ -16,11 +16,13 @@ from lammps_jump.analysis.devices.stability import (
     body_loads,
     figures,
     found_of,
+    line,
     section,
     summary,
     tables,
     wall_loads,
 )
+from lammps_jump.analysis.tables import rows_of
 from lammps_jump.dump.find import ForceHistory
 from lammps_jump.physics.stability import bearing_pressures, eccentricity
 from lammps_jump.scene.motion import MovingWall
@@ -242,3 +244,24 @@ def test_table_figure_and_section_have_every_structure():
         and "No factor of safety is told for ball" in said.blocks[1].text
     )
     assert set(KEYS) | {"toe", "state", "reason", "table"} == set(Stability.__dataclass_fields__)
+
+
+def test_averaging_times_stand_beside_factors_and_moments_have_one_unit():
+    """Windows of 0.025 s and moving means of 0.1 s: tile, table and line say which; a moment is in kN m/m alone."""
+    one = body(Block("block", (0.0, 2.0), (0.0, 1.0)))
+    found, _ = of_body(one, pushed(history_of(one), (ramp(1.0, 9.0, 20e3), 0.0), (0.0, 0.5)))
+    told = {"stability": summary({"block": replace(found, state="slid")})}
+    step = f"{TIME[1] - TIME[0]:z.2g} s"
+    rows = {row.label: row for row in rows_of([told])}
+    assert f"block, least factor against sliding, {step} means" in rows
+    least = f"{found.sliding_factor_least:z.2g} of {step} means"
+    assert line(told).startswith(f"block: least factor against sliding {least}")
+    assert f"{found.sliding_factor_least_mean:z.2g} of {found.mean_time:z.2g} s means" in line(told)
+    table = dict(section({"block": found}).blocks[0].rows)
+    heads = list(table)
+    least, steady = (next(k for k, head in enumerate(heads) if text in head) for text in ("Least", "holds no peak"))
+    assert least < steady and heads[least].endswith(f", {step} means")
+    assert table[f"Largest moment of the discs over that toe [kN m/m], {step} means"] == pytest.approx(
+        found.moment_about_toe_peak / 1e3
+    )
+    assert not [head for head in heads if "[N" in head or "[Pa" in head]

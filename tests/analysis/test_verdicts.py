@@ -10,7 +10,7 @@ import pytest
 
 from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.analysis.statistics import Mean
-from lammps_jump.analysis.tables import lines, main_numbers, together
+from lammps_jump.analysis.tables import lines, main_numbers, rows_of, together
 from lammps_jump.analysis.verdicts import VERDICTS, doubts, headline, verdict
 
 GATE = {"height": 1.79, "height_interval": 0.03, "settled_at": 30.0, "holds": "front", "target": 30.0, "held": 30.02,
@@ -243,7 +243,7 @@ DOUBTFUL = [
     ({"front": {**FRONT, "gate_open": 2.0}}, "takes 2.0 s to open"),
     ({"runup": {**RUN_UP, "reaches_crest": True}}, "reaches the crest"),
     ({"runup": {**RUN_UP, "over": 0.1, "over_discs": 25}}, "scatters by 20 %"),
-    ({"runup": {**RUN_UP, "still_passes": True}}, "still goes over"),
+    ({"overtopping": {"weir": {"discharge": 0.4, "discs": 40}}}, "40 discs make what goes over weir"),
     ({"runup": {**RUN_UP, "diameters": 1.5}}, "1.5 diameters"),
     ({"force": {"quay": {**FORCE["quay"], "peak_unfiltered": 14070.0}}}, "3.0 times as high"),
     ({"force": {**FORCE, "identity": {"x": {"complete": True, "relative": 0.2}}}}, "miss the momentum of the discs by 20 %"),
@@ -294,3 +294,33 @@ def test_the_gauges_stand_on_the_first_screen():
 def test_the_front_of_a_jump_creeps_below_two_percent_of_its_stream(speed, said):
     jump = {**JUMP, "speed": speed, "speed_error": 0.01, "local": {"u1": 12.5}, "headline": "A jump."}
     assert f"its front {said}" in verdict({"jump": jump, "inflow": {}}).lower()
+
+
+WEIR = {"weir": {"discharge": 0.42, "discs": 900, "head": 0.51}, "gate": {"discharge": None, "below": 0.7}}
+
+
+def test_a_weir_and_a_gate_have_the_title_and_their_numbers_stand_at_the_top():
+    """Discs that still move are no answer; the force of a stream over a weir has no comparison with water at rest."""
+    force = {
+        "weir": {"component": "fx", "mean_fx": 7e3, "mean_hydrostatic": 3e3, "hydrostatic": 4e3, "oncoming_flux": 0.0}
+    }
+    found = {"overtopping": WEIR, "inflow": {"asked": None}, "state": STATE, "force": force}
+    assert verdict(found) == "0.42 m²/s go over weir under a head of 0.51 m; 0.70 m²/s go below gate."
+    rows = {row.label: row for row in rows_of([found])}
+    assert list(rows)[:3] == ["discharge over weir", "head over the crest of weir", "discharge below gate"]
+    assert rows["mean Fx, weir"].off() == ""
+    still = {"inflow": {"asked": None}, "force": force}
+    assert rows_of([still])[0].off() == "+133 %"
+    runs = {"inflow": {"asked": None}, "force": {"weir": {**force["weir"], "oncoming_flux": 2e3}}}
+    assert rows_of([runs])[0].off() == ""
+
+
+def test_a_wall_that_is_overtopped_is_not_doubtful():
+    """Of few discs the run-up is asked for, of many the volume; what still comes stands in the title."""
+    over = {**RUN_UP, "highest": 6.2, "over": 7.9, "over_discs": 400, "reaches_crest": True, "still_passes": True}
+    over = {"runup": over}
+    assert doubts(over) == [] and "by the end, and more comes" in verdict(over)
+
+
+def test_gauges_without_a_depth_are_left_out():
+    assert lines({"waves": {"gauges": [4.0], "means": [None], "largest": [None]}}) == []

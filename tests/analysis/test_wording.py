@@ -19,10 +19,10 @@ from lammps_jump.units import shown
 @pytest.mark.parametrize(
     ("off", "error", "said"),
     [
-        (0.000074, 0.018, "Its tail water equals Bélanger’s within 2 %"),
-        (-0.034, 0.018, "Its tail water is 3 % below Bélanger’s"),
-        (-0.0104, 0.0021, "Its tail water is 1.0 % below Bélanger’s"),
-        (0.123, None, "Its tail water is 12 % above Bélanger’s"),
+        (0.000074, 0.018, "Its sequent depth equals Bélanger’s within 2 %"),
+        (-0.034, 0.018, "Its sequent depth is 3 % below Bélanger’s"),
+        (-0.0104, 0.0021, "Its sequent depth is 1.0 % below Bélanger’s"),
+        (0.123, None, "Its sequent depth is 12 % above Bélanger’s"),
     ],
 )
 def test_a_difference_is_rounded_to_its_error(off, error, said):
@@ -31,7 +31,8 @@ def test_a_difference_is_rounded_to_its_error(off, error, said):
 
 
 def test_two_digits_end_without_a_point():
-    front = {"position": 12.0, "speed": 12.04, "ritter": {"front_speed": 9.0}, "time": 1.0, "column_base": 1.0}
+    front = {"position": 12.0, "speed": 12.04, "ritter": {"front_speed": 9.0, "valid_until": 2.0}}
+    front |= {"time": 1.0, "column_base": 1.0}
     front["martin_moyce"] = {"aspect": 2.0}
     assert "runs at 12 m/s; Ritter’s would run at 9.0 m/s" in verdict({"front": front})
 

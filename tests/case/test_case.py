@@ -387,6 +387,8 @@ def test_a_description_tells_what_was_changed():
         member = base.replace({"discs.diameter": "20 cm"}).replace(seed).replace({"run.seed": 2, "run.members": None})
         assert member.fields.description == whole
     assert member.replace({"description": "mine"}).replace(seed).fields.description == "mine; changed: run.seed = 1"
+    later = case.replace({"analysis.window": [3, 5]}).fields.description  # all means are of it
+    assert later.endswith("walls.structure.y = [-1, 4], analysis.window = [3, 5]")
     many = {"kind": "list", "positions": [[0.2 * k, 1] for k in range(100)]}
     listed = case.replace({"walls.structure.x": [24, 26], "initial": [many]})
     assert listed.fields.description.endswith("; 3 values changed")

@@ -14,7 +14,9 @@ from made_up import INPUTS
 from typer.testing import CliRunner
 
 import lammps_jump as lj
+from lammps_jump.cli import doctor
 from lammps_jump.cli.app import app
+from lammps_jump.compiling.build import Status
 
 # fmt: off
 HEAVY = {
@@ -79,3 +81,13 @@ def test_the_program_ends_at_once_but_what_is_to_be_done_at_its_end_is_done():
 def test_the_status_is_the_program_s_own_where_its_streams_are_closed(closed):
     code = f'exec "$0" -m lammps_jump check nofile.yaml {closed}'
     assert subprocess.run(["sh", "-c", code, sys.executable], capture_output=True).returncode == 2
+
+
+def test_doctor_says_that_the_first_run_compiles(monkeypatch):
+    """A machine where a library would be built on first use is ready, but the first run takes longer."""
+    healthy, _ = doctor.examine()
+    assert "ready" in healthy.splitlines()[-1]
+    monkeypatch.setattr(doctor, "availability", lambda product: Status(True, "not built yet"))
+    told, good = doctor.examine()
+    last = told.splitlines()[-1]
+    assert good and last.startswith("ready, but not compiled yet: ") and "lammps-jump kernels build" in last
