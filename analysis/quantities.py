@@ -38,6 +38,8 @@ class ListedAnalysis(NamedTuple):
     needs : mapping of str to str
         What a scene must have, by the names of `lammps_jump.case.asked.facts`, and what follows where it
         lacks that; ``check`` says so.
+    makes : tuple of str
+        Names of its tables, and those of its figures without an ending; ``*`` stands for its own.
     """
 
     file: str
@@ -47,10 +49,11 @@ class ListedAnalysis(NamedTuple):
     contacts: bool = False
     bare: bool = False
     needs: Mapping[str, str] = MappingProxyType({})
+    makes: tuple[str, ...] = ("*.csv", "*")
 
 
 LISTED = {
-    "inflow": ListedAnalysis("lammps_jump.analysis.budgets.inflow"),
+    "inflow": ListedAnalysis("lammps_jump.analysis.budgets.inflow", makes=()),
     "jump": ListedAnalysis(
         "lammps_jump.analysis.jump.section",
         "hydraulic jump",
@@ -58,19 +61,26 @@ LISTED = {
         contacts=True,
         bare=True,
         needs={"gravity": "", "rows": ", so that no jump can stand"},
+        makes=(
+            *("jump_track.csv", "jump_frame.csv", "jump_stream.csv"),
+            *("jump_track", "jump_stream", "jump_frame", "jump_balance"),
+        ),
     ),
-    "grade": ListedAnalysis("lammps_jump.analysis.budgets.grade"),
+    "grade": ListedAnalysis("lammps_jump.analysis.budgets.grade", makes=("*.csv", "energy_head")),
     "front": ListedAnalysis(
         "lammps_jump.analysis.devices.front",
         "front of a collapsing column. `water`: also against water, Ritter and the columns of Martin & Moyce",
         "Follow the front",
         bare=True,
         needs={"gravity": "", "column": ", so that none collapses"},
+        makes=("*.csv", "*", "martin_moyce"),
     ),
-    "force": ListedAnalysis("lammps_jump.analysis.forces.figures"),
-    "pressure": ListedAnalysis("lammps_jump.analysis.forces.pressure"),
+    "force": ListedAnalysis(
+        "lammps_jump.analysis.forces.figures", makes=("reflected_wave.csv", "forces", "impulse", "reflected_wave")
+    ),
+    "pressure": ListedAnalysis("lammps_jump.analysis.forces.pressure", makes=("*.nc", "*", "pressure_gauges")),
     "energy": ListedAnalysis("lammps_jump.analysis.budgets.energy", "energy against time", contacts=True),
-    "waves": ListedAnalysis("lammps_jump.analysis.devices.waves"),
+    "waves": ListedAnalysis("lammps_jump.analysis.devices.waves", makes=("gauges.csv", "gauges")),
     "runup": ListedAnalysis("lammps_jump.analysis.devices.runup"),
     "drum": ListedAnalysis(
         "lammps_jump.analysis.devices.drum",
@@ -101,15 +111,15 @@ LISTED = {
     "rest": ListedAnalysis("lammps_jump.analysis.grains.rest", "when the discs come to rest", "Tell when discs rest"),
     "sizes": ListedAnalysis("lammps_jump.analysis.grains.sizes"),
     "tailgate": ListedAnalysis("lammps_jump.analysis.devices.tailgate"),
-    "bodies": ListedAnalysis("lammps_jump.analysis.devices.bodies"),
+    "bodies": ListedAnalysis("lammps_jump.analysis.devices.bodies", makes=("*",)),
     "stability": ListedAnalysis("lammps_jump.analysis.devices.stability"),
     "overtopping": ListedAnalysis(
         "lammps_jump.analysis.devices.overtopping",
         "what goes over bodies and probed walls: volume, discharge, depth and head",
         needs={"gravity": ""},
     ),
-    "depth": ListedAnalysis("lammps_jump.analysis.budgets.depths"),
-    "state": ListedAnalysis("lammps_jump.analysis.grains.state"),
+    "depth": ListedAnalysis("lammps_jump.analysis.budgets.depths", makes=()),
+    "state": ListedAnalysis("lammps_jump.analysis.grains.state", makes=()),
 }
 """By the key in ``summary.json``, in the order of the report."""
 
@@ -160,5 +170,7 @@ def tables() -> dict[str, str]:
 
 def result_files() -> tuple[str, ...]:
     """Names and patterns of all that analyses make in a run folder, ``force_<structure>.csv`` of each probe besides."""
-    pictures = (f"figures/{name}.{ending}" for name in captions() for ending in PICTURES)
-    return (*RESULT_FILES, *tables(), *pictures)
+    makes = [made.replace("*", name) for name, one in LISTED.items() for made in one.makes]
+    figures = (*FIRST, *(made for made in makes if "." not in made), *LAST)
+    pictures = (f"figures/{name}.{ending}" for name in figures for ending in PICTURES)
+    return (*RESULT_FILES, *(made for made in makes if "." in made), *pictures)

@@ -98,7 +98,8 @@ def run(
     if unknown := sorted(own.keys() - EngineOptions.__annotations__):
         raise TypeError(f"run() has no argument '{unknown[0]}'")
     paths = {f"engine.{'name' if name == 'engine' else name}": value for name, value in own.items()}
-    case = case.replace({path: value for path, value in paths.items() if value is not None})
+    if changes := {path: value for path, value in paths.items() if value is not None}:
+        case = case.replace(changes)  # it makes its scene anew
     place = Path(folder or default_folder(case))
     try:
         runs.start.start(case, place, force=force, resume=resume, progress=progress, should_stop=should_stop)

@@ -16,7 +16,7 @@ from made_up import columns_of_discs, flow_context
 from lammps_jump.analysis.guess import from_dump
 from lammps_jump.analysis.passes import with_velocities
 from lammps_jump.analysis.pipeline import Pictures, analyse
-from lammps_jump.analysis.quantities import result_files
+from lammps_jump.analysis.quantities import LISTED, QUANTITIES, result_files
 from lammps_jump.analysis.tables import main_numbers
 from lammps_jump.cli.analyse import analyze
 from lammps_jump.dump.exports import export, read_netcdf
@@ -291,3 +291,10 @@ def test_the_command_says_once_what_it_guessed_of_a_bare_dump(tmp_path, capsys, 
     for guess in ("Diameter guessed as 0.2 m", "Gravity taken as 9.81", "Floor taken at y = "):
         assert sum(guess in note for note in notes) == 1
     assert (tmp_path / "dump_analysis" / "summary.json").exists() and "dump_analysis" in said[-1]
+
+
+def test_what_an_analysis_makes_stands_in_its_row():
+    """The marker of a run folder names it before any analysis is loaded."""
+    for name, row in LISTED.items():
+        made = {made.replace("*", name) for made in row.makes}
+        assert made == {*QUANTITIES[name].files, *QUANTITIES[name].captions}, name

@@ -20,6 +20,7 @@ import yaml
 from made_up import INPUTS
 
 import lammps_jump as lj
+import lammps_jump.runs.start
 from lammps_jump.cli.analyse import export
 from lammps_jump.files import plain
 from lammps_jump.units import as_summary
@@ -251,3 +252,13 @@ def test_an_unknown_option_of_run_is_refused(case, tmp_path):
     with pytest.raises(TypeError, match="'forse'"):
         case.run(tmp_path / "run", forse=True)
     assert not list(tmp_path.iterdir())
+
+
+def test_a_run_takes_the_case_and_its_scene_as_they_are(tmp_path, monkeypatch):
+    """A case that is made anew makes its scene anew, which may take as long as a short run."""
+    taken = []
+    monkeypatch.setattr(lammps_jump.runs.start, "start", lambda case, *given, **named: taken.append(case))
+    case = lj.load_case(INPUTS / "energy_box_7.yaml")
+    lj.run(case, tmp_path / "run")
+    lj.run(case, tmp_path / "run", engine="twin")
+    assert taken[0] is case and taken[1].fields.engine.name == "twin"
