@@ -12,7 +12,7 @@ import hashlib
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
-from math import pi, sqrt
+from math import floor, pi, sqrt
 from pathlib import Path
 from typing import NamedTuple
 
@@ -86,7 +86,9 @@ def bed_positions(bed: PackedBed, diameters: np.ndarray, seed: int) -> np.ndarra
         )
     grown = _kept(SoftBed(size, tuple(diameters.tolist()), seed))
     if grown.overlap > TOUCHING:
-        room = bed.packing * (1.0 - grown.overlap) ** 2
+        room = (
+            floor(100 * bed.packing * (1.0 - grown.overlap) ** 2) / 100
+        )  # to the nearest, it could be what is refused
         raise ValueError(
             f"packing {bed.packing:zg} is not reached: {len(diameters)} discs are jammed in {size[0]:z.4g} by "
             f"{size[1]:z.4g} m with overlaps up to {100 * grown.overlap:z.2g} % of a diameter. Discs at random reach "

@@ -15,6 +15,8 @@ import lammps_jump as lj
 from lammps_jump import dump, runs, studies, sweeps
 from lammps_jump.analysis.quantities import LISTED
 from lammps_jump.errors import CaseError
+from lammps_jump.files import STUDY_FILES
+from lammps_jump.folders import read_marker
 from lammps_jump.quoting import typed
 
 from .options import Quiet, Sets, Verbose, diameters, log_printed, open_page, place, places, plane_of, quantity
@@ -162,9 +164,14 @@ def show(
     folder: Annotated[Path, typer.Argument(help=OR_STUDY, show_default=False)],
 ) -> None:
     """Open the page of a run or of a study in the browser; prints its path."""
-    pages = [folder / name for name in ("report.html", "sweep.html", "calibration.html")]
+    marker = read_marker(folder)
+    kind = marker.kind if marker else ""
+    own = [folder / name for name in STUDY_FILES.get(kind, ()) if name.endswith(".html")]
+    pages = [*own, *(folder / name for name in ("report.html", "sweep.html", "calibration.html"))]
     path = next((page for page in pages if page.is_file()), pages[0])
-    if (folder / "study.yaml").is_file() and path == pages[0]:
+    if not path.is_file() and own:
+        raise CaseError(f"{path}: there is no page; the command `lammps-jump {kind}` that began it makes it")
+    if (folder / "study.yaml").is_file() and not path.is_file():
         page, command = (pages[2], "calibrate") if (folder / "rounds.json").is_file() else (pages[1], "sweep")
         raise CaseError(f"{page}: there is no page; `{typed(command, folder)}` makes it")
     if not path.is_file():
@@ -215,7 +222,7 @@ def figures(
 ) -> None:
     """Draw every figure of a run or of a study; prints the names of the files."""
     if (folder / "study.yaml").is_file():
-        paths = sweeps.open_sweep(folder).figures(ending)
+        paths = sweeps.open_sweep(sweeps.runs_of_search(folder) or folder).figures(ending)
     elif runs.results.is_of_a_dump(folder):
         paths = runs.results.draw_dump(folder, ending)
     else:

@@ -74,7 +74,7 @@ class BodySection(NamedTuple):
 
 
 def section_of_polygon(corners: np.ndarray) -> BodySection:
-    """Area, centre and polar second moment of a polygon, either way round, by Green's theorem.
+    """Area, centre and polar second moment of a polygon, either way round, by Green's theorem; 0 of a line.
 
     Parameters
     ----------
@@ -85,6 +85,8 @@ def section_of_polygon(corners: np.ndarray) -> BodySection:
     u, v = np.roll(x, -1), np.roll(y, -1)
     cross = x * v - u * y
     area = 0.5 * cross.sum()
+    if not area:  # a line has neither centre nor moment
+        return BodySection(0.0, (float(origin[0]), float(origin[1])), 0.0)
     cx, cy = ((x + u) * cross).sum() / (6.0 * area), ((y + v) * cross).sum() / (6.0 * area)
     about_origin = ((x * x + x * u + u * u + y * y + y * v + v * v) * cross).sum() / 12.0
     moment = about_origin - area * (cx * cx + cy * cy)

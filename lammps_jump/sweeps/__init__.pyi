@@ -5,6 +5,7 @@ from . import slurm as slurm
 from . import table as table
 from .find import find as find
 from .find import read_find as read_find
+from .find import runs_of_search as runs_of_search
 from .members import JITTER as JITTER
 from .members import MemberRun as MemberRun
 from .members import Start as Start

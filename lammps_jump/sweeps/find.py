@@ -26,7 +26,7 @@ from lammps_jump.case.parts.base import Strict, Whole
 from lammps_jump.case.text import CaseSource, read_source
 from lammps_jump.errors import CaseError, FieldError
 from lammps_jump.files import STUDY_FILES, plain, read_json, write_json, write_text
-from lammps_jump.folders import Marker, require_no_link
+from lammps_jump.folders import Marker, read_marker, require_no_link
 from lammps_jump.provenance import usable_cores, versions
 from lammps_jump.quoting import shortened
 from lammps_jump.runs.folder import run_folder
@@ -236,6 +236,7 @@ def read_find(source: str | Path | Mapping[str, object] | ReadCase, **given: Any
             raise FieldError(f"find.vary.{path}", f"{low:zg} to {high:zg} is no range; the first must be the smaller")
         unit = collected(until.key, case, "until").unit
         case.replace({path: low}), case.replace({path: high})
+        _require_fractions(case, path, (low, high))
     except FieldError as error:
         raise file.located(error) from None
     one, number = fields.find, until.number(unit)
@@ -243,6 +244,27 @@ def read_find(source: str | Path | Mapping[str, object] | ReadCase, **given: Any
         raise CaseError("--share: how starts scatter is needed, so that --members must be 2 or more")
     how = one.members, one.budget, one.seed, one.share
     return Wanted(case, path, (low, high), until.key, until.sign, number, *how, unit)
+
+
+def _require_fractions(case: Case, path: str, room: tuple[float, float]) -> None:
+    """Refuse a number that takes whole ones alone: the search goes between them, and would end at its first middle.
+
+    Raises
+    ------
+    FieldError
+    """
+    between = room[0] + 0.618 * (room[1] - room[0])
+    if all(end == int(end) for end in room) and between != int(between):
+        try:
+            case.replace({path: between})
+        except CaseError as error:
+            if "fractional part" not in str(error):
+                return  # what a value between the ends lacks else is told where it is tried
+            raise FieldError(
+                f"find.vary.{path}",
+                "takes whole numbers alone, and a search goes between them; "
+                f"`sweep --axis {path}={room[0]:zg},…` shows each",
+            ) from None
 
 
 def _source(source: str | Path | Mapping[str, object] | ReadCase) -> tuple[CaseSource, Path]:
@@ -319,6 +341,12 @@ def find(
         return write_answer(wanted, folder, found)
 
 
+def runs_of_search(folder: Path) -> Path | None:
+    """The study of its runs in the folder of a search; None where the folder holds something else."""
+    marker = read_marker(folder)
+    return folder / POINTS if marker is not None and marker.kind == "find" else None
+
+
 class Searched(NamedTuple):
     """Values at the places that were tried, in their order, runs without one, and what came in and went over."""
 
@@ -339,8 +367,8 @@ def _searched(wanted: Wanted, folder: Path, pool: Pool, progress: Callable[[Swee
     failures: list[dict[str, Any]] = []
     waters: list[Mapping[str, Any]] = []
     while (place := search_for(wanted, tried).next_place(tried)) is not None:
-        if len(tried) == 3 and all_on_one_side(tried, search_for(wanted, tried).number):
-            break  # both ends and the middle are surely on one side
+        if len(tried) == 3 and (_none_has_it(tried) or all_on_one_side(tried, search_for(wanted, tried).number)):
+            break  # both ends and the middle have no number, or are surely on one side
         place = wanted.rounded(place)
         if place in tried:
             break  # no more digits
@@ -360,10 +388,23 @@ def _searched(wanted: Wanted, folder: Path, pool: Pool, progress: Callable[[Swee
             waters.append({name: summary.get(name) for name in ("inflow", "overtopping")})
             values.append(value)
             if not isfinite(value):
-                why = f"it has no {wanted.key}" if done else failure_message(state) or state.stage
+                why = _why_absent(summary, wanted.key) if done else failure_message(state) or state.stage
                 failures.append({"value": place, "seed": member.seed, "message": why})
         tried[place] = np.array(values)
     return Searched(tried, failures, waters)
+
+
+def _why_absent(summary: Mapping[str, Any], key: str) -> str:
+    """Why a run that is complete has no such number: the reason that stands beside it, where one does."""
+    beside: Any = summary
+    for name in key.split(".")[:-1]:
+        beside = beside.get(name) if isinstance(beside, Mapping) else None
+    reason = beside.get("reason") if isinstance(beside, Mapping) else None
+    return f"it has no {key}" + (f": {reason}" if isinstance(reason, str) else "")
+
+
+def _none_has_it(tried: Mapping[float, np.ndarray]) -> bool:
+    return not any(np.isfinite(values).any() for values in tried.values())
 
 
 def answer_of(wanted: Wanted, tried: Mapping[float, np.ndarray]) -> Crossed:
@@ -388,7 +429,7 @@ def write_answer(wanted: Wanted, folder: Path, ran: Searched) -> dict[str, Any]:
     """Write ``find.json``, the figure and the page; what the first holds."""
     tried, failures = ran.tried, ran.failures
     answer = answer_of(wanted, tried)
-    held, reason = isfinite(answer.value), _why_not(wanted, tried, answer)
+    held, reason = isfinite(answer.value), _why_not(wanted, ran, answer)
     above = (wanted.sign == ">=") == answer.rises
     short = shortfall(ran.waters)
     data = plain({
@@ -409,12 +450,14 @@ def write_answer(wanted: Wanted, folder: Path, ran: Searched) -> dict[str, Any]:
     return found
 
 
-def _why_not(wanted: Wanted, tried: Mapping[float, np.ndarray], answer: Crossed) -> str | None:
+def _why_not(wanted: Wanted, ran: Searched, answer: Crossed) -> str | None:
     """Why there is no answer, or what to know of it; None where there is nothing to say."""
+    tried = ran.tried
     known = [values[np.isfinite(values)].mean() for values in tried.values() if np.isfinite(values).any()]
     low, high = (f"{end:zg}" for end in wanted.room)
     if not known:
-        return f"no run has {wanted.key}"
+        first = ran.failures[0]
+        return f"no run has {wanted.key}; at {first['value']:zg}, seed {first['seed']}: {first['message']}"
     if not isfinite(answer.value):
         told = f"{wanted.key} goes from {min(known):z.4g} to {max(known):z.4g} there"
         return f"the range from {low} to {high} does not hold it: {told}"
@@ -437,7 +480,7 @@ def _size(wanted: Wanted, answer: Crossed) -> dict[str, Any] | None:
 def sentence_of(wanted: Wanted, tried: Mapping[float, np.ndarray], answer: Crossed, reason: str | None) -> str:
     """The answer in words: the value with its unit, the size that it makes, and how sure it is that a start holds."""
     if not isfinite(answer.value):
-        return f"No {_named(wanted.path)} with {wanted.asked} was found: {reason}."
+        return f"No value of {_named(wanted.path)} with {wanted.asked} was found: {reason}."
     above = (wanted.sign == ">=") == answer.rises
     side, more = "above" if above else "below", f" But {reason}." if reason else ""
     told = f"{wanted.asked} holds for {_named(wanted.path)} {side} {_ranged(wanted, *answer[:3], unit(wanted.path))}."

@@ -10,6 +10,8 @@ from made_up import INPUTS, call
 
 import lammps_jump as lj
 from lammps_jump.analysis import pipeline
+from lammps_jump.files import STUDY_FILES
+from lammps_jump.folders import Marker, write_marker
 from lammps_jump.runs import start
 
 SHORT = {"run.duration": 0.3, "run.output_interval": 0.05, "engine.name": "native"}
@@ -49,6 +51,21 @@ def test_the_page_of_a_study_is_opened(tmp_path, opened, monkeypatch, capsys):
     assert status == 2 and f"`lammps-jump sweep {tmp_path}` makes it" in error
     (tmp_path / "sweep.html").touch()
     assert call(monkeypatch, capsys, "show", tmp_path) == (0, f"{tmp_path / 'sweep.html'}\n", "")
+
+
+def test_the_page_of_each_command_is_opened(tmp_path, opened, monkeypatch, capsys):
+    """A search was told to `sweep`, a budget to `analyze`, beside their pages."""
+    for kind, page in (("find", "find.html"), ("budget", "budget.html"), ("validate", "report.html")):
+        folder = tmp_path / kind
+        folder.mkdir()
+        write_marker(folder, Marker(kind, STUDY_FILES[kind], {}))
+        (folder / "study.yaml").touch()
+        status, _, error = call(monkeypatch, capsys, "show", folder)
+        assert status == 2 and f"`lammps-jump {kind}`" in error and page in error
+        (folder / page).touch()
+        assert call(monkeypatch, capsys, "show", folder) == (0, f"{folder / page}\n", "")
+    with pytest.raises(lj.CaseError, match=r"folder of `lammps-jump budget`.* budget.json and budget.html"):
+        lj.open(tmp_path / "budget")
 
 
 def test_two_runs_share_a_page(folders, opened, tmp_path, monkeypatch, capsys):

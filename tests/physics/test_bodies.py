@@ -41,3 +41,7 @@ def test_masses_of_equal_bodies_are_told_by_the_density_of_a_material():
 def test_a_layer_of_spheres_is_a_diameter_wide():
     assert bodies.per_width("spheres", 0.3, 0.1) == pytest.approx(3.0)
     assert bodies.per_width("cylinders", 0.3, 0.1) == 0.3
+
+
+def test_a_line_has_no_area_and_warns_of_nothing():
+    assert bodies.section_of_polygon(np.array([[24.0, 0.0], [24.0, 2.0]])) == (0.0, (24.0, 1.0), 0.0)

@@ -59,6 +59,12 @@ def test_the_same_command_runs_nothing_again_and_a_larger_budget_goes_on(done):
     assert more["runs"] == 14 and before.items() <= written(folder).items()
 
 
+def test_the_folder_of_a_search_opens_as_the_study_of_its_runs(done, monkeypatch, capsys):
+    folder, found = done
+    assert lj.open(folder).folder == folder / "points" and len(lj.open(folder).runs) >= found["runs"]
+    assert call(monkeypatch, capsys, "show", folder) == (0, f"{folder / 'find.html'}\n", "")
+
+
 def test_a_seed_gives_other_starts_and_one_leads_to_other_starts_at_each_point():
     """Ten searches of a case differ; no start of a search is used at two of its places."""
     seeds = []
@@ -77,6 +83,16 @@ def test_a_range_that_does_not_hold_it_ends_after_three_points(tmp_path, monkeyp
     assert status == 1 and "does not hold it" in out and "488" in out and "976" in out
     found = json.loads((tmp_path / "o" / "find.json").read_text())
     assert not found["held"] and found["value"] is None and found["runs"] == 3
+
+
+def test_a_number_that_no_run_has_ends_after_three_points_with_the_reason_of_a_run(tmp_path):
+    wall = {"name": "far", "kind": "block", "x": [20, 21], "y": [0, 1]}
+    case = {**QUICK, "walls": [*QUICK["walls"], wall], "domain": {"x": [-1, 22], "y": [-1, 14]}}
+    case["probes"] = {"stability": {"far": {"density": 2000, "friction": 0.5}}, "interval": 0.01}
+    asked = {"vary": {"gravity": (1.0, 9.0)}, "until": "stability.far.sliding_factor_least >= 1", "members": 1}
+    found = lj.find(case, out=tmp_path / "out", jobs=1, **asked)
+    assert not found["held"] and found["runs"] == 3 and "No value of gravity with" in found["verdict"]
+    assert "at 1, seed 1: it has no stability.far.sliding_factor_least: nothing pushes it" in found["reason"]
 
 
 def test_a_study_file_says_the_same(tmp_path):
@@ -209,6 +225,7 @@ def test_what_falls_short(came, over, short):
         ({"vary": {"discs.density": (-1.0, 800.0)}}, "discs.density"),
         ({"until": "energy.initail >= 3"}, "energy has no number 'initail'"),
         ({"until": "stability.tower.sliding_factor >= 3"}, "'tower' is no structure of the case"),
+        ({"vary": {"run.seed": (1.0, 9.0)}}, "run.seed: takes whole numbers alone.*sweep --axis"),
         ({"budget": 2}, "budget"),
     ],
 )
