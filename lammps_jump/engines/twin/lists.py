@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Lists of the twin: discs sorted by cell, pairs that are close, discs near walls, the thesis' own search.
+"""Lists of the twin: discs in the core's order, close pairs among all pairs, discs near walls, the thesis' own search.
 
 The order of rows and of the discs in them is that of the core, because it decides the order of sums.
 """
@@ -29,11 +29,10 @@ def outside(n: int, x: np.ndarray, y: np.ndarray, domain: tuple[float, ...]) -> 
     return int(lost[-1]) if lost.size else -1
 
 
-def _cells_of(discs: DiscArrays, reach: float) -> tuple[np.ndarray, int, int]:
-    """Cell of each disc, how many cells there are, and cells in a column.
+def _order_of(discs: DiscArrays, reach: float) -> np.ndarray:
+    """Discs in the order of the core: by cells of its search, those along the shorter side counted fastest.
 
-    Cells are as wide as the reach (m), wider where a few discs are far apart, so that cells never outnumber discs by
-    much. A frame of empty cells surrounds the discs. Those along the shorter side are counted fastest.
+    Cells are as wide as the reach (m), wider where a few discs are far apart. Nothing but the order comes of them.
     """
     n, x, y = discs.n, discs.x[: discs.n], discs.y[: discs.n]
     wide, high = float(x.max() - x.min()), float(y.max() - y.min())
@@ -43,16 +42,11 @@ def _cells_of(discs: DiscArrays, reach: float) -> tuple[np.ndarray, int, int]:
     across, up = ((x - x.min()) * inverse).astype(np.int64), ((y - y.min()) * inverse).astype(np.int64)
     if rows > columns:
         columns, rows, across, up = rows, columns, up, across
-    height = rows + 2
-    cell = (np.minimum(across, columns - 1) + 1) * height + np.minimum(up, rows - 1) + 1
-    return cell, (columns + 2) * height, height
+    return np.argsort(np.minimum(across, columns - 1) * rows + np.minimum(up, rows - 1), kind="stable")
 
 
 def list_pairs(state: State) -> int:
-    """Sort the discs by cell and list all pairs closer than the reach; a disc outside, `LISTED` or `NO_ROOM`.
-
-    Candidates of a disc are the rest of its own cell with the next cell of the column, and three of the next column.
-    """
+    """Sort the discs and list all pairs closer than the reach, of all pairs; a disc outside, `LISTED` or `NO_ROOM`."""
     d, lists = state.discs, state.lists
     assert lists is not None
     n = d.sorted_rows = d.n
@@ -62,20 +56,15 @@ def list_pairs(state: State) -> int:
     d.start[0] = 0
     if n == 0:
         return LISTED
-    cell, count, height = _cells_of(d, lists.widest + lists.skin)
-    order = np.argsort(cell, kind="stable")
-    cell = cell[order]
-    first = np.searchsorted(cell, np.arange(count + 2))
+    order = _order_of(d, lists.widest + lists.skin)
     for name, column in d.columns.items():
         if column.sorted:
             array = getattr(d, name)
             array[:n] = array[:n][order]
     d.x0[:n], d.y0[:n] = d.x[:n], d.y[:n]
     reach = lists.skin if d.radius is not None else lists.widest + lists.skin
-    for i, c in enumerate(cell.tolist()):
-        own = np.arange(i + 1, first[c + 2])
-        others = np.concatenate([own, np.arange(first[c + height - 1], first[c + height + 2])])
-        if not _put_row(d, i, _close(d, i, others, reach)):
+    for i in range(n):
+        if not _put_row(d, i, _close(d, i, np.arange(i + 1, n), reach)):
             return NO_ROOM
     return LISTED
 
