@@ -84,7 +84,7 @@ QUOTING, PROGRESS = "lammps_jump/quoting.py", "lammps_jump/cli/progress.py"
 PLUGIN_TESTS = "engines/test_hosts.py integration/test_compiled_kernel.py"
 NATIVE_TESTS = "contacts/test_contacts.py engines"
 MOTION, TRACKS = "lammps_jump/scene/motion.py", "lammps_jump/scene/tracks.py"
-HYDROGRAPH, DEVICES = "lammps_jump/physics/hydrograph.py", "lammps_jump/physics/devices.py"
+HYDROGRAPH, DEVICES = "lammps_jump/physics/inlet.py", "lammps_jump/physics/devices.py"
 MOVING_TESTS = "contacts/test_moving_forms.py engines/test_moving_walls.py"
 CHAINS, FACES, SHAPES = (f"lammps_jump/scene/{name}.py" for name in ("chains", "faces", "shapes"))
 SLOTS = LAW
@@ -126,7 +126,7 @@ DEFECTS = [
     Defect("off by one", CORE_EVENTS, "next_of", "+ 1", "+ 2", ALONE_TESTS),
     Defect("left out", CORE_EVENTS, "take_sums", "s.wall_sum[wall] = {};", "", ALONE_TESTS),
     Defect("number", CORE_PARTITION, "next_list", "--", "", ALONE_TESTS),
-    Defect("off by one", EVENTS, "Turns.next_after", "+ 1", "+ 2", "engines/test_native_inlets.py"),
+    Defect("off by one", EVENTS, "InsertionSchedule.next_after", "+ 1", "+ 2", "engines/test_native_inlets.py"),
     Defect("factor", EVENTS, "PourState.places", "2 *", "", "engines/test_native_inlets.py"),
     Defect("state lost", STATE, "_loaded", "boundaries.rng.bit_generator.state = plain.random", "pass",
            "engines/test_native_resume.py"),

@@ -155,12 +155,12 @@ def contact_force(
     push, dashpot = normal_force(overlap, opening, of.stiffness, of.damping, of.touch or None, of.cohesion)
     fx = push * nx
     fy = push * ny
-    rub = 0.0
+    tangential = 0.0
     if not isnan(of.friction):
-        rub = friction_force(pressing(push, of), vy * nx - vx * ny - rim, of.friction, of.tangential, slope)
-        fx -= rub * ny
-        fy += rub * nx
-    return fx, fy, rub, dashpot
+        tangential = friction_force(pressing(push, of), vy * nx - vx * ny - rim, of.friction, of.tangential, slope)
+        fx -= tangential * ny
+        fy += tangential * nx
+    return fx, fy, tangential, dashpot
 
 
 FULL = -1

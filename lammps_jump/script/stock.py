@@ -156,9 +156,9 @@ def contact_law(scene: Scene) -> list[str]:
         springs = spring_words(scene, nominal, 0.5 * c.mass)
         law = granular_law(c.stiffness, c.damping_ratio * c.correction, c.tangential_ratio, c.friction, springs)
         return ["pair_style      granular", f"pair_coeff      * * {law}"]
-    rub = f"{numbers(c.gamma_tangential, c.friction)} 1" if c.friction else "0 0 0"
+    friction_words = f"{numbers(c.gamma_tangential, c.friction)} 1" if c.friction else "0 0 0"
     return [
-        f"pair_style      gran/hooke {number(c.stiffness)} NULL {number(c.gamma_normal)} {rub}",
+        f"pair_style      gran/hooke {number(c.stiffness)} NULL {number(c.gamma_normal)} {friction_words}",
         "pair_coeff      * *",
     ]
 

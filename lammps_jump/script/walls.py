@@ -57,8 +57,8 @@ def granular_law(stiffness: float, ratio: float, tangential: float, friction: fl
     springs : str
         Words of the springs (`spring_words`).
     """
-    rub = springs or f"tangential linear_nohistory {numbers(tangential, friction) if friction else '0 0'}"
-    return f"hooke {numbers(stiffness, restitution_of(ratio))} {rub} damping coeff_restitution"
+    friction_words = springs or f"tangential linear_nohistory {numbers(tangential, friction) if friction else '0 0'}"
+    return f"hooke {numbers(stiffness, restitution_of(ratio))} {friction_words} damping coeff_restitution"
 
 
 def spring_words(scene: Scene, law: WallLaw, effective_mass: float) -> str:
@@ -99,8 +99,8 @@ def wall_law(scene: Scene, name: str) -> str:
         )
     # the wall fixes divide by gamma_n: zero would give NaN forces
     normal = number(own.gamma_normal) if own.gamma_normal > 0 else "1e-12"
-    rub = f"{numbers(own.gamma_tangential, own.friction)} 1" if own.friction else "0 0 0"
-    return f"hooke {number(own.stiffness)} NULL {normal} {rub}"
+    friction_words = f"{numbers(own.gamma_tangential, own.friction)} 1" if own.friction else "0 0 0"
+    return f"hooke {number(own.stiffness)} NULL {normal} {friction_words}"
 
 
 def stock_walls(scene: Scene) -> list[str]:

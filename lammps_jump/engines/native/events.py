@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lammps_jump.core.columns import SumsOnWallColumns
-from lammps_jump.dump.side_files.pushed import Row
+from lammps_jump.dump.walls import Row
 from lammps_jump.physics.devices import Holding, gate_areas, gate_sees, gate_speed
 from lammps_jump.scene.motion import Pose
 from lammps_jump.scene.scene import Pour, Scene
@@ -44,7 +44,7 @@ class EventList:
                 event.happen()
 
 
-class Turns:
+class InsertionSchedule:
     """Steps at which an inlet tries: from `first` on `every` so many, until `limit` discs have entered (None: ever).
 
     With `steps`, those and no others: of an inflow against time.
@@ -70,7 +70,7 @@ class Turns:
         return self.first + ((step - self.first) // self.every + 1) * self.every
 
 
-class PourState(Turns):
+class PourState(InsertionSchedule):
     """A pour in batches: as many discs as the region holds at its volume fraction, again when they have fallen clear.
 
     Follows LAMMPS' ``fix pour``: at the steps `Scene.pour_turns`; a disc at height y of the region enters as if it had
@@ -107,7 +107,7 @@ class OpenBoundaries:
 
     def __init__(self, scene: Scene):
         self.scene = scene
-        self.rows = [Turns(row.first_step, row.every_steps, row.limit, row.turns) for row in scene.inlets]
+        self.rows = [InsertionSchedule(row.first_step, row.every_steps, row.limit, row.turns) for row in scene.inlets]
         self.rng = np.random.default_rng(scene.seed)
         self.pours = [PourState(pour, scene, self.rng) for pour in scene.pours]
         self.removed = 0

@@ -140,16 +140,16 @@ def forces(state: State, slope: float | None) -> None:
     for found, of in zip(there, _laws(state, there), strict=True):
         radius, slip, (nx, ny) = float(own.corner["radius"][found.corner]), found.slip, found.normal
         plain = of if memory is None else of._replace(friction=nan)
-        fx, fy, rub, dashpot = contact_force(found.overlap, found.normal, slip, 0.0, plain, slope)
+        fx, fy, tangential, dashpot = contact_force(found.overlap, found.normal, slip, 0.0, plain, slope)
         if memory is not None:
             walls = own.corners.walls
             foot = foot_at(state.walls.faces, found.face, *found.inner)
             where = int(walls.chain[found.face]), foot, float(walls.around[found.face])
             slips, push = (slip[1] * nx - slip[0] * ny, 0.0), pressing(fx * nx + fy * ny, of)
-            rub, _ = contact.spring_forces(memory, found.corner, where, radius, slips, push, of)
-            fx, fy = fx - rub * ny, fy + rub * nx
+            tangential, _ = contact.spring_forces(memory, found.corner, where, radius, slips, push, of)
+            fx, fy = fx - tangential * ny, fy + tangential * nx
         for wall, sense in zip(found.walls, (1.0, -1.0), strict=True):
-            parts = (fx, fy), (-dashpot * nx, -dashpot * ny), (rub * ny, -rub * nx)
+            parts = (fx, fy), (-dashpot * nx, -dashpot * ny), (tangential * ny, -tangential * nx)
             _add(state, wall, found.point, [np.multiply(sense, part) for part in parts])
         if found.overlap > own.deepest[0]:
             own.deepest[:] = found.overlap, *found.walls

@@ -40,7 +40,7 @@ class ActingContact(NamedTuple):
         m.
     force : (float, float)
         N per m of width.
-    rub, dashpot : float
+    tangential, dashpot : float
         Its tangential part, along (-ny, nx), and the lost part along the normal, N per m of width.
     torques : (float, float)
         On the two discs; of a wall, on the disc and 0; of a body, what rolling adds to its moment. N m per m of width.
@@ -50,7 +50,7 @@ class ActingContact(NamedTuple):
     point: tuple[float, float]
     overlap: float
     force: tuple[float, float]
-    rub: float
+    tangential: float
     dashpot: float
     torques: tuple[float, float]
 
@@ -122,9 +122,9 @@ def _of_size(law: LawNumbers, size: float) -> LawNumbers:
     return law._replace(damping=law.damping * size, tangential=law.tangential * size)
 
 
-def _with_friction(force: Pair, normal: Pair, rub: float) -> Pair:
+def _with_friction(force: Pair, normal: Pair, tangential: float) -> Pair:
     (fx, fy), (nx, ny) = force, normal
-    return fx - rub * ny, fy + rub * nx
+    return fx - tangential * ny, fy + tangential * nx
 
 
 def pair_contact(
@@ -147,20 +147,20 @@ def pair_contact(
     slip, rim = (vx[i] - vx[j], vy[i] - vy[j]), a * spins[0] + b * spins[1]
     of = _of_size(state.constants.law, pair_size(state, i, j))
     plain = of if memory is None else of._replace(friction=nan)
-    fx, fy, rub, dashpot = contact_force(overlap, (nx, ny), slip, rim, plain, slope)
+    fx, fy, tangential, dashpot = contact_force(overlap, (nx, ny), slip, rim, plain, slope)
     rolls = 0.0
     if memory is not None:
         one, other, sense = (i, j, 1.0) if memory.ids[i] > memory.ids[j] else (j, i, -1.0)
         arm = a * b / (a + b)
         slips = slip[1] * nx - slip[0] * ny - rim, sense * arm * (spins[0] - spins[1])
         where = int(memory.ids[other]), 0.0, 0.0
-        rub, resists = spring_forces(memory, one, where, a, slips, pressing(fx * nx + fy * ny, of), of)
-        fx, fy = _with_friction((fx, fy), (nx, ny), rub)
+        tangential, resists = spring_forces(memory, one, where, a, slips, pressing(fx * nx + fy * ny, of), of)
+        fx, fy = _with_friction((fx, fy), (nx, ny), tangential)
         rolls = sense * arm * resists
     dent = 0.5 * overlap if d.radius is not None or memory is not None else 0.0
-    torques = -(a - dent) * rub + rolls, -(b - dent) * rub - rolls
+    torques = -(a - dent) * tangential + rolls, -(b - dent) * tangential - rolls
     point = d.x[i] + shift - (a - 0.5 * overlap) * nx, d.y[i] - (a - 0.5 * overlap) * ny
-    return ActingContact((nx, ny), point, overlap, (fx, fy), rub, dashpot, torques)
+    return ActingContact((nx, ny), point, overlap, (fx, fy), tangential, dashpot, torques)
 
 
 def pair_contacts(
@@ -292,7 +292,7 @@ def wall_contact(
     slip, spin = (vx[i] - wx, vy[i] - wy), 0.0 if spins is None else spins[i]
     rim = own * spin
     plain = of if memory is None else of._replace(friction=nan)
-    fx, fy, rub, dashpot = contact_force(own - gap, (nx, ny), slip, rim, plain, slope)
+    fx, fy, tangential, dashpot = contact_force(own - gap, (nx, ny), slip, rim, plain, slope)
     resists = 0.0
     if memory is not None:
         inner = inward(walls.moves, wall, float(d.x[i]), float(d.y[i]))
@@ -300,7 +300,7 @@ def wall_contact(
         where = int(walls.chain[face]), foot, float(walls.around[face])
         turn = own * (spin - walls.moves.now[wall, PlacedColumns.RATE][2]) if body and spins is not None else rim
         slips = slip[1] * nx - slip[0] * ny - rim, turn
-        rub, resists = spring_forces(memory, i, where, own, slips, pressing(fx * nx + fy * ny, of), of)
-        fx, fy = _with_friction((fx, fy), (nx, ny), rub)
+        tangential, resists = spring_forces(memory, i, where, own, slips, pressing(fx * nx + fy * ny, of), of)
+        fx, fy = _with_friction((fx, fy), (nx, ny), tangential)
     rolls = own * resists if body else 0.0
-    return ActingContact((nx, ny), at, own - gap, (fx, fy), rub, dashpot, (own * (resists - rub), -rolls))
+    return ActingContact((nx, ny), at, own - gap, (fx, fy), tangential, dashpot, (own * (resists - tangential), -rolls))

@@ -105,8 +105,8 @@ def _add(d: DiscArrays, i: int, found: contact.ActingContact, sense: float, torq
         d.dashpot_x[i] += sense * found.dashpot * nx
         d.dashpot_y[i] += sense * found.dashpot * ny
     if d.friction_x is not None:
-        d.friction_x[i] -= sense * found.rub * ny
-        d.friction_y[i] += sense * found.rub * nx
+        d.friction_x[i] -= sense * found.tangential * ny
+        d.friction_y[i] += sense * found.tangential * nx
 
 
 def _pair_forces(state: State, seen: ContactVelocities, slope: float | None) -> None:
@@ -128,7 +128,7 @@ def _wall_forces(state: State, wall: int, seen: ContactVelocities, slope: float 
     for touched in contact.touched_faces(state, wall):
         found = contact.wall_contact(state, wall, touched, seen, slope)
         _add(state.discs, touched[0], found, 1.0, found.torques[0])
-        (nx, ny), rub, dashpot = found.normal, found.rub, found.dashpot
+        (nx, ny), tangential, dashpot = found.normal, found.tangential, found.dashpot
         push -= wrench(found.force, found.point, about)
         if walls.pressed is not None:
             inner = contact.inward(moves, wall, float(state.discs.x[touched[0]]), float(state.discs.y[touched[0]]))
@@ -138,7 +138,7 @@ def _wall_forces(state: State, wall: int, seen: ContactVelocities, slope: float 
             )
         push[2] += found.torques[1]
         lost += wrench((dashpot * nx, dashpot * ny), found.point, centre)
-        slid += wrench((-rub * ny, rub * nx), found.point, centre)
+        slid += wrench((-tangential * ny, tangential * nx), found.point, centre)
         slid[2] -= found.torques[1]
     walls.sums[wall, SumsOnWallColumns.FORCE] += push
     if moving:

@@ -62,7 +62,7 @@ def contacts(
         return -1
     for k, (pair, of, (sx, sy), turned) in enumerate(rows):
         nx, ny = of.normal
-        power = -of.dashpot * (nx * sx + ny * sy) - of.rub * (nx * sy - ny * sx) - turned
+        power = -of.dashpot * (nx * sx + ny * sy) - of.tangential * (nx * sy - ny * sx) - turned
         who[k], found[k] = pair, (*of.point, *of.force, power)
     return len(rows)
 
@@ -139,7 +139,7 @@ def between(state: State, stations: StationStep, sums: np.ndarray) -> None:
         (nx, ny), (fx, fy) = of.normal, of.force
         mx, my = 0.5 * (one[0] + two[0]), 0.5 * (one[1] + two[1])
         turn = 0.5 * (of.torques[0] * two[2] - of.torques[1] * one[2])
-        slid -= way * (of.rub * (nx * my - ny * mx) + turn)
+        slid -= way * (of.tangential * (nx * my - ny * mx) + turn)
         handed += way * (fx * (mx - speed) + fy * my + turn)
         push -= way * fx
         lost -= way * of.dashpot * (nx * mx + ny * my)
