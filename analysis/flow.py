@@ -14,9 +14,9 @@ import numpy as np
 
 from lammps_jump.core.law import jump_law, laws_of
 from lammps_jump.core.library import core, why_absent
+from lammps_jump.dump.contacts import ContactFile
 from lammps_jump.dump.frame import Frame, make_frame
-from lammps_jump.dump.side_files.contacts import ContactFile
-from lammps_jump.dump.side_files.poses import PoseFile
+from lammps_jump.dump.walls import PoseFile
 from lammps_jump.errors import DumpError
 from lammps_jump.files import POSES
 from lammps_jump.quoting import figure_text

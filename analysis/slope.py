@@ -15,8 +15,8 @@ import numpy as np
 
 from lammps_jump.analysis.budgets.head import EnergyFluxes
 from lammps_jump.analysis.jump.found import TrackedJump
+from lammps_jump.dump.contacts import ContactFile
 from lammps_jump.dump.frame import Frame, make_frame
-from lammps_jump.dump.side_files.contacts import ContactFile
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.motion import Motion, MovingWall, Placed, Pose
 from lammps_jump.scene.walls import Wall

@@ -21,7 +21,7 @@ from taking_turns import main
 
 import lammps_jump.live
 from lammps_jump import Case
-from lammps_jump.analysis.tables.markdown import Column, markdown
+from lammps_jump.analysis.tables import Column, markdown
 from lammps_jump.core.browser import browser_core
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.engines.native.image import image_of

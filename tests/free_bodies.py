@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from lammps_jump.dump.side_files.pushed import BodyHistory
+from lammps_jump.dump.walls import BodyHistory
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.physics.bodies import section_of_circle, section_of_polygon
 from lammps_jump.scene.bodies import Free

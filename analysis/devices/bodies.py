@@ -24,7 +24,7 @@ from lammps_jump.analysis.report.page import Section, Table, Text, described
 from lammps_jump.analysis.statistics import STUDENT, mean_of
 from lammps_jump.analysis.verdicts.bodies import farthest_first
 from lammps_jump.dump.frame import Frame
-from lammps_jump.dump.side_files.pushed import BodyHistory, read_bodies
+from lammps_jump.dump.walls import BodyHistory, read_bodies
 from lammps_jump.errors import DumpError
 from lammps_jump.files import BODIES
 from lammps_jump.physics.bodies import depth_of_area

@@ -25,7 +25,7 @@ from lammps_jump.analysis.quantity import HeadlineNumber, Named, Quantity
 from lammps_jump.analysis.report.page import Section, Table, Text, described
 from lammps_jump.analysis.verdicts.kinds import part
 from lammps_jump.dump.find import ForceHistory
-from lammps_jump.dump.side_files.pushed import BodyHistory, read_bodies
+from lammps_jump.dump.walls import BodyHistory, read_bodies
 from lammps_jump.errors import DumpError
 from lammps_jump.files import BODIES
 from lammps_jump.physics.bodies import section_of_polygon

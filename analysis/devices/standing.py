@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from lammps_jump.analysis.flow import Flow
-from lammps_jump.dump.side_files.pushed import BodyHistory
+from lammps_jump.dump.walls import BodyHistory
 from lammps_jump.scene.bodies import Free
 from lammps_jump.scene.motion import MovingWall
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.dump.find import ForceHistory
-from lammps_jump.dump.side_files.pressure import StretchForces
+from lammps_jump.dump.walls import StretchForces
 from lammps_jump.scene.motion import MovingWall, reference
 from lammps_jump.scene.walls import Interval, Wall, parts_of
 from lammps_jump.units import KILO

@@ -23,7 +23,7 @@ from lammps_jump.analysis.passes import Tables
 from lammps_jump.analysis.profiles import window_of
 from lammps_jump.analysis.statistics import as_fields, mean_of
 from lammps_jump.dump.find import ForceHistory
-from lammps_jump.dump.side_files.pushed import BodyHistory, read_bodies
+from lammps_jump.dump.walls import BodyHistory, read_bodies
 from lammps_jump.errors import DumpError
 from lammps_jump.files import BODIES
 from lammps_jump.physics import jump as waves

@@ -20,7 +20,7 @@ from lammps_jump.analysis.profiles import window_of
 from lammps_jump.analysis.quantity import Named, Quantity
 from lammps_jump.analysis.report.page import Section, Table, Text, described
 from lammps_jump.analysis.statistics import Mean, as_fields, mean_of
-from lammps_jump.dump.side_files.pressure import StretchForces, read_pressure
+from lammps_jump.dump.walls import StretchForces, read_pressure
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.pressed import FaceStretch
 from lammps_jump.units import Estimates, as_summary, estimate, known, number

@@ -14,8 +14,8 @@ from lammps_jump.analysis.draw.painter import disc_speeds, seen, top_of
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.profiles import bin_edges
 from lammps_jump.dump.find import ForceHistory, read_forces
-from lammps_jump.dump.side_files.pushed import BodyHistory, read_bodies
 from lammps_jump.dump.tables import read_table
+from lammps_jump.dump.walls import BodyHistory, read_bodies
 from lammps_jump.errors import DumpError
 from lammps_jump.files import BODIES
 from lammps_jump.physics.jump import sequent_depth

@@ -32,10 +32,10 @@ from lammps_jump.sweeps.players import LARGEST, player_of
 from lammps_jump.sweeps.words import heading, unit
 from lammps_jump.units import ABSENT, shown
 
+from .answer import brief, named, point_text
 from .model import Model
 from .posterior import Posterior
 from .study import Calibration
-from .words import brief, named, point_text
 
 PAGE = "calibration.html"
 MOST_PLAYED = 6

@@ -24,12 +24,11 @@ from lammps_jump.runs.summary import read_summary
 from lammps_jump.sweeps import Pool, Sweep, held_study, prepare
 from lammps_jump.sweeps.members import Member, Start, failure_message, plan, run_members
 
-from .answer import unmet
+from .answer import brief, short, unmet
 from .besides import Besides, look_besides
 from .model import Model, model_of
 from .posterior import Posterior, sample, sobol
 from .study import SPARE, Calibration
-from .words import brief, short
 
 POINTS, ROUNDS_FILE = "points", "rounds.json"
 OVER, LIKELY, CHECK = "ranges", "posterior", "best"

@@ -11,8 +11,7 @@ from math import pi, radians, tan
 
 from lammps_jump.errors import FieldError
 from lammps_jump.physics import contact
-from lammps_jump.physics.hydrograph import TRAVEL
-from lammps_jump.physics.inlet import LEAST_GAP, REFUSAL_GAP
+from lammps_jump.physics.inlet import LEAST_GAP, REFUSAL_GAP, TRAVEL
 from lammps_jump.physics.slip import FRICTION_LAWS, slip_warnings, spring_warnings
 from lammps_jump.scene import Beginning, InletRow, Interval, Scene, Sizes, Wall
 from lammps_jump.scene.schedule import MOST_BINS, MOST_FRAMES, rounding_notes, told_of_window

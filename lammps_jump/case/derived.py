@@ -14,7 +14,7 @@ import numpy as np
 from lammps_jump.files import plain
 from lammps_jump.physics import contact
 from lammps_jump.physics.contact import WallLaw
-from lammps_jump.physics.hydrograph import Hydrograph
+from lammps_jump.physics.inlet import Hydrograph
 from lammps_jump.physics.slip import springs_stable_fraction
 from lammps_jump.scene import Beginning, Scene, Wall
 from lammps_jump.units import numbers_of

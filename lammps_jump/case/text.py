@@ -22,7 +22,7 @@ from lammps_jump.units import to_si
 from lammps_jump.written import odd_blank
 
 if TYPE_CHECKING:
-    from lammps_jump.dump.side_files.ended import Ended
+    from lammps_jump.dump.ended import Ended
 
 PathKey = tuple[str | int, ...]
 

@@ -25,13 +25,10 @@ from lammps_jump.errors import SetupError
 from lammps_jump.files import read_file, read_json, write_text
 from lammps_jump.system import libraries_version, native_flags, plugin_flags
 
-from .binary import is_code, made_for
-from .cache import MOST_BYTES, Made, cache_folder, checksum, forget_old, is_whole, kept, record_of, write
+from .cache import MOST_BYTES, Made, cache_folder, checksum, forget_old, is_whole, kept, record_of, require_own, write
 from .carried import Carried, carried_folder, check_loads, fitting, needs
-from .compiler import ADVICE, processor, require_compiler, run_compiler
-from .platforms import Platform
-from .product import FLAGS, Product, add
-from .trust import require_own
+from .compiler import ADVICE, Platform, processor, require_compiler, run_compiler
+from .product import FLAGS, Product, add, is_code, made_for
 
 Tell = Callable[[str], None]
 

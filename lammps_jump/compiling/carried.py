@@ -23,7 +23,7 @@ from lammps_jump.provenance import wheel_file
 from lammps_jump.system import processor_lines
 
 from .cache import MOST_BYTES, checksum, record_of
-from .platforms import Platform
+from .compiler import Platform
 from .product import Product
 
 SECONDS = 60.0

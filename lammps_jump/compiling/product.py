@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Products of compiling: the libraries of this project, their sources, and what their sources include.
+"""Products of compiling: the libraries of this project, their sources, and for which system compiled code is.
 
 A library is described once, as a `Product`. Every file ``*.cpp`` of its folder and of the folders in there belongs to
 it: a new file needs no entry in a list.
@@ -16,7 +16,45 @@ from lammps_jump.errors import SetupError
 from lammps_jump.files import MOST_TEXT, read_file
 from lammps_jump.provenance import package_version, wheel_file
 
-from .binary import is_code
+ELF, MACH, DOS, PE = b"\x7fELF", b"\xcf\xfa\xed\xfe", b"MZ", b"PE\0\0"
+"""First bytes of code of Linux, macOS (of 64 bits) and Windows; of Windows' second head."""
+MACHINES = {
+    ("Linux", 62): "x86_64",
+    ("Linux", 183): "aarch64",
+    ("Darwin", 0x0100_0007): "x86_64",
+    ("Darwin", 0x0100_000C): "arm64",
+    ("Windows", 0x8664): "AMD64",
+    ("Windows", 0xAA64): "ARM64",
+}
+"""Words of `platform.machine()` by those of `platform.system()` and the number in the head (ELF e_machine, Mach-O
+cputype, PE Machine)."""
+
+
+def is_code(data: bytes) -> bool:
+    """Tells whether a file begins as an object or library does."""
+    return data.startswith((ELF, MACH, DOS))
+
+
+def made_for(code: bytes) -> tuple[str, str] | None:
+    """System and machine of an object or library, by the words of `platform`; None where it is neither.
+
+    The object files of Windows have no mark of their own, so that its libraries alone are known.
+    """
+    if code.startswith(ELF):
+        system, number = "Linux", code[18:20]
+    elif code.startswith(MACH):
+        system, number = "Darwin", code[4:8]
+    elif code.startswith(DOS):
+        place = int.from_bytes(code[0x3C:0x40], "little")
+        system, number = "Windows", code[place + 4 : place + 6] if code[place : place + 4] == PE else b""
+    else:
+        return None
+    machine = MACHINES.get((system, int.from_bytes(number, "little")))
+    return (system, machine) if machine else None
+
+
+# --- products of compiling: the libraries of this project, their sources, and what their sources include --------------
+
 
 FLAGS = (
     "-std=c++17",

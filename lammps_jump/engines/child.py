@@ -23,7 +23,7 @@ from tempfile import TemporaryDirectory
 from typing import IO, TYPE_CHECKING, Any
 
 from lammps_jump import errors
-from lammps_jump.compiling.trust import open_to_others
+from lammps_jump.compiling.cache import open_to_others
 from lammps_jump.errors import SetupError
 from lammps_jump.files import RANKS_FILE, delete, write_bytes
 from lammps_jump.folders import writable

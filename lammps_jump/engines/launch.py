@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from lammps_jump import script
-from lammps_jump.compiling.trust import open_to_others
+from lammps_jump.compiling.cache import open_to_others
 from lammps_jump.core.library import core
 from lammps_jump.files import SCENE_FILE, delete, write_bytes, write_text
 from lammps_jump.folders import writable

@@ -18,9 +18,9 @@ import numpy as np
 
 from lammps_jump.analysis.report.page import Player
 from lammps_jump.case import ReadCase
+from lammps_jump.dump.ended import read_ended
 from lammps_jump.dump.find import read_dump, read_forces
 from lammps_jump.dump.frame import Frame, ten_indices
-from lammps_jump.dump.side_files.ended import read_ended
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.engines.native.image import image_of
 from lammps_jump.files import END_FILE

@@ -1,6 +1,6 @@
 "use strict";
 // What sliders do, as tables of a case: rows of a wall's motion and of an inflow, and what the core makes of them.
-// The arithmetic is that of scene/tracks.py and physics/hydrograph.py, operation by operation: tests compare the bits.
+// The arithmetic is that of scene/tracks.py and physics/inlet.py, operation by operation: tests compare the bits.
 
 const TRACK = { begin: 0, x: 1, y: 6, angle: 11 };
 const HALVINGS = 60;

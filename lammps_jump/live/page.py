@@ -255,7 +255,7 @@ def _slider(flow: LiveFlow, name: str, one: LiveSlider) -> dict[str, Any]:
 
 
 def _inflow(flow: LiveFlow) -> dict[str, Any] | None:
-    """Numbers by which scripts let discs in against time: see `physics.hydrograph.entries_of_rows`."""
+    """Numbers by which scripts let discs in against time: see `physics.inlet.entries_of_rows`."""
     scene, inflow = flow.simulation.scene, flow.case.fields.inflow
     if not isinstance(inflow, RowsInflow) or not any(one.path == "inflow" for one in flow.sliders.values()):
         return None

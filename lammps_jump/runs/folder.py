@@ -13,8 +13,8 @@ from lammps_jump import folders
 from lammps_jump.analysis import quantities
 from lammps_jump.case.case import ReadCase
 from lammps_jump.case.text import read_text as read_case
+from lammps_jump.dump.ended import write_ended
 from lammps_jump.dump.find import read_dump
-from lammps_jump.dump.side_files.ended import write_ended
 from lammps_jump.engines import RunResult, Setting
 from lammps_jump.engines.lammps.finish import gather_forces
 from lammps_jump.engines.lammps.log import read_log

@@ -30,7 +30,7 @@ from lammps_jump.dump.exports import export as write_exports
 from lammps_jump.dump.exports import load_netcdf
 from lammps_jump.dump.find import ForceHistory, find_dump, read_dump, read_forces
 from lammps_jump.dump.read import Dump, open_dump
-from lammps_jump.dump.side_files.pressure import StretchForces, read_pressure
+from lammps_jump.dump.walls import StretchForces, read_pressure
 from lammps_jump.errors import CaseError, DumpError
 from lammps_jump.files import PLAYER, PRESSURE_FILE, SUMMARY_FILE, checksum, read_json, write_json, write_text, writes
 from lammps_jump.provenance import versions

@@ -15,7 +15,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypedDict, Unpack, cast, overload
 
 from lammps_jump import runs
-from lammps_jump.analysis import notebook
+from lammps_jump.analysis import report
 from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.analysis.report.page import LivePage, show_page
 from lammps_jump.case.case import Changes, ReadCase
@@ -456,7 +456,7 @@ class Run(NearestNames):
         SetupError
             In a notebook: anywidget is not installed.
         """
-        if notebook.is_running():
+        if report.is_running():
             return self.widget()
         page = self.folder / "report.html"
         show_page(page if page.is_file() else self.report())
@@ -526,11 +526,11 @@ class Run(NearestNames):
         player = runs.results.player_of(self.case, self.folder)
         if player is None:
             raise DumpError(f"{self.folder}: has no frame with discs in it, and nothing to play")
-        return notebook.player_widget(player, self.case.name)
+        return report.player_widget(player, self.case.name)
 
     def _repr_mimebundle_(self, **given: object) -> Any:
         """The player, where anywidget is installed and something can be played; else a notebook shows pictures."""
-        if not notebook.widgets_are_there():
+        if not report.widgets_are_there():
             return {}
         try:
             return self.widget()._repr_mimebundle_(**given)

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from lammps_jump.core.law import LawNumbers
 from lammps_jump.physics.contact import Coefficients, WallLaw
-from lammps_jump.physics.hydrograph import Hydrograph
+from lammps_jump.physics.inlet import Hydrograph
 from lammps_jump.physics.slip import FRICTION_LAWS, Springs, slots_of
 
 from .motion import STILL, MovingWall, Pose, Went, arms
@@ -333,7 +333,7 @@ class Scene(Measures):
         Contacts that a disc remembers; 0: the contact law has no memory.
     contact_output : bool
         The native engine and the compiled kernel write the contacts of each frame with their forces
-        (`lammps_jump.dump.side_files.contacts`).
+        (`lammps_jump.dump.contacts`).
     warnings, adapted : tuple of str
         What to beware of; which asked values whole steps have changed.
     stiffer : str

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from made_up import disc_frame, examples, flow_context
 
 from lammps_jump.analysis.devices import bodies
-from lammps_jump.dump.side_files.pushed import BodyHistory
+from lammps_jump.dump.walls import BodyHistory
 from lammps_jump.physics.bodies import area_below, depth_of_area, section_of_polygon
 from lammps_jump.scene import MovingWall
 from lammps_jump.scene.bodies import Free

@@ -17,8 +17,7 @@ from lammps_jump.analysis.draw.painter import View, blank, coloured, paint_arrow
 from lammps_jump.dump.find import ForceHistory
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.dump.read import open_dump
-from lammps_jump.dump.side_files.poses import PoseFile
-from lammps_jump.dump.side_files.pressure import StretchForces
+from lammps_jump.dump.walls import PoseFile, StretchForces
 from lammps_jump.dump.write import DumpWriter
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.pressed import FaceStretch

@@ -13,8 +13,7 @@ from lammps_jump.analysis.forces.figures import impulse_chart, section
 from lammps_jump.analysis.forces.history import Forces, analyse_forces, point_of, toes_of
 from lammps_jump.analysis.profiles import compute_profiles
 from lammps_jump.dump.find import ForceHistory
-from lammps_jump.dump.side_files.poses import PoseFile
-from lammps_jump.dump.side_files.pushed import write_bodies
+from lammps_jump.dump.walls import PoseFile, write_bodies
 from lammps_jump.scene.motion import Motion, MovingWall, Pose
 from lammps_jump.scene.tracks import Held, Rotate, Translate
 from lammps_jump.scene.walls import Block, Box, Circle, Line, Plane, Polygon

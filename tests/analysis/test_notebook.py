@@ -33,7 +33,7 @@ def test_reports_tell_no_frame_their_time(run):
 
 
 def test_without_anywidget_a_run_shows_pictures(run, monkeypatch):
-    from lammps_jump.analysis.notebook import widget
+    from lammps_jump.analysis.report import widget
 
     monkeypatch.setattr(widget.importlib.util, "find_spec", lambda name: None)
     assert run._repr_mimebundle_() == {}

@@ -13,7 +13,7 @@ from lammps_jump.analysis.report.frames import FramePacker
 from lammps_jump.analysis.report.player import make_player, pack_player
 from lammps_jump.dump.exports import write_table
 from lammps_jump.dump.find import ForceHistory
-from lammps_jump.dump.side_files.poses import PoseFile
+from lammps_jump.dump.walls import PoseFile
 from lammps_jump.files import BODIES_HEADER
 from lammps_jump.physics.jump import sequent_depth
 from lammps_jump.scene.chains import Chain

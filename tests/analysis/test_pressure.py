@@ -9,7 +9,7 @@ from made_up import flow_context
 
 from lammps_jump.analysis.forces.pressure import NOT_SUMMED, analyse, dataset, figures, section
 from lammps_jump.analysis.passes import Gathered
-from lammps_jump.dump.side_files.pressure import read_pressure, write_pressure
+from lammps_jump.dump.walls import read_pressure, write_pressure
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.pressed import bins_of, gauge_of
 from lammps_jump.scene.walls import Block

@@ -12,7 +12,7 @@ from made_up import flow_context
 from lammps_jump.analysis.devices import bodies
 from lammps_jump.analysis.devices.standing import faces_of, standing_of
 from lammps_jump.analysis.flow import from_scene
-from lammps_jump.dump.side_files.pushed import BodyHistory
+from lammps_jump.dump.walls import BodyHistory
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.scene.scene import Outlet, Springs
 from lammps_jump.scene.walls import Block, Circle, Plane, Polygon

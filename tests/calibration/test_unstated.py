@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from lammps_jump.calibration import words
+from lammps_jump.calibration import answer as words
 from lammps_jump.calibration.answer import along, partner, unmet
 from lammps_jump.calibration.besides import Besides, Change, movers
 from lammps_jump.calibration.model import MOST, MOST_POINTS, alike, model_of, possible_errors, scatter_of

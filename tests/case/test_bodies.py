@@ -12,7 +12,7 @@ import yaml
 
 from lammps_jump.case import load_case
 from lammps_jump.case.bodies import foreseen_blow, tips_at
-from lammps_jump.dump.side_files.pushed import read_bodies
+from lammps_jump.dump.walls import read_bodies
 from lammps_jump.engines.checkpoint import read_checkpoint
 from lammps_jump.engines.choice import choose
 from lammps_jump.engines.native import NativeSimulation, run_native

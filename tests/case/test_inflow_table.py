@@ -11,8 +11,7 @@ from lammps_jump.case.case import ReadCase
 from lammps_jump.engines.choice import choose
 from lammps_jump.engines.launch import write_script
 from lammps_jump.errors import CaseError, SetupError
-from lammps_jump.physics.hydrograph import Hydrograph, entries_of_rows
-from lammps_jump.physics.inlet import row_speeds
+from lammps_jump.physics.inlet import Hydrograph, entries_of_rows, row_speeds
 
 GIVEN = ("inflow.depth=null", "inflow.mean_speed=null", "inflow.discharge=null")
 FLOOD = "inflow.table=[[0.2, 0, 6], [1, 0.6, 10], [2, 0.6, 10], [2.5, 0.2, 8]]"

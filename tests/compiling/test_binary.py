@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from lammps_jump.compiling.binary import MACHINES, is_code, made_for
 from lammps_jump.compiling.compiler import find_compiler
+from lammps_jump.compiling.product import MACHINES, is_code, made_for
 
 
 def head(system, number):

@@ -18,7 +18,7 @@ from children import run_child
 from made_up import some_long
 
 from lammps_jump.cli import tools
-from lammps_jump.compiling import build, compiler, product, trust
+from lammps_jump.compiling import build, cache, compiler, product
 from lammps_jump.compiling.cache import cache_folder, forget_old, why_elsewhere
 from lammps_jump.core import CORE
 from lammps_jump.engines.choice import choose
@@ -426,11 +426,11 @@ def test_the_way_up_ends_at_the_home_folder(monkeypatch, tmp_path):
     home = tmp_path / "open" / "home"
     home.mkdir(parents=True)
     home.parent.chmod(0o777)
-    monkeypatch.setattr(trust, "_home", lambda: home)
-    trust.require_own(home / "cache" / "library")
+    monkeypatch.setattr(cache, "_home", lambda: home)
+    cache.require_own(home / "cache" / "library")
     home.chmod(0o777)
     with pytest.raises(SetupError, match="chmod go-w"):
-        trust.require_own(home / "cache" / "library")
+        cache.require_own(home / "cache" / "library")
 
 
 @pytest.mark.fault("surroundings")

@@ -14,9 +14,9 @@ from bits.elsewhere import state_of
 from made_up import INPUTS
 
 from lammps_jump.case import load_case
-from lammps_jump.compiling.binary import made_for
 from lammps_jump.compiling.carried import LEVELS
-from lammps_jump.compiling.platforms import PLATFORMS
+from lammps_jump.compiling.compiler import PLATFORMS
+from lammps_jump.compiling.product import made_for
 from lammps_jump.core import CORE
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.engines.native.image import image_of

@@ -10,7 +10,7 @@ import pytest
 from features import BASE, BELT, JETS, SPRINGS
 
 from lammps_jump.case import load_case
-from lammps_jump.dump.side_files.contacts import ContactFile
+from lammps_jump.dump.contacts import ContactFile
 from lammps_jump.physics.contact import lagged_restitution
 from lammps_jump.physics.slip import Rolling, Springs
 from lammps_jump.scene import Plane, Sizes, handmade_scene

@@ -8,9 +8,9 @@ import pytest
 
 from lammps_jump.analysis.contacts import pair_sums, wall_sums
 from lammps_jump.analysis.flow import from_scene
+from lammps_jump.dump.contacts import HEAD, ROW, ContactFile, ContactWriter
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.dump.read import open_dump
-from lammps_jump.dump.side_files.contacts import HEAD, ROW, ContactFile, ContactWriter
 from lammps_jump.engines.checkpoint import read_checkpoint
 from lammps_jump.engines.native import run_native
 from lammps_jump.engines.native.ledger import spin, velocities

@@ -30,7 +30,7 @@ from lammps_jump.dump.exports import (
 from lammps_jump.dump.find import find_dump, read_dump, read_forces
 from lammps_jump.dump.frame import make_frame, ten_indices
 from lammps_jump.dump.read import open_dump
-from lammps_jump.dump.side_files.poses import PoseFile
+from lammps_jump.dump.walls import PoseFile
 from lammps_jump.dump.write import DumpWriter
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.motion import Motion, MovingWall, gate

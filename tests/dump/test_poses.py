@@ -3,7 +3,7 @@
 
 import pytest
 
-from lammps_jump.dump.side_files.poses import PoseFile
+from lammps_jump.dump.walls import PoseFile
 from lammps_jump.errors import DumpError
 
 HEAD = "time,wall,x,y,angle\n"
@@ -64,7 +64,7 @@ def test_a_file_that_is_none_or_too_large_is_refused(tmp_path, monkeypatch):
     with pytest.raises(DumpError, match="cannot be read"):
         PoseFile(tmp_path / "walls.csv", ["lid"]).at(0.0)
     (tmp_path / "more.csv").write_text(HEAD)
-    monkeypatch.setattr("lammps_jump.dump.side_files.poses.MOST_POSES", 5)
+    monkeypatch.setattr("lammps_jump.dump.walls.MOST_POSES", 5)
     with pytest.raises(DumpError, match="at most 5 are read"):
         PoseFile(tmp_path / "more.csv", ["lid"]).at(0.0)
 

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from free_bodies import body, scene_of, state_of
 
-from lammps_jump.dump.side_files.pushed import read_bodies
+from lammps_jump.dump.walls import read_bodies
 from lammps_jump.engines.launch import run
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.engines.setting import Setting

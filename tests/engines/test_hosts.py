@@ -18,7 +18,7 @@ import pytest
 from hosts import NativeHost, at_end, start
 from laws import ROLLING
 
-from lammps_jump.dump.side_files.poses import PoseFile
+from lammps_jump.dump.walls import PoseFile
 from lammps_jump.files import POSES
 from lammps_jump.physics.contact import WallLaw
 from lammps_jump.physics.slip import Rolling, Springs

@@ -14,7 +14,7 @@ from features import BASE, FEATURES
 from made_up import scene_of_feature
 
 import lammps_jump as lj
-from lammps_jump.dump.side_files.ended import read_ended, write_ended
+from lammps_jump.dump.ended import read_ended, write_ended
 from lammps_jump.engines.native.simulation import NativeSimulation
 from lammps_jump.engines.native.state import ended_of, load_state, save_state
 from lammps_jump.errors import CaseError, DumpError, ResumeError, RunError

@@ -28,8 +28,8 @@ from lammps_jump.drawings import doubts, entries, read_drawing, yaml_text
 from lammps_jump.dump.exports import write_netcdf
 from lammps_jump.dump.find import forces_of
 from lammps_jump.dump.read import open_dump
-from lammps_jump.dump.side_files.poses import PoseFile
 from lammps_jump.dump.tables import table_of
+from lammps_jump.dump.walls import PoseFile
 from lammps_jump.errors import CaseError, JumpError
 from lammps_jump.files import POSES_HEADER, plain, write_json
 from lammps_jump.folders import holder

@@ -14,8 +14,8 @@ from made_up import call, choose_to_stop_at, plugin_or_skip, reseal
 import lammps_jump as lj
 from lammps_jump.analysis.draw.sketch.preview import scene_drawing
 from lammps_jump.case.parts import taken
+from lammps_jump.dump.ended import read_ended
 from lammps_jump.dump.find import read_dump
-from lammps_jump.dump.side_files.ended import read_ended
 from lammps_jump.errors import CaseError, DumpError, RunInterrupted
 from lammps_jump.files import BODIES, END_FILE, POSES, read_arrays, write_arrays
 from lammps_jump.runs import engine

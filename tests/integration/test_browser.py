@@ -15,7 +15,7 @@ from made_up import SCENES, flow_context
 from PIL import Image
 
 from lammps_jump import load_case, open_run
-from lammps_jump.analysis import notebook
+from lammps_jump.analysis import report
 from lammps_jump.analysis.flow import from_scene
 from lammps_jump.analysis.profiles import FrameDiscs, OpenEnds, bin_discs
 from lammps_jump.analysis.report import frames
@@ -27,7 +27,7 @@ from lammps_jump.analysis.report.run import write_report
 from lammps_jump.dump.exports import read_netcdf
 from lammps_jump.dump.find import read_dump
 from lammps_jump.dump.frame import make_frame
-from lammps_jump.dump.side_files.poses import PoseFile
+from lammps_jump.dump.walls import PoseFile
 from lammps_jump.files import BODIES_HEADER
 from lammps_jump.scene.motion import Motion, MovingWall, gate
 from lammps_jump.scene.scene import InletRow, Outlet
@@ -265,7 +265,7 @@ def test_sliders_choose_the_run_of_a_point(browser, tmp_path):
     page.close()
 
 
-WIDGET = Path(notebook.__file__).parent / "widget.js"
+WIDGET = Path(report.__file__).parent / "widget.js"
 HOST = """<!doctype html><body><div id="cell"></div><script type="application/json" id="page">%s</script>
 <script type="module">%s
 const heard = { custom: null, times: [] };

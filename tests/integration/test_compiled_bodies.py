@@ -10,7 +10,7 @@ import pytest
 from free_bodies import crowd, scene_of
 
 from lammps_jump.dump.read import open_dump
-from lammps_jump.dump.side_files.pushed import read_bodies
+from lammps_jump.dump.walls import read_bodies
 from lammps_jump.engines.checkpoint import read_checkpoint
 from lammps_jump.engines.launch import run
 from lammps_jump.engines.native import NativeSimulation, run_native

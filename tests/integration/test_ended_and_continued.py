@@ -17,7 +17,7 @@ from made_up import engine_setting, scene_of_feature
 
 from lammps_jump.dump.find import read_forces
 from lammps_jump.dump.read import open_dump
-from lammps_jump.dump.side_files.poses import PoseFile
+from lammps_jump.dump.walls import PoseFile
 from lammps_jump.engines.checkpoint import read_checkpoint
 from lammps_jump.engines.lammps.loader import program
 from lammps_jump.engines.launch import run

@@ -13,8 +13,8 @@ from made_up import analysed_again, call, choose_to_stop_at, plugin_or_skip, res
 
 import lammps_jump as lj
 from lammps_jump.case.parts import taken
+from lammps_jump.dump.ended import read_ended, write_ended
 from lammps_jump.dump.find import read_dump
-from lammps_jump.dump.side_files.ended import read_ended, write_ended
 from lammps_jump.errors import CaseError, RunInterrupted
 from lammps_jump.files import END_FILE
 from lammps_jump.runs import engine

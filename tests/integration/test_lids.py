@@ -9,7 +9,7 @@ from made_up import engine_setting
 
 from lammps_jump.case import load_case
 from lammps_jump.dump.read import open_dump
-from lammps_jump.dump.side_files.poses import PoseFile
+from lammps_jump.dump.walls import PoseFile
 from lammps_jump.engines import choice
 from lammps_jump.engines.checkpoint import read_checkpoint
 from lammps_jump.engines.launch import run

@@ -15,7 +15,7 @@ from lammps_jump.analysis.flow import from_scene
 from lammps_jump.analysis.passes import Gathered
 from lammps_jump.case import load_case
 from lammps_jump.dump.read import open_dump
-from lammps_jump.dump.side_files.poses import PoseFile
+from lammps_jump.dump.walls import PoseFile
 from lammps_jump.engines import choice
 from lammps_jump.engines.launch import run
 from lammps_jump.engines.native.simulation import NativeSimulation

@@ -12,7 +12,7 @@ from made_up import INPUTS
 import lammps_jump as lj
 from lammps_jump.engines.checkpoint import read_checkpoint
 from lammps_jump.identity import scene_key
-from lammps_jump.physics.hydrograph import Hydrograph
+from lammps_jump.physics.inlet import Hydrograph
 
 pytestmark = pytest.mark.usefixtures("blank_pictures")
 

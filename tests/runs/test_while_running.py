@@ -26,7 +26,7 @@ from lammps_jump.engines.native import run_native
 from lammps_jump.engines.result import Progress
 from lammps_jump.errors import DumpError
 from lammps_jump.files import DUMP_NAMES
-from lammps_jump.physics.hydrograph import Hydrograph
+from lammps_jump.physics.inlet import Hydrograph
 from lammps_jump.runs.steady import SteadyWatch, steady_window
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from lammps_jump import Run
 from lammps_jump.analysis.devices.bodies import around
-from lammps_jump.dump.side_files.pushed import BodyHistory, read_bodies
+from lammps_jump.dump.walls import BodyHistory, read_bodies
 from lammps_jump.files import BODIES
 from lammps_jump.physics.bodies import area_below, pendulum_period
 from lammps_jump.runs.results import flow_of

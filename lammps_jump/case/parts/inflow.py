@@ -10,8 +10,7 @@ from pydantic import Field
 from pydantic.functional_validators import model_validator
 
 from lammps_jump import units
-from lammps_jump.physics.hydrograph import Hydrograph
-from lammps_jump.physics.inlet import LEAST_GAP
+from lammps_jump.physics.inlet import LEAST_GAP, Hydrograph
 
 from .base import LEAST_SPEED, MOST_SPEED, Speed, Strict, Whole
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from lammps_jump.case.fields import CaseFields
 from lammps_jump.case.text import Runs
-from lammps_jump.dump.side_files.pushed import PushedWalls, outline_of, went_of
+from lammps_jump.dump.walls import PushedWalls, outline_of, went_of
 from lammps_jump.physics.elementary import cos, hypot, sin
 from lammps_jump.scene import Wall, Went
 from lammps_jump.scene.motion import Placed, Pose

@@ -10,10 +10,11 @@ import numpy as np
 
 from lammps_jump.case.checks import MOST_STEPS
 from lammps_jump.errors import FieldError
-from lammps_jump.physics.hydrograph import Hydrograph, entries_of_rows
 from lammps_jump.physics.inlet import (
     COARSEST_RASTER,
+    Hydrograph,
     RowPlan,
+    entries_of_rows,
     plan_rows,
     row_count,
     seed_factors,

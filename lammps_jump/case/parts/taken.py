@@ -16,7 +16,7 @@ import numpy as np
 
 from lammps_jump.case.fields import CaseFields
 from lammps_jump.case.text import CaseSource, PathKey, Runs, StartState, parse_source, read_text
-from lammps_jump.dump.side_files.ended import DISC, STOPPED, Ended, at_frame, read_ended
+from lammps_jump.dump.ended import DISC, STOPPED, Ended, at_frame, read_ended
 from lammps_jump.errors import CaseError, DumpError, FieldError
 from lammps_jump.files import END_FILE, START_FILE, SUMMARY_FILE, checksum, read_json
 from lammps_jump.folders import holder

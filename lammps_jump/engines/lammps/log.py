@@ -13,7 +13,7 @@ import numpy as np
 
 from lammps_jump.case.packing import deepest_overlap
 from lammps_jump.dump.find import read_dump
-from lammps_jump.dump.side_files.poses import PoseFile
+from lammps_jump.dump.walls import PoseFile
 from lammps_jump.errors import DumpError
 from lammps_jump.files import POSES, text_of
 from lammps_jump.scene.motion import PUSHED_THERE, Pose, at_seam

@@ -20,8 +20,8 @@ from typing import Any
 
 import numpy as np
 
-from lammps_jump.dump.side_files.ended import ended, write_ended
-from lammps_jump.dump.side_files.pushed import PushedWalls, pushed_walls
+from lammps_jump.dump.ended import ended, write_ended
+from lammps_jump.dump.walls import PushedWalls, pushed_walls
 from lammps_jump.engines import interrupts
 from lammps_jump.engines.checkpoint import CheckpointWriter
 from lammps_jump.engines.interrupts import save_request, stop_request

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lammps_jump.core.library import copied
-from lammps_jump.dump.side_files.ended import check_list
+from lammps_jump.dump.ended import check_list
 from lammps_jump.scene.scene import Earlier, Scene
 
 from .arrays import LISTED, Loops, Pairs, State

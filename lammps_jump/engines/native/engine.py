@@ -10,13 +10,11 @@ from pathlib import Path
 from time import perf_counter, process_time
 from typing import Any
 
+from lammps_jump.dump.contacts import ContactWriter
+from lammps_jump.dump.ended import write_ended
 from lammps_jump.dump.find import write_forces
 from lammps_jump.dump.frame import Frame, make_frame, ten_indices
-from lammps_jump.dump.side_files.contacts import ContactWriter
-from lammps_jump.dump.side_files.ended import write_ended
-from lammps_jump.dump.side_files.poses import PoseWriter
-from lammps_jump.dump.side_files.pressure import write_pressure
-from lammps_jump.dump.side_files.pushed import write_bodies
+from lammps_jump.dump.walls import PoseWriter, write_bodies, write_pressure
 from lammps_jump.dump.write import DumpWriter, run_writer
 from lammps_jump.engines import interrupts
 from lammps_jump.engines.checkpoint import Checkpoint, CheckpointWriter, cut_back, remove_checkpoint

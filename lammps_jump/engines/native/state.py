@@ -19,8 +19,8 @@ import numpy as np
 from pydantic import BaseModel, Field, NonNegativeFloat
 
 from lammps_jump.core.columns import Phase, PlacedColumns, PushedColumns, WallMotion
-from lammps_jump.dump.side_files.ended import BITS, Ended, ended
-from lammps_jump.dump.side_files.pushed import PushedWalls, pushed_walls
+from lammps_jump.dump.ended import BITS, Ended, ended
+from lammps_jump.dump.walls import PushedWalls, pushed_walls
 from lammps_jump.errors import ResumeError
 from lammps_jump.files import read_arrays, write_arrays
 from lammps_jump.foreign import foreign

@@ -26,7 +26,7 @@ from lammps_jump.scene.motion import Motion, MovingWall, Pose, Went, at_seam
 from lammps_jump.scene.scene import Scene
 
 from .arrays import BodyState, Constants, Loops, Memory, Moves, Near, PressedSums
-from .bodies.corners import Bodies
+from .corners import Bodies
 
 FOR_EVER = np.iinfo(np.int64).max
 """Step at which a wall goes that stays."""

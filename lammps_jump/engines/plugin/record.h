@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-/* Contacts of a frame with their forces, as lammps_jump/dump/side_files/contacts.py reads them. */
+/* Contacts of a frame with their forces, as lammps_jump/dump/contacts.py reads them. */
 
 #ifndef JUMP_RECORD_H
 #define JUMP_RECORD_H

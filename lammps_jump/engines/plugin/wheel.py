@@ -15,7 +15,7 @@ from pathlib import Path
 
 from lammps_jump.compiling.build import build_for
 from lammps_jump.compiling.carried import carried_folder
-from lammps_jump.compiling.platforms import PLATFORMS, Platform
+from lammps_jump.compiling.compiler import PLATFORMS, Platform
 from lammps_jump.core.library import CORE
 from lammps_jump.errors import SetupError
 

@@ -12,11 +12,10 @@ from pathlib import Path
 
 import numpy as np
 
+from lammps_jump.dump.walls import SideWriter
 from lammps_jump.errors import DumpError
 from lammps_jump.files import open_to_read
 from lammps_jump.scene.scene import Scene
-
-from .poses import SideWriter
 
 ROW = np.dtype([(name, "<i4") for name in ("i", "j")] + [(name, "<f4") for name in ("x", "y", "fx", "fy", "power")])
 """Id of the disc that the force acts on; that of the other, or -1 - w for wall w of the scene; the point (m), the force

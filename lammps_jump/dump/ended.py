@@ -18,14 +18,14 @@ from pathlib import Path
 
 import numpy as np
 
-from lammps_jump.dump.find import read_dump
-from lammps_jump.dump.frame import LARGEST_VALUE
+from lammps_jump.dump.walls import NO_WALLS, PushedWalls
 from lammps_jump.errors import DumpError
 from lammps_jump.files import read_arrays, write_arrays
 from lammps_jump.foreign import foreign
 from lammps_jump.scene.scene import CONTACT, Scene
 
-from .pushed import NO_WALLS, PushedWalls
+from .find import read_dump
+from .frame import LARGEST_VALUE
 
 LIST = ("list_start", "list_discs", "list_owner", "list_shift")
 """Neighbour list: where each row begins, the discs of rows; in a periodic channel disc and shift (m) of each row."""
