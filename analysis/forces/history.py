@@ -224,7 +224,7 @@ class Force(Estimates):
     work: float = number("J/m", "its work on the discs after t = 0", default=nan)
     reason: str | None = None
     wall: Wall | None = field(default=None, metadata={"summary": False})
-    table: Mapping[str, np.ndarray] = field(default_factory=dict, metadata={"summary": False})
+    table: Mapping[str, np.ndarray] = field(default_factory=dict, repr=False, metadata={"summary": False})
 
     @property
     def history(self) -> ForceHistory:

@@ -330,16 +330,16 @@ class MeasuredJump(TrackedJump):
 
     ALONG = (*TrackedJump.ALONG, "motion")
     momentum_terms: Balance
-    track: JumpTrack = field(metadata=ASIDE)
-    motion: FrontMotion = field(metadata=ASIDE)
-    moving: Moving = field(metadata=ASIDE)
-    mass_toe: float = field(metadata=ASIDE)
-    mass_end: float = field(metadata=ASIDE)
-    surface_toe: float = field(metadata=ASIDE)
-    surface_end: float = field(metadata=ASIDE)
-    upstream: FlowState = field(metadata=ASIDE)
-    downstream: FlowState = field(metadata=ASIDE)
-    pieces: tuple[MeasuredJump, ...] = field(default=(), metadata=ASIDE)
+    track: JumpTrack = field(repr=False, metadata=ASIDE)
+    motion: FrontMotion = field(repr=False, metadata=ASIDE)
+    moving: Moving = field(repr=False, metadata=ASIDE)
+    mass_toe: float = field(repr=False, metadata=ASIDE)
+    mass_end: float = field(repr=False, metadata=ASIDE)
+    surface_toe: float = field(repr=False, metadata=ASIDE)
+    surface_end: float = field(repr=False, metadata=ASIDE)
+    upstream: FlowState = field(repr=False, metadata=ASIDE)
+    downstream: FlowState = field(repr=False, metadata=ASIDE)
+    pieces: tuple[MeasuredJump, ...] = field(default=(), repr=False, metadata=ASIDE)
 
     @property
     def used(self) -> np.ndarray:

@@ -60,6 +60,9 @@ class Frame(NearestNames):
         "describe": "frame.to_dataframe().describe()",
         "plot": 'run.show(), which plays the run, or run.plot("snapshots")',
         "n_atoms": "frame.n",
+        "speed": "numpy.hypot(frame.vx, frame.vy)",
+        "speeds": "numpy.hypot(frame.vx, frame.vy)",
+        "r": "frame.radii",
         "[]": "frame.x, or frame.to_dataframe() for a table",
     }
 

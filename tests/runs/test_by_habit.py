@@ -184,3 +184,9 @@ def test_what_a_property_lacks_is_said_itself(run, study, monkeypatch):
 def test_a_study_that_was_read_needs_its_folder(study):
     with pytest.raises(TypeError, match="needs the folder of its runs"):
         lj.Sweep(study.study)
+
+
+def test_a_result_is_shown_by_its_numbers_and_not_by_its_tables(run):
+    """A prompt shows what is typed there: columns of a record would be thousands of lines."""
+    assert len(repr(run.forces["sill"])) < 3000 and "mean_fx=" in repr(run.forces["sill"])
+    assert len(repr(run.jump)) < 20_000
