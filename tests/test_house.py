@@ -291,9 +291,8 @@ def test_imports_lead_to_floors_above():
     assert not upward
 
 
-@pytest.mark.parametrize(
-    "seed", ["1", pytest.param("2", marks=pytest.mark.long), pytest.param("3", marks=pytest.mark.long)]
-)
+@pytest.mark.long  # it loads all that there is, 4 s; upward imports are found below
+@pytest.mark.parametrize("seed", ["1", "2", "3"])
 def test_all_can_be_loaded_at_once(seed):
     """In an order that follows from the seed: a folder that is half loaded would lack a name that another asks for."""
     text = "import lammps_jump.cli.app"
@@ -512,6 +511,23 @@ def test_how_classes_are_found():
     text = "struct Early;\ntemplate <class A> struct B : C<A> {\n  struct alignas(32) D { int x; };\n"
     text += "class E final : F {\nstruct G::H {"
     assert CLASS.findall(text) == ["B", "D", "E", "H"]
+
+
+ONLY_HERE = re.compile(r"fcntl|resource|msvcrt|sched_\w+affinity|listxattr|setxattr|ST_NOEXEC|confstr|psutil")
+"""Modules and names that not every system has."""
+PLACES = re.compile(r"/(?:proc|sys|dev/shm)/")
+
+
+def test_no_other_module_asks_for_the_system():
+    found = []
+    for path, tree in trees().items():
+        for node in walked(tree) if not path.endswith("/system.py") else ():
+            names = [node.attr] if isinstance(node, ast.Attribute) else []
+            names += [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+            found += [f"{path}:{node.lineno}: {name}" for name in names if ONLY_HERE.fullmatch(name)]
+            text = node.value if isinstance(node, ast.Constant) and isinstance(node.value, str) else ""
+            found += [f"{path}:{node.lineno}: {text}"] if PLACES.search(text) and "\n" not in text else []
+    assert not found
 
 
 MENTIONED = re.compile(r"`([\w./-]+\.(?:py|pyi|h|cpp|js|css|j2|md))`|\]\(([\w./-]+\.md)(?:#[\w-]*)?\)")

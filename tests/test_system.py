@@ -1,12 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """What differs between systems: Linux' way, and the way of macOS with what macOS lacks taken away."""
 
-import ast
 import ctypes
 import errno
 import fcntl
 import os
-import re
 import subprocess
 import sys
 from pathlib import Path
@@ -20,9 +18,6 @@ from lammps_jump import system
 from lammps_jump.files import change_text
 
 ROOT = Path(__file__).parents[1]
-ONLY_HERE = re.compile(r"fcntl|resource|msvcrt|sched_\w+affinity|listxattr|setxattr|ST_NOEXEC|confstr|psutil")
-"""Modules and names that not every system has."""
-PLACES = re.compile(r"/(?:proc|sys|dev/shm)/")
 
 
 def lacks_of_macos(patch):
@@ -151,17 +146,3 @@ def test_a_run_from_case_to_report_in_the_way_of_macos(tmp_path):
     done = subprocess.run(traced, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "run" / "report.html").stat().st_size > 10_000
-
-
-def test_no_other_module_asks_for_the_system():
-    found = []
-    for path in [*ROOT.glob("lammps_jump/**/*.py"), *ROOT.glob("analysis/**/*.py")]:
-        if path.name == "system.py":
-            continue
-        for node in ast.walk(ast.parse(path.read_text())):
-            names = [node.attr] if isinstance(node, ast.Attribute) else []
-            names += [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
-            found += [f"{path}:{node.lineno}: {name}" for name in names if ONLY_HERE.fullmatch(name)]
-            text = node.value if isinstance(node, ast.Constant) and isinstance(node.value, str) else ""
-            found += [f"{path}:{node.lineno}: {text}"] if PLACES.search(text) and "\n" not in text else []
-    assert not found

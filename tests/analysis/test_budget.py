@@ -48,7 +48,7 @@ SEVERAL = Sizes((1.0,), (0.14,), (0.26,), seed=3)
     ("integrator", "error", "sizes"),
     [
         ("velocity_verlet", 1e-4, SEVERAL),
-        ("leapfrog_extrapolated", 0.02, None),
+        pytest.param("leapfrog_extrapolated", 0.02, None, marks=pytest.mark.long),
         pytest.param("velocity_verlet", 1e-4, None, marks=pytest.mark.long),
         pytest.param("leapfrog_extrapolated", 0.02, SEVERAL, marks=pytest.mark.long),
     ],

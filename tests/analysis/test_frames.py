@@ -107,10 +107,10 @@ def test_numbers_come_back_from_text_that_a_page_may_hold(told):
 
 
 def test_numbers_of_the_least_odds_have_room():
-    """Thirty times all bits at their least odds, each time learned anew."""
+    """Six times all bits at their least odds, each time learned anew."""
     often, worst = [0] * 300 + [2**31 - 1] * 300, [2**31 - 1, 0, 1, 3, 7, 15]
     for rare in worst:
-        values = np.array([*often, rare, *([0] * 300), rare] * 30)
+        values = np.array([*often, rare, *([0] * 300), rare] * 6)
         text = encode((values, 0 * values))
         number = numbers_in(text)
         assert [number(0) for _ in values] == values.tolist()
@@ -119,11 +119,11 @@ def test_numbers_of_the_least_odds_have_room():
 
 def test_digits_of_the_text_carry():
     """A low end that grows over 124^4 changes digits before it, over several of the highest letter."""
-    values = np.random.default_rng(5).integers(-(2**20), 2**20, 60_000)
+    values = np.random.default_rng(5).integers(-(2**20), 2**20, 30_000)
     text = encode((values, 0 * values))
     number = numbers_in(text)
     assert [number(0) for _ in values] == values.tolist()
-    assert len(text) < 60_000 * 22.5 / 6.95
+    assert len(text) < 30_000 * 22.5 / 6.95
 
 
 def test_steady_flow_takes_few_bytes():

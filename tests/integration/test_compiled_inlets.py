@@ -101,7 +101,8 @@ def test_named_turns_are_those_of_the_interval_to_the_last_bit(lammps, plugin, t
         assert np.array_equal(one, two), name
 
 
-@pytest.mark.parametrize("law", ["viscous", pytest.param("history", marks=pytest.mark.long)])
+@pytest.mark.long  # test_hosts.py has the same without ranks
+@pytest.mark.parametrize("law", ["viscous", "history"])
 def test_an_inflow_against_time_is_that_of_the_native_engine(law, plugin, tmp_path):
     """Discs that come at growing and falling speed, with a pause, and sizes by id; on one rank and on two."""
     text = """\

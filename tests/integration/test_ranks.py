@@ -25,6 +25,9 @@ SPRINGS = (
     "run.duration=0.0935", "run.output_interval=0.0935", "contact.friction_law=history", "contact.friction=0.5",
     "contact.rotation=true", "contact.rolling={friction: 0.1}",
 )  # fmt: skip
+SIGN = (
+    "run.duration=0.0935", "run.output_interval=0.0935", "contact.friction_law=sign", "contact.friction=0.05",
+)  # fmt: skip
 CHANNEL = ("run.duration=0.06", "run.output_interval=0.06", "contact.rolling={friction: 0.1}", "engine.name=lammps")
 
 
@@ -55,7 +58,7 @@ def frames(folder):
 @pytest.mark.parametrize(
     ("name", "changes"),
     [
-        ("dam_break", ("run.duration=0.0935", "run.output_interval=0.0935")),
+        ("dam_break", SIGN),  # of all ranks: the largest speed
         pytest.param("quick_jump", MANY, marks=pytest.mark.long),
         pytest.param("dam_break", SPRINGS, marks=pytest.mark.long),
         pytest.param("inclined_flow", CHANNEL, marks=pytest.mark.long),

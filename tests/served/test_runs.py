@@ -5,11 +5,14 @@ import json
 import os
 import select
 import shutil
+import signal
 import struct
 import subprocess
 import threading
+from collections import deque
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -19,6 +22,7 @@ from serving import asked, send, serving
 import lammps_jump as lj
 from lammps_jump import folders
 from lammps_jump.case.case import ReadCase
+from lammps_jump.served import children as children_module
 from lammps_jump.served import watched as watched_module
 from lammps_jump.served.children import ServedChild
 from lammps_jump.served.watched import SoFar, Times, Watched, WatchedState, reached
@@ -473,6 +477,32 @@ def waiting(tmp_path, monkeypatch):
         os.close(reads)
 
 
+def test_run_and_stop_are_the_commands_that_they_show(tmp_path, monkeypatch):
+    """The cheap form of the test below: nothing is run."""
+
+    class Quiet(ServedChild):
+        def __init__(self, folder, *words):
+            self.folder, self.command, self._lines, done.words = folder, "", deque(), words
+            self.process = SimpleNamespace(pid=4711, poll=lambda: done.status, send_signal=done.signals.append)
+            self._reader = threading.Thread(target=int)
+
+    done = SimpleNamespace(status=None, signals=[])
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(children_module, "ServedChild", Quiet)
+    (tmp_path / "falls.yaml").write_text(CASE)
+    with serving(tmp_path / "falls.yaml") as server:
+        plan = asked(server, "file")["run"]
+        assert send(server, "POST", f"/{server.token}/run", {"key": "other"})[0] == 422
+        started(server)
+        assert plan["command"] == " ".join(map(str, ("lammps-jump", *done.words[:2])))
+        assert asked(server, "run/0/state")["stop"] == "kill -TERM 4711"
+        asked(server, "run/0/stop", {})
+        assert done.signals == [signal.SIGTERM]
+        done.status = 75
+        assert not asked(server, "run/0/state")["own"]
+
+
+@pytest.mark.long
 def test_run_stop_and_go_on(finished, tmp_path, monkeypatch, waiting):
     """The engine waits at a step until it is stopped; what goes on ends with the bytes of the run without a stop."""
     monkeypatch.chdir(tmp_path)
