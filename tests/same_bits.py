@@ -32,6 +32,7 @@ HASHED = (
     "ids", "x", "y", "vx", "vy", "fx", "fy", "ux", "uy", "omega", "torque", "uomega", "radius", "partner", "sigma",
     "spring", "roll",
 )  # fmt: skip
+SLOTS = "partner", "sigma", "spring", "roll"
 PUSHED = [of.start + axis for of in (PushedColumns.PLACE, PushedColumns.SPEED, PushedColumns.FORCE) for axis in (0, 1)]
 """Columns of walls that discs push: places, velocities and forces along x and y."""
 ROUND_OFF = 1e-9
@@ -107,6 +108,12 @@ def scene_of(source, changes):
     return load_case(path, changes).scene()
 
 
+def by_partner(discs) -> np.ndarray:
+    """Order of the slots of each disc by what they remember: which slot has it is no part of the state."""
+    partner, sigma = discs.partner[: discs.n], discs.sigma[: discs.n]
+    return np.lexsort((sigma, partner), axis=1)
+
+
 def digest(simulation) -> str:
     """Hash of what the trajectory is made of; -0 counts as 0."""
     found = hashlib.sha256()
@@ -114,7 +121,9 @@ def digest(simulation) -> str:
     for name in HASHED:
         array = getattr(d, name)
         if array is not None:
-            found.update(np.ascontiguousarray(array[: d.n] + 0).tobytes())
+            rows = array[: d.n] + 0
+            rows = np.take_along_axis(rows, by_partner(d), 1) if name in SLOTS else rows
+            found.update(np.ascontiguousarray(rows).tobytes())
     walls = simulation.walls
     found.update((walls.sums[walls.gone == 0][:, SumsOnWallColumns.FORCE] + 0).tobytes())
     if walls.moves is not None:

@@ -85,20 +85,6 @@ def stacked(restitution: float) -> dict:
     return {"error": float(np.abs(seen - exact).max() / 0.05)}
 
 
-def slipping(friction: float) -> dict:
-    """A disc that slides on a rough plane (MFiX DEM04): time until it rolls / (u0/(3 mu g)), its speed then / u0."""
-    bare = scene_of([(0.0, 0.5)], [(1.0, 0.0)], (FLOOR,), 1.0, friction=friction, restitution=0.5, largest_overlap=0.03,
-                    springs=Springs(SHARE, 0.5))  # fmt: skip
-    sunk = 0.5 - 1.0 / bare.coefficients.stiffness_wall
-    scene = replace(bare, positions=np.array([[0.0, sunk]]), steps=round(0.8 / friction / bare.time_step))
-    scene = replace(scene, output_steps=scene.steps // 200, steps=200 * (scene.steps // 200))
-    _, frames = run_frames(scene, "native")
-    time, u = np.array([f.time for f in frames]), np.array([f.vx[0] for f in frames])
-    slides = (time > 0) & (u > 0.75)
-    slope, offset = np.polyfit(time[slides], u[slides], 1)
-    return {"time": float((2 / 3 - offset) / slope * 3 * friction), "speed": float(u[-1])}
-
-
 def oblique(restitution: float, friction: float, angles: list[float]) -> dict:
     """Impacts on a wall at angles from its normal in degrees: speed along it after / before, without weight."""
     tangents = [tan(radians(angle)) for angle in angles]
