@@ -13,7 +13,7 @@ import numpy as np
 from lammps_jump.analysis.draw.painter import disc_speeds, seen, top_of
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.profiles import bin_edges
-from lammps_jump.dump.find import ForceHistory, read_forces
+from lammps_jump.dump.find import ForceHistory, forces_in
 from lammps_jump.dump.tables import read_table
 from lammps_jump.dump.walls import BodyHistory, read_bodies
 from lammps_jump.errors import DumpError
@@ -65,16 +65,8 @@ def pack_player(packer: FramePacker, folder: Path, forces: Mapping[str, ForceHis
         return None
     header = packed.header | about_run(packer, folder)
     return Player(
-        header | _with_forces(header, packer.flow, _read_forces(folder) if forces is None else forces), packed.text
+        header | _with_forces(header, packer.flow, forces_in(folder) if forces is None else forces), packed.text
     )
-
-
-def _read_forces(folder: Path) -> Mapping[str, ForceHistory]:
-    """Forces by structure in a folder. A file that is missing or damaged gives none: the page does without them."""
-    try:
-        return read_forces(folder / "forces.csv")
-    except DumpError:
-        return {}
 
 
 def _with_forces(

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import csv
 import glob
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
@@ -120,6 +120,17 @@ def read_dump(place: str | Path) -> Dump:
         See `find_dump` and `open_dump`.
     """
     return open_dump(find_dump(place))
+
+
+def forces_in(folder: Path) -> Mapping[str, ForceHistory]:
+    """Forces of a run folder by structure; empty where none were recorded, or the file is damaged.
+
+    For pages, which are whole without them.
+    """
+    try:
+        return read_forces(folder / "forces.csv")
+    except DumpError:
+        return {}
 
 
 def read_forces(path: str | Path) -> dict[str, ForceHistory]:

@@ -19,7 +19,7 @@ import numpy as np
 from lammps_jump.analysis.report.page import Player
 from lammps_jump.case import ReadCase
 from lammps_jump.dump.ended import read_ended
-from lammps_jump.dump.find import read_dump, read_forces
+from lammps_jump.dump.find import forces_in, read_dump
 from lammps_jump.dump.frame import Frame, ten_indices
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.engines.native.image import image_of
@@ -78,9 +78,7 @@ def recorded_run(folder: Path, player: Player | None = None) -> Recorded | None:
     player = player or player_of(ReadCase.load(folder), folder)
     if player is None:
         return None
-    path = folder / "forces.csv"
-    felt = read_forces(path) if path.is_file() else {}
-    return Recorded(player, {name: (one.time, one.fx) for name, one in felt.items()})
+    return Recorded(player, {name: (one.time, one.fx) for name, one in forces_in(folder).items()})
 
 
 def run_again(folder: Path) -> RunAgain | str:

@@ -100,7 +100,7 @@ def live_page(
     head = heads[0]
     if isinstance(again, RunAgain):
         head["again"] = again.head
-    charts = charts_of(first, head, recorded)
+    charts, head["charts"] = charts_of(first, head, recorded)
     style, scripts = live_style(), live_scripts()
     return _template().render(
         title=first.case.name,
@@ -333,11 +333,13 @@ def outlines_of(wall: Wall, domain: tuple[Interval, Interval]) -> list[np.ndarra
     return [*outlines, *lines]
 
 
-def charts_of(flow: LiveFlow, head: dict[str, Any], recorded: Recorded | None = None) -> list[dict[str, Any]]:
+def charts_of(
+    flow: LiveFlow, head: Mapping[str, Any], recorded: Recorded | None = None
+) -> tuple[list[dict[str, Any]], dict[str, dict[str, int]]]:
     """Curves that the page goes on with against the time of the flow: force on walls, front, depth at a place.
 
     Behind its own lines a chart has those of a recorded run: of its forces, and empty ones of what the page finds in
-    its frames. `head` gets the places of the charts and how many lines of each are the page's own.
+    its frames. Beside them come, by name, the places of the charts and how many lines of each are the page's own.
     """
     names = [head["walls"][number] for number in head["forces"]]
     looks = ("first", "second", "third", "sum")
@@ -356,8 +358,8 @@ def charts_of(flow: LiveFlow, head: dict[str, Any], recorded: Recorded | None = 
     if (place := head["depthAt"]) is not None:
         found["depth"] = _chart(f"Depth by mass at x = {place:z.4g} m", "Depth [m]", one, empty)
     own = len(lines)
-    head["charts"] = {name: {"number": k, "own": own if name == "force" else 1} for k, name in enumerate(found)}
-    return list(found.values())
+    places = {name: {"number": k, "own": own if name == "force" else 1} for k, name in enumerate(found)}
+    return list(found.values()), places
 
 
 def _chart(title: str, y: str, lines: list[tuple[str, str]], more: Sequence[Trace] = ()) -> dict[str, Any]:

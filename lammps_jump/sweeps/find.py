@@ -116,9 +116,13 @@ class Wanted:
 
     @property
     def asked(self) -> str:
-        """The same with its unit, and the share of the starts that is to hold."""
-        share = f" in {100 * self.share:zg} % of starts" if self.share is not None else ""
-        return f"{self.key} {self.sign} {shown(self.number, self.unit)}{share}"
+        """The same with its unit."""
+        return f"{self.key} {self.sign} {shown(self.number, self.unit)}"
+
+    @property
+    def where(self) -> str:
+        """Share of the starts in which it is to hold, in words; empty for their mean."""
+        return f" in {100 * self.share:zg} % of starts" if self.share is not None else ""
 
     @property
     def across(self) -> float:
@@ -480,10 +484,11 @@ def _size(wanted: Wanted, answer: Crossed) -> dict[str, Any] | None:
 def sentence_of(wanted: Wanted, tried: Mapping[float, np.ndarray], answer: Crossed, reason: str | None) -> str:
     """The answer in words: the value with its unit, the size that it makes, and how sure it is that a start holds."""
     if not isfinite(answer.value):
-        return f"No value of {_named(wanted.path)} with {wanted.asked} was found: {reason}."
+        return f"No value of {_named(wanted.path)} with {wanted.asked}{wanted.where} was found: {reason}."
     above = (wanted.sign == ">=") == answer.rises
     side, more = "above" if above else "below", f" But {reason}." if reason else ""
-    told = f"{wanted.asked} holds for {_named(wanted.path)} {side} {_ranged(wanted, *answer[:3], unit(wanted.path))}."
+    ranged = _ranged(wanted, *answer[:3], unit(wanted.path))
+    told = f"{wanted.asked} holds{wanted.where} for {_named(wanted.path)} {side} {ranged}."
     if size := _size(wanted, answer):
         wider = answer.value > wanted.across if above else answer.value < wanted.across
         ranged = _ranged(wanted, size["value"], size["low"], size["high"], "m")

@@ -12,7 +12,7 @@ from lammps_jump.analysis.report import player
 from lammps_jump.analysis.report.frames import FramePacker
 from lammps_jump.analysis.report.player import make_player, pack_player
 from lammps_jump.dump.exports import write_table
-from lammps_jump.dump.find import ForceHistory
+from lammps_jump.dump.find import ForceHistory, forces_in
 from lammps_jump.dump.walls import PoseFile
 from lammps_jump.files import BODIES_HEADER
 from lammps_jump.physics.jump import sequent_depth
@@ -211,3 +211,12 @@ def test_frames_of_a_member_are_thinned_in_time(monkeypatch, frames, kept):
         packer.add(disc_frame(*positions.T, box=[[0, 30], [-5, 10]], time=float(k)), float(k))
     packed = packer.result()
     assert packed.header["times"].tolist() == kept and packed.header["rows"] == 2 * len(kept)
+
+
+def test_pages_do_without_forces_that_cannot_be_read(tmp_path):
+    """Player and live page read them by one function: none, or a damaged file, is no force and no error."""
+    assert forces_in(tmp_path) == {}
+    (tmp_path / "forces.csv").write_text("time,structure,fx,fy,moment\n0.1,sill,1,2,3\n")
+    assert list(forces_in(tmp_path)) == ["sill"]
+    (tmp_path / "forces.csv").write_text("time,structure,fx,fy,moment\n0.1,sill,1,2\n0.2,sill,1,2,3\n")
+    assert forces_in(tmp_path) == {}
