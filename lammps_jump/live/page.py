@@ -10,6 +10,7 @@ from __future__ import annotations
 import base64
 import gzip
 import json
+import os
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from ctypes import sizeof
@@ -162,6 +163,8 @@ def require_place(path: Path) -> None:
     with suppress(OSError):  # a link, no regular file, or nothing
         if not path.is_symlink() and read_start(path, len(MADE)) == MADE:
             return
+    if os.path.lexists(path):  # the files of a run are this program's, but no live page takes their place
+        raise SetupError(f"{path}: stands there already and is not overwritten; delete it, or name another with --out")
     require_replaceable(path.parent, path.name)
 
 

@@ -17,8 +17,10 @@ from lammps_jump.case import load_case
 from lammps_jump.core import browser
 from lammps_jump.engines.native.image import placed_image
 from lammps_jump.errors import CaseError, SetupError
+from lammps_jump.folders import Marker, write_marker
 from lammps_jump.live import live_page, prepare, run_again
 from lammps_jump.live.again import RunAgain
+from lammps_jump.live.page import MADE, require_place
 from lammps_jump.live.words import WORD
 
 pytestmark = pytest.mark.usefixtures("compiled_core")
@@ -173,3 +175,13 @@ def test_steps_do_not_depend_on_how_long_the_case_runs(name, changes):
         outlets = tuple(outlet.every_steps for outlet in scene.outlets)
         found.add((scene.time_step, scene.output_steps, scene.settle_steps, outlets))
     assert len(found) == 1
+
+
+def test_no_file_of_a_run_is_replaced(tmp_path):
+    """The files of a run are this program's own: `--out RUN/case.yaml` put the page in place of its case."""
+    write_marker(tmp_path, Marker("run", ("case.yaml",), {}))
+    (tmp_path / "case.yaml").write_text("name: run\n")
+    with pytest.raises(SetupError, match="stands there already and is not overwritten"):
+        require_place(tmp_path / "case.yaml")
+    (tmp_path / "page.html").write_bytes(MADE)
+    require_place(tmp_path / "page.html")
