@@ -113,7 +113,7 @@ def live_page(
         sliders=head["sliders"],
         charts=charts,
         colours=["speed", *(["size"] if first.simulation.scene.sizes is not None else [])],
-        notes=first.notes,
+        notes=dict.fromkeys(note for one in starts for note in one.flow.notes),
         again=_about_again(again),
         core=_packed(core.code),
         labels=[one.label for one in starts],

@@ -276,6 +276,8 @@ def from_times(
     for time in times:
         case = given.after(run, time)
         moment = next(iter(case.source.begun.values())).state.time
+        if any(one.time == moment for one in found):
+            continue  # the same frame is nearest
         told(f"from t = {moment:zg} s of the run")
         flow = prepare(case, told, numbers=numbers)
         found.append(LiveStart(f"from t = {moment:zg} s of the run", flow, moment))
@@ -398,9 +400,12 @@ def _notes(given: ReadCase, case: ReadCase, sliders: Mapping[str, LiveSlider]) -
         motion = getattr(wall, "motion", None)
         if motion is not None and any(one.wall == wall.name for one in sliders.values()):
             yield f"The slider takes the place of the motion of {wall.name} ({motion.kind})."
+    frames = iter(given.source.begun.values())
     for item in given.fields.initial:
         if isinstance(item, EarlierRun):
-            moment = "its end" if item.time is None else f"t = {item.time:zg} s"
+            frame = next(frames, None)  # the one nearest to the time that was asked for
+            time = frame.state.time if frame and item.time is not None else item.time
+            moment = "its end" if time is None else f"t = {time:zg} s"
             yield (
                 f"The flow begins with the discs of the run {item.folder} at {moment}; its time begins at 0. The "
                 "downloaded case names that folder: run it where the folder is."

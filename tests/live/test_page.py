@@ -18,7 +18,7 @@ from lammps_jump.core import browser
 from lammps_jump.engines.native.image import placed_image
 from lammps_jump.errors import CaseError, SetupError
 from lammps_jump.folders import Marker, write_marker
-from lammps_jump.live import live_page, prepare, run_again
+from lammps_jump.live import from_times, live_page, prepare, run_again
 from lammps_jump.live.again import RunAgain
 from lammps_jump.live.page import MADE, require_place
 from lammps_jump.live.words import WORD
@@ -119,9 +119,13 @@ def test_a_page_goes_on_from_a_run(made, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     changes = {"discs.diameter": 0.5, "run.duration": 0.1, "run.output_interval": 0.05, "engine.name": "native"}
     run = lj.load_case(JUMP, {**changes, "live": {}}).run("run")
-    for begin, said in (("last", "at its end"), ("50 ms", "at t = 0.05 s")):
+    for begin, said in (("last", "at its end"), ("50 ms", "at t = 0.05 s"), ("0.041", "at t = 0.05 s")):
         status, _, err = call(monkeypatch, capsys, "live", "run", "--from", begin, "--out", "page.html")
         assert status == 0 and f"begins with the discs of the run run {said}" in err
+    starts = from_times(run.case, run.folder, (0.041, 0.05, "last"))  # two are nearest to the same frame
+    assert [one.time for one in starts] == pytest.approx([0.05, 0.1])
+    page = live_page(starts)
+    assert "run run at t = 0.05 s" in page and "run run at its end" in page
     flow = prepare(run.case.after(run, "last"))
     last = run.frames[-1]
     places = last.to_numpy("x", "y")[np.argsort(last.ids)]
