@@ -251,6 +251,7 @@ def _foreseen(case: CaseFields, begun: Beginning, geometry: _Geometry, reached: 
     rows, own = geometry.inlet.rows, list(geometry.fields)
     notes = ways_out.unguarded(case, begun, rows, geometry.walls, geometry.domain, geometry.outlets)
     notes += ways_out.unused(geometry.walls, reached, own) + written_walls(geometry.walls, own)
+    notes += walls.weight_doubts(case, geometry.walls, begun)
     notes += never_met(case, begun, rows, geometry.walls, geometry.outlets)
     if case.probes.pressure and case.engine.name == "lammps":
         notes.append("probes.pressure: the native engine alone records it; use engine.name: native")

@@ -314,6 +314,41 @@ def weighed(case: CaseFields, moving: Sequence[MovingWall]) -> tuple[tuple[str, 
     return tuple((name, Weighed(one.density, one.friction)) for name, one in found)
 
 
+SUNK, LIFTED = 0.5, 1.0
+"""Diameters by which the lowest corner of a wall with a weight may lie in or above what it stands on."""
+
+
+def weight_doubts(case: CaseFields, moving: Sequence[MovingWall], begun: Beginning) -> list[str]:
+    """Walls with a weight that are drawn into their floor or above it, and a moving mean that no run has."""
+    notes, mean = [], case.probes.stability_mean
+    if mean is not None and mean > case.run.duration:
+        notes.append(
+            f"probes.stability_mean: {mean:zg} s is longer than the run ({case.run.duration:zg} s), which has no mean "
+            "over it; the least factors of means will be absent"
+        )
+    down = np.array(case.acceleration)
+    for name in (case.probes.stability or {}) if down.any() else ():
+        wall = next(one.wall for one in moving if one.wall.name == name)
+        corners = wall.outline((0.0, 0.0), (0.0, 0.0))[0]
+        corner = corners[int(np.argmax(corners @ down))]
+        others = [other for one in moving if one.wall.name != name and (other := one.at(0)) is not None]
+        apart = {other.name: float(other.distance(*corner)) for other in others}
+        nearest_wall = min(apart, key=lambda other: apart[other], default="")
+        off = apart.get(nearest_wall, inf)
+        if off < -SUNK * begun.smallest:
+            notes.append(
+                f"probes.stability.{name}: its base lies {-off:z.3g} m inside '{nearest_wall}'; weight and toes are "
+                "those of the whole outline, so draw it from where it stands"
+            )
+        elif off > LIFTED * begun.smallest:
+            where = f"{off:z.3g} m above '{nearest_wall}'" if isfinite(off) else "on no wall"
+            notes.append(
+                f"probes.stability.{name}: its base lies {where}; factors of safety are those of a structure that "
+                "stands"
+            )
+    return notes
+
+
 def pressed(
     case: CaseFields, moving: Sequence[MovingWall], domain: tuple[Interval, Interval]
 ) -> tuple[FaceStretch, ...]:

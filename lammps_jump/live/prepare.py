@@ -272,7 +272,7 @@ def from_times(
     numbers: bool = True,
 ) -> list[LiveStart]:
     """Starts with the discs of a run at some times, s, or at its end (``last``); see `prepare`."""
-    found = []
+    found: list[LiveStart] = []
     for time in times:
         case = given.after(run, time)
         moment = next(iter(case.source.begun.values())).state.time

@@ -214,3 +214,31 @@ def test_a_beginners_mistake_is_answered_with_what_to_do(changes, words):
 @pytest.mark.parametrize("value", [0, 90, -90, 1, 1.5, 2, 0.5, 5, 6.3, 1.234, 45, 0.26])
 def test_degrees_are_not_taken_for_radians(value):
     assert not said("is in degrees", *notes("wave_paddle", **{"walls.paddle.motion.phase": value}))
+
+
+def weight_notes(**changes):
+    given = {"probes.stability": {"structure": {"density": 2400, "friction": 0.6}}, **changes}
+    return [text for text in load_case(INPUTS / "dam_break.yaml", given).scene().warnings if "stability" in text]
+
+
+@pytest.mark.parametrize(
+    ("low", "words"),
+    [
+        (-1.0, "its base lies 1 m inside 'floor'"),
+        (-0.15, "its base lies 0.15 m inside 'floor'"),
+        (-0.05, ""),
+        (0.0, ""),
+        (0.15, ""),
+        (0.3, "its base lies 0.3 m above 'floor'"),
+    ],
+)
+def test_a_structure_with_a_weight_that_is_drawn_into_the_floor_or_above_it_is_told(low, words):
+    """Weight and toes are those of the outline: what lies in the floor weighs too, and has its toes there."""
+    found = weight_notes(**{"walls.structure.y": [low, 2]})
+    assert len(found) == bool(words) and all(words in text for text in found)
+
+
+def test_a_moving_mean_that_is_longer_than_the_run_is_told():
+    (text,) = weight_notes(**{"walls.structure.y": [0, 2], "probes.stability_mean": 100})
+    assert "probes.stability_mean: 100 s is longer than the run (5 s)" in text
+    assert not weight_notes(**{"walls.structure.y": [0, 2], "probes.stability_mean": 5})
