@@ -66,7 +66,7 @@ CORE_LAW, CORE_CONTACT, CORE_FACES, CORE_NEAR, CORE_SLOTS, CORE_MOTION, CORE_WAL
     )
 )
 CORE_DRIFT, CORE_PAIRS, CORE_LISTS, CORE_SUMS = (
-    f"lammps_jump/core/{name}.cpp" for name in ("step/integrate", "step/pair_forces", "step/lists", "sums/sums")
+    f"lammps_jump/core/{name}" for name in ("step/integrate.cpp", "step/pair_sums.h", "step/lists.cpp", "sums/sums.cpp")
 )
 CORE_PARTITION, CORE_SEARCH = "lammps_jump/core/step/thread_partition.h", "lammps_jump/core/step/pair_search.h"
 CORE_EVENTS = "lammps_jump/core/step/events.cpp"
@@ -158,11 +158,10 @@ DEFECTS = [
     Defect("sign", CORE_CONTACT, "wall_contact", "- at.gap", "- magnitude(at.gap)", PLUGIN_TESTS),
     Defect("off by one", WALLS_CPP, "FixJumpStep::take_away", "ntimestep < ", "ntimestep <= ", PLUGIN_TESTS),
     Defect("formula", WALLS_CPP, "FixJumpStep::close_window", "values[c] / steps", "values[c]", PLUGIN_TESTS),
-    Defect("sign", PAIR_CPP, "PairJumpDisc::gather", "omega[j", "-omega[j", PLUGIN_TESTS),
-    Defect("left out", FIX_CPP, "FixJumpStep::post_run", "if (lammps_is_stale) end_steps();", "", ARRAY_TESTS),
+    Defect("sign", CORE_PAIRS, "add_all", "-= push", "+= push", PLUGIN_TESTS),
+    Defect("left out", FIX_CPP, "FixJumpStep::post_run", "pair->put_motion_of_step();", "{}", ARRAY_TESTS),
     Defect("left out", FIX_CPP, "FixJumpStep::is_seen_at_end", "== output->next || step", "", ARRAY_TESTS),
-    Defect("left out", PAIR_CPP, "PairJumpDisc::take_copies", "if (sizes) radii[to] = radii[from];", "",
-           "integration/test_threads.py"),
+    Defect("left out", PAIR_CPP, "PairJumpDisc::hand_over_forces", "- s.weight_y * square", "", ARRAY_TESTS),
     Defect("formula", "lammps_jump/core/analysis/circular_segment.h", "circular_segment_area", "* a", "",
            "analysis/test_profiles.py"),
     Defect("left out", "analysis/profiles.py", "_values.values", "- bed", "", "analysis/test_profiles.py"),

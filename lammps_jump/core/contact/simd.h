@@ -66,6 +66,9 @@ inline Lanes magnitude(const Lanes &x) { return x < 0.0 ? -x : x; }
 typedef double Four __attribute__((vector_size(32), may_alias));
 typedef int FourInts __attribute__((vector_size(16), aligned(4), may_alias));
 
+/** Two at a time: what x and y of one disc have. */
+typedef double Two __attribute__((vector_size(16), aligned(8), may_alias));
+
 /** Four at any place. */
 typedef double AnyFour __attribute__((vector_size(32), aligned(8), may_alias));
 

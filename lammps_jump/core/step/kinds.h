@@ -126,13 +126,15 @@ class ContactHistory {
   int slot = FULL;
 };
 
-/** Of two discs the one with the larger id remembers; `way` is that of rolling (ContactHistory). */
+/** Of two discs the one with the larger id remembers, but none of another rank, whose number is from s.n on; `way` is that of
+    rolling (ContactHistory). */
 struct PairHistory {
   double way;
-  int64_t disc, partner;
+  int64_t disc, other, partner;
 
   PairHistory(const jump_state &s, int64_t i, int64_t j)
-      : way(s.ids[i] > s.ids[j] ? 1.0 : -1.0), disc(way > 0.0 ? i : j), partner(s.ids[way > 0.0 ? j : i])
+      : way((s.ids[i] > s.ids[j] && i < s.n) || j >= s.n ? 1.0 : -1.0), disc(way > 0.0 ? i : j), other(way > 0.0 ? j : i),
+        partner(s.ids[other])
   {
   }
 

@@ -12,22 +12,8 @@
 #include "step/step.h"
 
 #include <algorithm>
-#include <initializer_list>
 
 namespace jump {
-
-double slope_of(const jump_state &s, const ContactVelocities &seen) { return slope_of(s, fastest(seen, 0, s.n)); }
-
-/** Take the forces off fixed discs: they stay, and nothing is dissipated on their side. */
-static void clear_fixed(const jump_state &s, const ThreadPart &part)
-{
-  for (int64_t i = part.begin; i < part.end; i++) {
-    if (s.fixed[i] == 0) continue;
-    std::fill_n(part.forces[i], 4, 0.0);
-    for (double *const of : {s.torque, s.friction_x, s.friction_y})
-      if (of) of[i] = 0.0;
-  }
-}
 
 /** Slope of the sign law in this step, or 0. */
 static double slope_now(const jump_state &s, ThreadPartition &partition)
@@ -42,7 +28,7 @@ static double slope_now(const jump_state &s, ThreadPartition &partition)
 /** Forces on the discs of a part. */
 static void forces_on(const jump_state &s, double slope, ThreadPart &part)
 {
-  pair_forces(s, slope, part);
+  pair_forces<WithLosses>(s, slope, part);
   wall_forces(s, slope, part);
   if (s.fixed) clear_fixed(s, part);
   if (s.partner && part.memory->goes_on) part.memory->each_at_wall(part, [&](int64_t i) { end_contacts(s, i, i + 1); });
@@ -140,11 +126,17 @@ static void store(const jump_state &s, ThreadPartition &partition)
   partition.memory.goes_on = false;    // slots hold it again
 }
 
+static void begin_memory(const jump_state &s, ThreadPartition &partition)
+{
+  partition.memory.begin(s, partition);
+  partition.memory.see_walls(s);
+}
+
 static void begin(const jump_state &s, ThreadPartition &partition)
 {
   partition.divide(s);
   partition.each([&](ThreadPart &part) { load(s, part.begin, part.end, part.rows()); });
-  if (s.partner && !s.grid_first) partition.memory.begin(s, partition);
+  if (s.partner && !s.grid_first) begin_memory(s, partition);
 }
 
 int64_t advance(jump_state &s, ThreadPartition &partition, int64_t steps, bool forces_pending, StopReason &left)
@@ -161,7 +153,7 @@ int64_t advance(jump_state &s, ThreadPartition &partition, int64_t steps, bool f
         left = LIST_STALE;
         return done;
       }
-      if (s.partner) partition.memory.begin(s, partition);
+      if (s.partner) begin_memory(s, partition);
     }
     if (steps == 0) {
       if (forces_pending) forces(s, partition);

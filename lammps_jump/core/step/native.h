@@ -191,6 +191,35 @@ JUMP_API double jump_give_sizes(const jump_state *state, int64_t known, const do
 JUMP_API void jump_between(const jump_state *state, const jump_stations *stations, double *sums);
 
 namespace jump {
+/** Rows of contacts with their forces: `who` holds two ids, or -1 - wall, `found` the point, force and power. */
+class ContactRows {
+ public:
+  int64_t count = 0;
+  bool is_short = false;
+
+  ContactRows(int64_t (*who)[2], double (*found)[5], int64_t room) : who(who), found(found), room(room) {}
+
+  void add(int64_t one, int64_t other, double x, double y, double fx, double fy, double power)
+  {
+    if (count == room) {
+      is_short = true;
+      return;
+    }
+    who[count][0] = one;
+    who[count][1] = other;
+    double *const row = found[count++];
+    row[0] = x, row[1] = y, row[2] = fx, row[3] = fy, row[4] = power;
+  }
+
+ private:
+  int64_t (*who)[2];
+  double (*found)[5];
+  int64_t room;
+};
+
+/** What `jump_contacts` does, with the slope of the sign law as it is given. */
+int64_t list_contacts(const jump_state &s, double slope, const ContactVelocities &at_step, const ContactVelocities &seen, ContactRows record);
+
 /** Elastic energy, J per m of width; the largest overlap, m, its disc and wall (-1: of two discs).
 
     With a mask, those of the contacts of these discs alone. Contacts of bodies with walls and each other count where all

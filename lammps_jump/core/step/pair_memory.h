@@ -39,6 +39,13 @@ class PairMemory {
     crew.stretches(s.n, [&](int, int64_t from, int64_t to) {
       for (int64_t i = from; i < to; i++) has_wall[(size_t) i] = empty_slots(s, i);
     });
+    at_walls.clear();
+  }
+
+  /** See which discs are near walls, behind `begin` and where they are listed anew. */
+  void see_walls(const jump_state &s)
+  {
+    if (!goes_on) return;
     for (int64_t row = 0; row < s.near_rows[s.walls]; row++) has_wall[(size_t) s.near_discs[row]] = 1;
     at_walls.clear();
     for (int64_t i = 0; i < s.n; i++)
@@ -166,12 +173,18 @@ class PairMemory {
   void put(const jump_state &s, const ThreadPart &part, int64_t i, int64_t p) const
   {
     const PairHistory memory(s, i, s.neighbours[p]);
-    if (!part.owns(memory.disc)) return;
-    int64_t at = memory.disc * s.slot_row;
+    const double held = slide[(size_t) p], rolling = memory.way * roll[(size_t) p];
+    if (part.owns(memory.disc)) put(s, memory.disc, Slot{memory.partner, 0.0, held, rolling});
+    if (part.both_remember && part.owns(memory.other)) put(s, memory.other, Slot{s.ids[memory.disc], 0.0, held, -rolling});
+  }
+
+  static void put(const jump_state &s, int64_t disc, const Slot &one)
+  {
+    int64_t at = disc * s.slot_row;
     const int64_t last = at + s.slots;
     while (at < last && s.partner[at] != 0) at++;
-    if (at == last) *s.full = s.ids[memory.disc];
-    else set_slot(s, at, Slot{memory.partner, 0.0, slide[(size_t) p], memory.way * roll[(size_t) p]});
+    if (at == last) *s.full = s.ids[disc];
+    else set_slot(s, at, one);
   }
 };
 

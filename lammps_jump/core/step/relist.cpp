@@ -89,4 +89,39 @@ int64_t list_pairs(jump_state &s, const jump_lists &l, ThreadPartition &partitio
   return list_rows(rows, s.neighbours, s.room, partition.lists, partition) ? LISTED : NO_ROOM;
 }
 
+bool list_across(jump_state &s, const jump_lists &l, int64_t others, const double (*at)[4], Rooms &rooms)
+{
+  std::vector<int32_t> by_height((size_t) others);
+  for (int64_t j = 0; j < others; j++) by_height[(size_t) j] = (int32_t) (s.n + j);
+  std::sort(by_height.begin(), by_height.end(), [=](int32_t a, int32_t b) { return at[a][1] < at[b][1]; });
+  double left = -HUGE_VAL, right = HUGE_VAL;    // of the others, those next to the discs of the state
+  const double reach = l.widest + l.skin;
+  double middle = 0.0;
+  for (int64_t i = 0; i < s.n; i++) middle += at[i][0] / (double) s.n;
+  for (int64_t j = s.n; j < s.n + others; j++)
+    if (at[j][0] < middle) left = most(at[j][0], left);
+    else right = least(at[j][0], right);
+  rooms.owner.resize((size_t) (2 * s.n));
+  for (int64_t i = 0; i < s.n; i++) rooms.owner[(size_t) i] = (int32_t) i;
+  s.rows = s.sorted;
+  int64_t count = s.start[s.sorted];
+  for (int64_t i = 0; i < s.n; i++) {
+    const double px = at[i][0], py = at[i][1];
+    if (px > left + reach && px < right - reach) continue;
+    const auto low = std::lower_bound(by_height.begin(), by_height.end(), py - reach, [=](int32_t j, double y) { return at[j][1] < y; });
+    const int64_t before = count;
+    for (auto j = low; j != by_height.end() && at[*j][1] < py + reach; j++) {
+      const double dx = px - at[*j][0], dy = py - at[*j][1], apart = s.radius ? l.skin + s.radius[i] + s.radius[*j] : reach;
+      if (!(dx * dx + dy * dy < apart * apart)) continue;
+      if (count == s.room) return false;
+      s.neighbours[count++] = *j;
+    }
+    if (count == before) continue;
+    rooms.owner[(size_t) s.rows] = (int32_t) i;
+    s.start[++s.rows] = count;
+  }
+  s.owner = rooms.owner.data();
+  return true;
+}
+
 }    // namespace jump

@@ -21,12 +21,6 @@ struct Lost {
   Sum dashpots, friction;
 };
 
-/** A contact of a disc with a wall: its point (m) and the force on the disc (N per m of width). */
-struct FeltContact {
-  int64_t disc, wall;
-  double x, y, fx, fy;
-};
-
 /** Where the contacts with a wall end among those of a part. */
 struct Ends {
   size_t push, lost;
@@ -47,8 +41,7 @@ struct alignas(128) ThreadPart {
   const int32_t *first = nullptr;       // first disc of each pair of the list
   double (*at)[4] = nullptr;            // place and velocity of each disc, as contacts see them
   double (*forces)[4] = nullptr;        // force on each disc, and its part that dashpots lose
-  double *pushes = nullptr;             // the same where a host has but the force of each disc: two numbers
-  std::vector<FeltContact> *felt = nullptr;    // takes the contacts with walls, where they are asked for
+  bool both_remember = false;           // both discs of a contact, as discs go from rank to rank
   PairMemory *memory = nullptr;         // of all pairs of the list
   std::vector<Stretch<double>> remote_history;    // of contacts in rows of other parts, as they begin the step
   std::vector<Sum> on_walls;            // forces of contacts with walls on its discs, wall by wall
@@ -56,11 +49,11 @@ struct alignas(128) ThreadPart {
   std::vector<Ends> walls_end;
   std::vector<Press> presses;           // of contacts with walls whose pressure is asked for
   int64_t moved = 0;                    // discs that have gone further than the list allows
+  SpeedRange range;                     // of its discs, for a host that makes lists by it
   double weight = 0.0, spent = 0.0;     // of its discs and their pairs; time that it took since it was cut, s
   double fastest = 0.0;                 // square of the largest velocity, (m/s)^2
 
   StepRows rows() const { return {at, forces}; }
-  double *push_on(int64_t disc) const { return pushes ? pushes + 2 * disc : forces[disc]; }
   bool owns(int64_t disc) const { return disc >= begin && disc < end; }
 };
 

@@ -34,6 +34,7 @@ class ThreadPartition {
   ListRoom lists;
   Rooms rooms;
   int64_t lists_made = 0;
+  bool both_remember = false;    // as of `ThreadPart`
   std::vector<ThreadPart> parts;
   PairMemory memory;
   std::vector<Dissipated> taken;    // of each block of discs
@@ -49,7 +50,7 @@ class ThreadPartition {
     divided_as = listed_as;
     n = s.n;
     taken.resize((size_t) blocks);
-    for (auto *rows : {&at[0], &at[1], &forces}) rows->resize((size_t) n);
+    for (auto *rows : {&at[0], &at[1], &forces}) rows->resize((size_t) (n + others));
     pool.resize((int) count);
     if ((int64_t) parts.size() == count) learn();
     else past.assign((size_t) count, {n, 1.0});
@@ -62,6 +63,7 @@ class ThreadPartition {
       while (block < blocks && work(s, block) * (double) count < all * (double) (k + 1)) block++;
       part.end = k + 1 == count ? n : std::min(block * BLOCK, n);
       part.sorted = sorted;
+      part.both_remember = both_remember;
       part.first = first.data();
       part.memory = &memory;
       part.at = rows();
@@ -112,6 +114,17 @@ class ThreadPartition {
   double (*rows())[4] { return rows_of(at[now]); }
   double (*other_rows())[4] { return rows_of(at[1 - now]); }
 
+  /** Rows for so many discs of other ranks, behind those of the state. */
+  void make_room_for(int64_t count)
+  {
+    others = count;
+    for (auto *rows : {&at[0], &at[1], &forces}) rows->resize((size_t) (n + others));
+    for (ThreadPart &part : parts) {
+      part.at = rows();
+      part.forces = rows_of(forces);
+    }
+  }
+
   /** From here on contacts see the other rows. */
   void turn_rows()
   {
@@ -127,6 +140,7 @@ class ThreadPartition {
   ThreadPool pool;
   int64_t listed_as = -1, sorted = -1;            // the list that is known
   int64_t divided_as = -1, n = -1;                // and that by which discs are divided
+  int64_t others = 0;
   int64_t reach = 0;             // a pair of a sorted row has its second disc at most so far behind the first
   std::vector<int32_t> first;    // first disc of each pair of sorted rows
   /** Where a part ended that was divided before, and the time of its work over that of all. */

@@ -7,6 +7,7 @@
 #include "step/kinds.h"
 
 #include <algorithm>
+#include <initializer_list>
 
 namespace jump {
 
@@ -55,18 +56,17 @@ static void forces_of(const jump_state &s, const Law &law, int64_t wall, ThreadP
       part.on_walls.push_back(push);
       if (presses) part.presses.push_back(press_of(wall, s.faces[found[c].face], px, py, at.nx, at.ny, out.fx, out.fy));
       if constexpr (SPIN) s.torque[i] += out.torque;
-      double *const force = part.push_on(i);
+      double *const force = part.forces[i];
       force[0] += out.fx;
       force[1] += out.fy;
-      if (part.felt) part.felt->push_back({i, wall, to_x, to_y, out.fx, out.fy});
-      if (part.pushes) continue;    // what is lost is not asked for
+      if (!s.dashpot_x) continue;    // what is lost is not asked for
       force[2] += out.dashpot * at.nx;
       force[3] += out.dashpot * at.ny;
       if (slides) {
         s.friction_x[i] -= out.tangential * at.ny;
         s.friction_y[i] += out.tangential * at.nx;
       }
-      if (!moves || !s.dashpot_x) continue;
+      if (!moves) continue;
       const double arm_x = to_x - view.cx - view.placed->now.x, arm_y = to_y - view.cy - view.placed->now.y;
       part.lost_at_walls.push_back({
           {out.dashpot * at.nx, out.dashpot * at.ny, out.dashpot * (arm_x * at.ny - arm_y * at.nx)},
@@ -158,22 +158,14 @@ bool move_walls(const jump_state &s, double step)
   return place_walls(s, step);
 }
 
-double deepest_at_walls(const jump_state &s, const double (*at)[4])
+void clear_fixed(const jump_state &s, const ThreadPart &part)
 {
-  double deepest = 0.0;
-  FaceContact found[MOST];
-  for (int64_t wall = 0; wall < s.walls; wall++) {
-    const WallView view(s, wall);
-    for (int64_t row = s.near_rows[wall]; row < s.near_rows[wall + 1]; row++) {
-      const int64_t i = s.near_discs[row];
-      if (is_fixed(s, i)) continue;
-      double px = at[i][0], py = at[i][1];
-      view.see(px, py);
-      const int count = view.touching(s, row, px, py, radius_of(s, i), found);
-      for (int c = 0; c < count; c++) deepest = most(radius_of(s, i) - found[c].gap, deepest);
-    }
+  for (int64_t i = part.begin; i < part.end; i++) {
+    if (s.fixed[i] == 0) continue;
+    std::fill_n(part.forces[i], 4, 0.0);
+    for (double *const of : {s.torque, s.friction_x, s.friction_y})
+      if (of) of[i] = 0.0;
   }
-  return deepest;
 }
 
 }    // namespace jump

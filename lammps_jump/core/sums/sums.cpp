@@ -11,6 +11,8 @@
 
 namespace jump {
 
+double slope_of(const jump_state &s, const ContactVelocities &seen) { return slope_of(s, fastest(seen, 0, s.n)); }
+
 /** Discs whose contacts are asked for, by a mask; all where it is NULL. A sorted row reaches so many rows on. */
 struct Chosen {
   const int8_t *mask = nullptr;
@@ -84,32 +86,6 @@ static double elastic(const jump_state &s, const Law &law, const Chosen &chosen,
   return pairs + walls;
 }
 
-/** Rows of contacts with their forces: `who` holds two ids, or -1 - wall, `found` the point, force and power. */
-class ContactRows {
- public:
-  int64_t count = 0;
-  bool is_short = false;
-
-  ContactRows(int64_t (*who)[2], double (*found)[5], int64_t room) : who(who), found(found), room(room) {}
-
-  void add(int64_t one, int64_t other, double x, double y, double fx, double fy, double power)
-  {
-    if (count == room) {
-      is_short = true;
-      return;
-    }
-    who[count][0] = one;
-    who[count][1] = other;
-    double *const row = found[count++];
-    row[0] = x, row[1] = y, row[2] = fx, row[3] = fy, row[4] = power;
-  }
-
- private:
-  int64_t (*who)[2];
-  double (*found)[5];
-  int64_t room;
-};
-
 /** The contact of two discs of a row, with what it remembers. */
 template <bool SIZES, bool SPIN, class Law>
 static PairForce<double> contact_of(const jump_state &s, const Law &law, const ContactVelocities &seen, int64_t i, int64_t j,
@@ -127,6 +103,7 @@ template <bool SIZES, bool SPIN, class Law>
 static void list_contacts(const jump_state &s, const Law &law, const ContactVelocities &at_step, const ContactVelocities &seen, ContactRows &record)
 {
   each_pair(s, {}, [&](double xi, int64_t i, int64_t j, double dx, double dy, double r2, double a, double b) {
+    if (j >= s.n && s.ids[i] < s.ids[j]) return;    // the other rank lists it
     const PairForce<double> out = contact_of<SIZES, SPIN>(s, law, seen, i, j, {dx, dy, r2}, a, b);
     const double way = way_to_middle(a, out.overlap), sx = at_step.vx[i] - at_step.vx[j], sy = at_step.vy[i] - at_step.vy[j];
     double power = taken(out, out.nx, out.ny, sx, sy);
@@ -179,20 +156,6 @@ static void between_discs(const jump_state &s, const jump_stations &at, double *
   }
   sums[HELD] = held;
 }
-
-/** Velocity of a disc at the step. */
-struct AtStep {
-  double vx, vy, spin;
-
-  AtStep(const jump_state &s, int64_t i)
-  {
-    const double square = s.radius ? s.radius[i] * s.radius[i] : 1.0, half = 0.5 * s.time_step;
-    const double kick = half / s.mass / square;
-    vx = s.vx[i] + kick * s.fx[i];
-    vy = s.vy[i] + kick * s.fy[i];
-    spin = s.omega ? s.omega[i] + half / s.inertia / (square * square) * s.torque[i] : 0.0;
-  }
-};
 
 /** A step of the sums between the stations, which move at `speed`; see StationLedger in engines/native/ledger.py.
 
@@ -301,9 +264,14 @@ double jump_elastic(const jump_state *state, ThreadPartition *partition, const i
 int64_t jump_contacts(const jump_state *state, const ContactVelocities *at_step, const ContactVelocities *seen, int64_t (*who)[2], double (*found)[5],
                       int64_t room)
 {
-  ContactRows record(who, found, room);
-  with_law(*state, slope_of(*state, *seen), [&](const auto &law, auto sizes, auto spin) {
-    list_contacts<sizes.value, spin.value>(*state, law, *at_step, *seen, record);
+  return jump::list_contacts(*state, slope_of(*state, *seen), *at_step, *seen, {who, found, room});
+}
+
+int64_t jump::list_contacts(const jump_state &s, double slope, const ContactVelocities &at_step, const ContactVelocities &seen,
+                            ContactRows record)
+{
+  with_law(s, slope, [&](const auto &law, auto sizes, auto spin) {
+    list_contacts<sizes.value, spin.value>(s, law, at_step, seen, record);
   });
   return record.is_short ? -1 : record.count;
 }

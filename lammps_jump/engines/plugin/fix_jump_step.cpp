@@ -23,17 +23,6 @@
 using namespace LAMMPS_NS;
 using namespace FixConst;
 
-namespace {
-// x and y of a row of LAMMPS' arrays (three numbers a disc) as one
-typedef double Vec2 __attribute__((vector_size(16), aligned(8), may_alias));
-
-inline Vec2 &at(double *rows, int i) { return *reinterpret_cast<Vec2 *>(rows + 3 * i); }
-// … and of the plugin's own array of forces (two numbers a disc)
-inline Vec2 &pushed(double *rows, int i) { return *reinterpret_cast<Vec2 *>(rows + 2 * i); }
-inline const Vec2 &pushed(const double *rows, int i) { return *reinterpret_cast<const Vec2 *>(rows + 2 * i); }
-inline const Vec2 &at(const double *rows, int i) { return *reinterpret_cast<const Vec2 *>(rows + 3 * i); }
-}    // namespace
-
 FixJumpStep::FixJumpStep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)
 {
   if (igroup != 0) error->all(FLERR, "fix jump/step acts on all discs: its group is all");
@@ -58,6 +47,8 @@ FixJumpStep::FixJumpStep(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg
       error->all(FLERR, "fix jump/step: unknown keyword '{}'", key);
     }
   }
+  state->weight_x = state->mass * gx;
+  state->weight_y = state->mass * gy;
   for (int64_t wall = 0; state->moving && wall < state->walls; wall++)
     if (state->moving[wall] >= jump::LOADED) pushed_walls.push_back(wall);
   if (state->walls > 0)    // where walls move, each of the two may go as far
@@ -154,10 +145,11 @@ void FixJumpStep::init()
   if (domain->dimension != 2) error->all(FLERR, "fix jump/step needs dimension 2");
   sized = events->traffic[jump::SIZED];
   newcomers = true;    // of a state that is read
-  if (pair->springs && !array_atom) error->all(FLERR, "fix jump/step needs slots for the law history");
+  if (state->partner && size_peratom_cols != SLOT * state->slots)
+    error->all(FLERR, "fix jump/step needs {} slots for the law history of this scene", state->slots);
   watch_others();
-  pair->slots = &array_atom;
-  pair->slot_count = array_atom ? size_peratom_cols / SLOT : 0;
+  pair->slots = array_atom ? &array_atom : nullptr;
+  state->time_step = update->dt;
 }
 
 /** Find out which fixes look at the discs, and when. */
@@ -183,45 +175,6 @@ void FixJumpStep::setup(int vflag)
   post_force(vflag);
 }
 
-/** First half kick and drift of some discs; widens the range (lo, hi) of their velocities.
-
-    OWN: they are as the pair style has packed them, and the second half kick of the step before is still to come.
-    SEEN: LAMMPS looks at them before the end of this step. */
-template <bool SIZES, bool STAYS, bool OWN, bool SEEN>
-void FixJumpStep::drift(const int *discs, int from, int to, SpeedRange &range)
-{
-  double *const __restrict x = atom->x[0];
-  double *const __restrict v = atom->v[0];
-  double *const __restrict f = pair->pushes.data();
-  const double dtv = update->dt, dtf = 0.5 * dtv * force->ftm2v;
-  double dtfm = dtf / pair->mass;
-  const double *const __restrict inverse_mass = pair->inverse_masses.data();
-  const Vec2 kick = {0.5 * dtv * gx, 0.5 * dtv * gy};
-  PairJumpDisc::PackedDisc *const __restrict disc = pair->disc.data();
-  Vec2 lo = {1e300, 1e300}, hi = {-1e300, -1e300};
-  for (int n = from; n < to; n++) {
-    const int i = discs ? discs[n] : n;
-    if (SIZES) dtfm = dtf * inverse_mass[i];
-    const Vec2 half = dtfm * pushed(f, i) + (STAYS && dtfm == 0.0 ? Vec2{} : kick);
-    const Vec2 speed = (OWN ? Vec2{disc[i].vx, disc[i].vy} + half : at(v, i)) + half;
-    const Vec2 place = (OWN ? Vec2{disc[i].x, disc[i].y} : at(x, i)) + dtv * speed;
-    if (SEEN) {
-      at(v, i) = speed;
-      at(x, i) = place;
-    }
-    pushed(f, i) = Vec2{};    // for the sums of this step
-    disc[i] = {place[0], place[1], speed[0], speed[1]};
-    lo = speed < lo ? speed : lo;
-    hi = speed > hi ? speed : hi;
-  }
-  if (pair->spin) {
-    if (OWN) turn_discs(discs, from, to);
-    turn_discs(discs, from, to);
-    for (int n = from; n < to; n++) pair->turns[discs ? discs[n] : n] = 0.0;
-  }
-  range = {{lo[0], lo[1]}, {hi[0], hi[1]}};
-}
-
 /** Whether LAMMPS may look at the discs in this step before their forces: to sort, insert or remove them, or others do. */
 bool FixJumpStep::is_seen_before_forces() const
 {
@@ -245,71 +198,25 @@ bool FixJumpStep::waits() const
   return newcomers || comm->nprocs > 1;
 }
 
-/** Spin that a torque of 1 gives to a disc, of inertia m R^2/2, in half a step. */
-double FixJumpStep::spin_rate(int i) const
-{
-  const double radius = pair->radius_of(i);
-  if (pair->is_fixed(i)) return 0.0;
-  return update->dt * force->ftm2v / (radius * radius * (pair->sizes ? atom->rmass[i] : pair->mass));
-}
-
-/** Spin over half a step. */
-void FixJumpStep::turn_discs(const int *discs, int from, int to)
-{
-  double *const __restrict omega = atom->omega[0];
-  const double *const __restrict torque = pair->turns.data();
-  const double rate = spin_rate(0);
-  for (int n = from; n < to; n++) {
-    const int i = discs ? discs[n] : n;
-    omega[3 * i + 2] += (pair->sizes ? spin_rate(i) : rate) * torque[i];
-    pair->spins[i] = omega[3 * i + 2];
-  }
-}
-
-/** The loop that moves the discs in this step. */
-FixJumpStep::Drift FixJumpStep::drift_of(bool own, bool seen) const
-{
-  const auto of = [&](auto sizes, auto stays) -> Drift {
-    constexpr bool SIZES = decltype(sizes)::value, STAYS = decltype(stays)::value;
-    if (own) return seen ? &FixJumpStep::drift<SIZES, STAYS, true, true> : &FixJumpStep::drift<SIZES, STAYS, true, false>;
-    return seen ? &FixJumpStep::drift<SIZES, STAYS, false, true> : &FixJumpStep::drift<SIZES, STAYS, false, false>;
-  };
-  using Yes = std::true_type;
-  using No = std::false_type;
-  return pair->any_fixed() ? of(Yes(), Yes()) : pair->sizes ? of(Yes(), No()) : of(No(), No());
-}
-
 void FixJumpStep::initial_integrate(int)
 {
   if (state->moving) walls_left |= jump::move_walls(*state, (double) update->ntimestep);
-  pair->tuner.begin_step(atom->nlocal);
+  jump::ThreadPartition &partition = pair->partition;
+  partition.tuner.begin_step(atom->nlocal);
   if (others_push && starts) pair->take_forces();
   starts = false;
-  if (pair->pool.size() != pair->tuner.threads()) pair->pool.resize(pair->tuner.threads());
-  if (atom->nlocal == 0) {
-    pair->range_lo[0] = pair->range_lo[1] = 1e300;    // discs of other ranks may widen it
-    pair->range_hi[0] = pair->range_hi[1] = -1e300;
-    return;
-  }
+  pair->range = {};    // discs of other ranks may widen it
+  if (atom->nlocal == 0) return;
   const bool seen = is_seen_before_forces();
   if (!seen && !is_seen_at_end()) pair->keep_uncleared();
-  const auto move = drift_of(lammps_is_stale, seen);
-  SpeedRange ranges[jump::MOST_THREADS];
-  int parts = pair->in_parts_of_list([&](const int *discs, int count, int part) {
-    (this->*move)(discs, 0, count, ranges[part]);
+  partition.divide(*state);
+  if (!lammps_is_stale) pair->take_motion();
+  partition.each([&](jump::ThreadPart &part) {
+    part.range = jump::drift_by_halves(*state, part.begin, part.end, lammps_is_stale, part.rows());
   });
-  if (parts == 0)
-    parts = pair->in_parts(atom->nlocal, [&](int from, int to, int part) { (this->*move)(nullptr, from, to, ranges[part]); });
-  for (int axis = 0; axis < 2; axis++) {
-    double &lo = pair->range_lo[axis], &hi = pair->range_hi[axis];
-    lo = ranges[0].lo[axis];
-    hi = ranges[0].hi[axis];
-    for (int part = 1; part < parts; part++) {
-      lo = std::min(lo, ranges[part].lo[axis]);
-      hi = std::max(hi, ranges[part].hi[axis]);
-    }
-  }
-  const double *const lo = pair->range_lo, *const hi = pair->range_hi;
+  for (const jump::ThreadPart &part : partition.parts) pair->range.widen(part.range);
+  if (seen) pair->put_motion();
+  const double *const lo = pair->range.lo, *const hi = pair->range.hi;
   near_moved += update->dt * std::hypot(std::max(-lo[0], hi[0]), std::max(-lo[1], hi[1]));
 }
 
@@ -317,62 +224,36 @@ void FixJumpStep::final_integrate()
 {
   if (others_push) pair->take_forces();
   lammps_is_stale = !is_seen_at_end();
-  if (!lammps_is_stale) end_steps();
-  pair->tuner.end_step(paced_order != pair->order);
+  if (!lammps_is_stale) pair->put_motion_of_step();
+  if (update->ntimestep == output->next || update->ntimestep == update->laststep) pair->put_slots();
+  pair->partition.tuner.end_step(paced_order != pair->order);
   paced_order = pair->order;
 }
 
 /** LAMMPS ends a run at any step where its time is over. */
 void FixJumpStep::post_run()
 {
-  if (lammps_is_stale) end_steps();
+  if (lammps_is_stale) pair->put_motion_of_step();
+  pair->put_slots();
   lammps_is_stale = false;
 }
 
-/** Second half kick; LAMMPS' arrays are up to date then. */
-void FixJumpStep::end_steps()
-{
-  if (atom->nlocal > 0) pair->in_parts(atom->nlocal, [this](int from, int to, int) { kick(from, to); });
-}
-
-/** The second half kick of some discs. */
-void FixJumpStep::kick(int from, int to)
-{
-  double *const __restrict x = atom->x[0];
-  double *const __restrict v = atom->v[0];
-  const double *const __restrict f = pair->pushes.data();
-  const double dtv = update->dt, dtf = 0.5 * dtv * force->ftm2v, dtfm = dtf / pair->mass;
-  const double *const __restrict inverse_mass = pair->inverse_masses.data();
-  const Vec2 kick = {0.5 * dtv * gx, 0.5 * dtv * gy};
-  const PairJumpDisc::PackedDisc *const __restrict disc = pair->disc.data();
-  for (int i = from; i < to; i++) {
-    const double rate = pair->sizes ? dtf * inverse_mass[i] : dtfm;
-    at(x, i) = Vec2{disc[i].x, disc[i].y};
-    at(v, i) = Vec2{disc[i].vx, disc[i].vy} + (rate * pushed(f, i) + (rate == 0.0 ? Vec2{} : kick));
-  }
-  if (pair->spin) turn_discs(nullptr, from, to);
-}
-
-/** Inserted discs get their own size.
-
-    The forces of this step are those of the inserted size, and the next half kick divides them by the own mass. With
-    gravity among the forces (`fix set` in LAMMPS) that is gravity of the inserted mass: the velocity gets the rest. */
+/** Inserted discs get their own size. The forces of this step are those of the inserted size, and the next half kick divides them
+    by the own mass. */
 void FixJumpStep::end_of_step()
 {
   if (!waits()) return;
   newcomers = false;
   tagint highest = sized;
-  for (int i = 0; i < atom->nlocal; i++) {
-    if (atom->tag[i] <= sized || pair->is_fixed(i)) continue;
-    highest = std::max(highest, atom->tag[i]);
-    if (atom->tag[i] > size_count) error->one(FLERR, "fix jump/step: disc {} has no size of its own", atom->tag[i]);
-    const double d = 2.0 * events->own_radius[atom->tag[i] - 1], mass = density * d * d;
-    const double excess = 0.5 * update->dt * (atom->rmass[i] / mass - 1.0);
-    atom->v[i][0] += excess * gx;
-    atom->v[i][1] += excess * gy;
-    atom->radius[i] = 0.5 * d;
-    atom->rmass[i] = mass;
-    pair->pack_size(i);
+  for (int64_t k = 0; k < state->n; k++) {
+    const tagint id = (tagint) state->ids[k];
+    if (id <= sized || jump::is_fixed(*state, k)) continue;
+    highest = std::max(highest, id);
+    if (id > size_count) error->one(FLERR, "fix jump/step: disc {} has no size of its own", id);
+    const double d = 2.0 * events->own_radius[id - 1];
+    atom->radius[pair->origin(k)] = state->radius[k] = 0.5 * d;
+    jump::put_mass(*state, k, pair->partition.parts[0].forces[k]);
+    atom->rmass[pair->origin(k)] = density * d * d;
   }
   sized = highest;
 }
@@ -380,8 +261,10 @@ void FixJumpStep::end_of_step()
 /** Largest overlap of pairs and walls at the last force evaluation, m. */
 double FixJumpStep::compute_scalar()
 {
-  double here = pair->largest_overlap(), all;
-  here = std::max(here, jump::deepest_at_walls(*state, reinterpret_cast<const double (*)[4]>(pair->disc.data())));
+  double here, all;
+  int64_t where[2];
+  pair->store();
+  jump::elastic_of(*state, pair->partition, nullptr, &here, where);
   MPI_Allreduce(&here, &all, 1, MPI_DOUBLE, MPI_MAX, world);
   return all;
 }

@@ -6,8 +6,8 @@
    One pass for what a step of discs needs besides the pairs of `pair_style jump/disc`, which must be in use: its file has the walls
    with their faces, laws and motions, the bodies, the tailgates and the sizes of discs that come.
 
-   - velocity Verlet, as fix nve (with spin: as fix nve/sphere disc, I = m R^2/2); gravity enters the velocities
-     here and not the force array;
+   - velocity Verlet, as fix nve (with spin: as fix nve/sphere disc, I = m R^2/2), by the core (step/integrate.h); gravity is
+     among the forces of the core and not in LAMMPS' array;
    - walls: where they are, their forces, lids, bodies and tailgates are those of the core (step/wall_forces.cpp, walls/bodies.h).
      NAMES are those of all of them in the order of the file; a wall that `went` on in an earlier run had these speeds at its end.
    - bodies: a row of each body goes to FILE every EVERY steps. An overlap of bodies beyond LIMIT ends the run.
@@ -29,6 +29,7 @@
 #include "step/pair_search.h"    // before the core: its templates take vectors
 
 #include "fix.h"
+#include "record.h"
 #include "step/forces.h"
 #include "step/image.h"
 #include "step/relist.h"
@@ -63,7 +64,6 @@ class FixJumpStep : public Fix {
 
  private:
   static constexpr int SLOT = 4, MOST_SLOTS = 64;    // numbers of a slot
-  static constexpr int64_t FEW_NEAR = 128;    // discs beside walls for which threads are not worth while
 
   class PairJumpDisc *pair = nullptr;
   jump_state *state = nullptr;    // of the pair style
@@ -79,10 +79,6 @@ class FixJumpStep : public Fix {
     double speed[3];
   };
   std::vector<Went> went;
-  std::vector<jump::ThreadPart> parts;
-  jump::Rooms rooms;
-  std::vector<jump::FeltContact> touched;    // contacts with walls of this step, where they are asked for
-  std::vector<double> listed_x, listed_y;    // discs when those near walls were listed, m
   bigint near_order = -1;
   bool walls_left = false;      // a wall has gone further than the lists of near discs allow
   double near_moved = 0.0;      // bound of a disc's way since then, and that which the lists allow, m
@@ -129,7 +125,6 @@ class FixJumpStep : public Fix {
   int add_bodies(int, int, char **);
   int add_probes(int, int, char **);
   int wall_called(const char *) const;
-  double spin_rate(int) const;
 
   static constexpr int PUSHED_WORDS = 18;
   double pushed_state(int) const;
@@ -147,24 +142,15 @@ class FixJumpStep : public Fix {
   void move_gates();
   void centre_of(int64_t, double *) const;
   void write_bodies(bool);
+  void list_contacts(std::vector<jump::ContactRow> &);
   void write_contacts();
   void write_poses() const;
   void close_window();
 
-  /** Least and largest velocities of some discs, m/s. */
-  struct alignas(64) SpeedRange {
-    double lo[2], hi[2];
-  };
-  using Drift = void (FixJumpStep::*)(const int *, int, int, SpeedRange &);
-  template <bool SIZES, bool STAYS, bool OWN, bool SEEN> void drift(const int *, int, int, SpeedRange &);
-  Drift drift_of(bool, bool) const;
   void watch_others();
   bool is_seen_before_forces() const;
   bool is_seen_at_end() const;
   bool waits() const;
-  void end_steps();
-  void kick(int, int);
-  void turn_discs(const int *, int, int);
 };
 
 }    // namespace LAMMPS_NS

@@ -14,6 +14,7 @@
 #include "update.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 
@@ -43,39 +44,26 @@ void FixJumpStep::find_near()
   near_moved = 0.0;
   near_order = pair->order;
   walls_left = false;
-  listed_x.resize(atom->nlocal);
-  listed_y.resize(atom->nlocal);
-  for (int i = 0; i < atom->nlocal; i++) {
-    listed_x[i] = pair->disc[i].x;
-    listed_y[i] = pair->disc[i].y;
+  for (int64_t k = 0; k < state->n; k++) {
+    state->x0[k] = pair->rows()[k][0];
+    state->y0[k] = pair->rows()[k][1];
   }
-  state->x0 = listed_x.data();
-  state->y0 = listed_y.data();
-  jump::list_walls(*state, rooms);
+  jump::list_walls(*state, pair->partition.rooms);
+  pair->walls_unseen = true;
 }
 
 /** Forces of the walls on the discs, and what these do to the walls. */
 void FixJumpStep::push_walls()
 {
   const jump_state &s = *state;
-  if (s.walls == 0) return;
-  const int count = s.near_rows[s.walls] < FEW_NEAR * pair->pool.size() ? 1 : pair->pool.size();
-  const int64_t n = atom->nlocal;
-  parts.resize(count);
-  std::vector<std::vector<jump::FeltContact>> noted(count);
-  const bool notes = contacts.is_due(update->ntimestep);
   const double slope = pair->slope();
-  pair->pool.run(count, [&](int k) {
-    jump::ThreadPart &part = parts[k];
-    part.begin = n * k / count;
-    part.end = n * (k + 1) / count;
-    part.at = reinterpret_cast<double (*)[4]>(pair->disc.data());
-    part.pushes = pair->pushes.data();
-    part.felt = notes ? &noted[k] : nullptr;
+  pair->partition.each([&](jump::ThreadPart &part) {
     jump::wall_forces(s, slope, part);
+    if (s.fixed) jump::clear_fixed(s, part);
+    if (s.partner && part.memory->goes_on) part.memory->each_at_wall(part, [&](int64_t i) { jump::end_contacts(s, i, i + 1); });
   });
-  jump::sum_walls(s, parts);
-  for (const auto &of_part : noted) touched.insert(touched.end(), of_part.begin(), of_part.end());
+  if (s.walls == 0) return;
+  jump::sum_walls(s, pair->partition.parts);
   end_pushed();
 }
 
@@ -104,7 +92,7 @@ void FixJumpStep::push_bodies()
   const jump_state &s = *state;
   const std::vector<jump::SumsOnWall> sums(s.wall_sum, s.wall_sum + s.walls);
   jump::body_forces(s, pair->slope());
-  if (pair->springs && pair->goes_on()) jump::end_contacts(*s.corners, 0, s.corners->n);
+  if (s.partner && pair->goes_on()) jump::end_contacts(*s.corners, 0, s.corners->n);
   if (comm->me != 0) std::copy(sums.begin(), sums.end(), s.wall_sum);    // those of ranks are added later
   require_sound_bodies();
 }
@@ -162,10 +150,10 @@ void FixJumpStep::move_gates()
     jump::TailgateController &gate = events->tailgate[k];
     if (!gate.looks(update->ntimestep)) continue;
     std::vector<double> here(gate.bins, 0.0), all(gate.bins);
-    for (int i = 0; i < atom->nlocal; i++) {
-      if (pair->is_fixed(i)) continue;
-      const double diameter = 2.0 * pair->radius_of(i);
-      gate.add(here, pair->disc[i].x, diameter * diameter);
+    for (int64_t k = 0; k < state->n; k++) {
+      if (jump::is_fixed(*state, k)) continue;
+      const double diameter = 2.0 * jump::radius_of(*state, k);
+      gate.add(here, pair->rows()[k][0], diameter * diameter);
     }
     MPI_Allreduce(here.data(), all.data(), (int) gate.bins, MPI_DOUBLE, MPI_SUM, world);
     jump::Pushed &wall = state->pushed[events->tailgate_wall[k]];
@@ -244,14 +232,34 @@ void FixJumpStep::write_bodies(bool again)
   if (file) std::fclose(file);
 }
 
+/** The contacts of this rank's discs, with the forces of this step. */
+void FixJumpStep::list_contacts(std::vector<jump::ContactRow> &rows)
+{
+  const double goes_on = state->memory_step;
+  state->memory_step = 0.0;
+  pair->store();
+  const jump::ContactVelocities seen = jump::seen_by(*state);
+  std::vector<std::array<int64_t, 2>> who;
+  std::vector<std::array<double, 5>> found;
+  int64_t count = -1;
+  while (count < 0) {
+    who.resize(2 * who.size() + 256);
+    found.resize(who.size());
+    count = jump::list_contacts(*state, pair->slope(), seen, seen,
+                                {reinterpret_cast<int64_t (*)[2]>(who.data()), reinterpret_cast<double (*)[5]>(found.data()), (int64_t) who.size()});
+  }
+  state->memory_step = goes_on;
+  for (int64_t c = 0; c < count; c++) {
+    const auto &at = found[c];
+    rows.push_back({(int32_t) who[c][0], (int32_t) who[c][1], (float) at[0], (float) at[1], (float) at[2], (float) at[3], NAN});
+  }
+}
+
 /** Put the contacts of all ranks into the file, with the forces of this step. */
 void FixJumpStep::write_contacts()
 {
   std::vector<jump::ContactRow> rows, all;
-  pair->list_contacts(rows);
-  for (const jump::FeltContact &one : touched)
-    rows.push_back({(int32_t) atom->tag[one.disc], (int32_t) (-1 - one.wall), (float) one.x, (float) one.y, (float) one.fx,
-                    (float) one.fy, NAN});
+  list_contacts(rows);
   const int own = (int) (rows.size() * sizeof(jump::ContactRow));
   std::vector<int> sizes(comm->nprocs), places(comm->nprocs, 0);
   MPI_Gather(&own, 1, MPI_INT, sizes.data(), 1, MPI_INT, 0, world);
@@ -300,10 +308,9 @@ void FixJumpStep::post_force(int)
   if (state->moving && update->setupflag) jump::place_walls(*state, (double) update->ntimestep);
   if (domain->xperiodic) require_off_seam();
   if (fewer || is_worn()) find_near();
-  touched.clear();
+  if (pair->walls_unseen) pair->partition.memory.see_walls(*state);
+  pair->walls_unseen = false;
   push_walls();
-  if (pair->goes_on())
-    pair->in_parts(atom->nlocal, [&](int from, int to, int) { jump::end_contacts(*state, from, to); });
   // the first forces of a run that goes on are those of a step whose contacts are in the file
   if (contacts.is_due(update->ntimestep) && !again) write_contacts();
   if (poses.is_due(update->ntimestep) && !again) write_poses();
@@ -375,6 +382,7 @@ void FixJumpStep::grow_arrays(int room)
 
 void FixJumpStep::copy_arrays(int from, int to, int)
 {
+  pair->put_slots();    // before LAMMPS moves the first disc
   std::copy_n(array_atom[from], size_peratom_cols, array_atom[to]);
 }
 
@@ -387,6 +395,7 @@ void FixJumpStep::set_arrays(int i)
 
 int FixJumpStep::pack_exchange(int i, double *to)
 {
+  pair->put_slots();
   std::copy_n(array_atom[i], size_peratom_cols, to);
   return size_peratom_cols;
 }

@@ -18,7 +18,8 @@ constexpr int DISCS = 7402;    // tag that LAMMPS does not use
 /** Numbers that stand for a disc in a message. */
 int words_of(const PairJumpDisc &pair)
 {
-  return 4 + pair.spin + pair.sizes * (1 + pair.any_fixed()) + pair.springs;
+  const jump_state &s = pair.state();
+  return 5 + (s.omega != nullptr) + (s.radius != nullptr) + (s.fixed != nullptr);
 }
 }
 
@@ -52,7 +53,7 @@ void JumpHalo::rebuild(PairJumpDisc &pair, double cut)
       if (there == here && turn == 0) continue;
       const double shift = turn * domain->prd[0];
       for (int i = 0; i < atom->nlocal; i++)
-        if (pair.disc[i].x + shift > lo && pair.disc[i].x + shift < hi) {
+        if (pair.rows()[i][0] + shift > lo && pair.rows()[i][0] + shift < hi) {
           partner.mine.push_back(i);
           partner.shift.push_back(shift);
         }
@@ -63,14 +64,25 @@ void JumpHalo::rebuild(PairJumpDisc &pair, double cut)
   MPI_Alltoall(outgoing.data(), 1, MPI_INT, incoming.data(), 1, MPI_INT, world);
   number = 0;
   for (auto &partner : partners) number += partner.incoming = incoming[partner.rank];
-  pair.reserve(atom->nlocal + number);
+  pair.reserve(2 * (int64_t) atom->nlocal + number);    // discs near the cuts have two rows of the list
+  pair.partition.make_room_for(number);
   start(pair);
   finish(pair);
 }
 
-/** Send what the others need of this step's positions and velocities, and ask for theirs. */
-void JumpHalo::start(const PairJumpDisc &pair)
+/** The core has sorted the local discs: that with the number k had another before. */
+void JumpHalo::renumber(const std::vector<uint64_t> &sorted)
 {
+  std::vector<int> now(sorted.size());
+  for (size_t k = 0; k < sorted.size(); k++) now[jump::was_at(sorted[k])] = (int) k;
+  for (auto &partner : partners)
+    for (int &i : partner.mine) i = now[i];
+}
+
+/** Send what the others need of this step's positions and velocities, and ask for theirs. */
+void JumpHalo::start(PairJumpDisc &pair)
+{
+  const jump_state &s = pair.state();
   const int words = words_of(pair);
   requests.clear();
   for (auto &partner : partners) {
@@ -84,15 +96,12 @@ void JumpHalo::start(const PairJumpDisc &pair)
     double *to = partner.out.data();
     for (size_t m = 0; m < partner.mine.size(); m++) {
       const int i = partner.mine[m];
-      const auto &disc = pair.disc[i];
-      to[0] = disc.x + partner.shift[m];
-      to[1] = disc.y;
-      to[2] = disc.vx;
-      to[3] = disc.vy;
-      if (pair.spin) to[4] = pair.spins[i];
-      if (pair.sizes) to[words - 1] = pair.radii[i];
-      if (pair.any_fixed()) to[words - 2] = (double) pair.stays[i];
-      if (pair.springs) to[4 + pair.spin] = (double) pair.ids[i];
+      double *next = std::copy_n(pair.rows()[i], 4, to);
+      *to += partner.shift[m];
+      *next++ = (double) s.ids[i];
+      if (s.omega) *next++ = s.omega[i];
+      if (s.radius) *next++ = s.radius[i];    // each step: inserted discs change theirs
+      if (s.fixed) *next++ = (double) s.fixed[i];
       to += words;
     }
     requests.emplace_back();
@@ -108,15 +117,17 @@ void JumpHalo::finish(PairJumpDisc &pair)
     MPI_Testall((int) requests.size(), requests.data(), &all, MPI_STATUSES_IGNORE);
   if (!all) MPI_Waitall((int) requests.size(), requests.data(), MPI_STATUSES_IGNORE);
   const int words = words_of(pair);
-  int i = atom->nlocal;
+  const jump_state &s = pair.state();
+  int64_t i = s.n;
   for (const auto &partner : partners) {
     const double *from = partner.in.data();
     for (int n = 0; n < partner.incoming; n++, i++, from += words) {
-      pair.disc[i] = {from[0], from[1], from[2], from[3]};
-      if (pair.spin) pair.spins[i] = from[4];
-      if (pair.springs) pair.ids[i] = (int64_t) from[4 + pair.spin];
-      if (pair.any_fixed()) pair.stays[i] = (int64_t) from[words - 2];
-      if (pair.sizes) pair.radii[i] = from[words - 1];    // each step: inserted discs change theirs
+      const double *next = from + 4;
+      std::copy(from, next, pair.rows()[i]);
+      s.ids[i] = (int64_t) *next++;
+      if (s.omega) s.omega[i] = *next++;
+      if (s.radius) s.radius[i] = *next++;
+      if (s.fixed) s.fixed[i] = (int64_t) *next++;
     }
   }
 }

@@ -2,7 +2,7 @@
 /* The discs of other ranks near this one's part of the channel, for pair_style jump/disc on several ranks, and images
    across the seam of a periodic channel: a rank sends them to itself, too.
 
-   Takes the place of LAMMPS' ghosts where space is cut along x alone. A disc is four numbers (one more each with spin
+   Takes the place of LAMMPS' ghosts where space is cut along x alone. A disc is five numbers (one more each with spin
    and with sizes) instead of nine, all messages of a step leave together, and they travel while the contacts among the
    rank's own discs are computed. Who is sent is chosen anew when LAMMPS reneighbours; discs further away than the cut
    cannot come into touch before. */
@@ -12,6 +12,7 @@
 
 #include "pointers.h"
 
+#include <cstdint>
 #include <mpi.h>
 #include <vector>
 
@@ -24,7 +25,8 @@ class JumpHalo : protected Pointers {
   JumpHalo(LAMMPS *lmp) : Pointers(lmp) {}
 
   void rebuild(PairJumpDisc &pair, double cut);
-  void start(const PairJumpDisc &pair);
+  void renumber(const std::vector<uint64_t> &sorted);
+  void start(PairJumpDisc &pair);
   void finish(PairJumpDisc &pair);
 
   bool is_needed() const;

@@ -28,8 +28,7 @@ PairJumpDisc::PairJumpDisc(LAMMPS *lmp) : Pair(lmp), ring(lmp)
   single_enable = 0;
   restartinfo = 0;
   no_virial_fdotr_compute = 1;
-  tuner.read(std::getenv("LAMMPS_JUMP_THREADS"));
-  pool.resize(tuner.threads());
+  partition.tuner.read(std::getenv("LAMMPS_JUMP_THREADS"));
 }
 
 PairJumpDisc::~PairJumpDisc()
@@ -46,14 +45,10 @@ void PairJumpDisc::settings(int narg, char **arg)
     error->all(FLERR, "pair_style jump/disc takes the file of a scene, and perhaps fixed FIRST LAST");
   read_scene(arg[0]);
   for (int end = 0; end < 2 && narg > 1; end++) fixed[end] = utils::tnumeric(FLERR, arg[2 + end], false, lmp);
-  const jump_state &s = *scene.state;
-  sizes = s.radius;
-  spin = s.omega;
-  springs = s.partner;
-  largest = s.diameter;
-  mass = sizes ? s.mass * 0.25 * largest * largest : s.mass;
-  skin = s.lists->skin;
-  if (any_fixed() && !sizes) error->all(FLERR, "pair_style jump/disc: fixed needs discs of sizes of their own");
+  largest = state().diameter;
+  skin = state().lists->skin;
+  if (any_fixed() && !state().radius) error->all(FLERR, "pair_style jump/disc: fixed needs discs of sizes of their own");
+  if (any_fixed() != (state().fixed != nullptr)) error->all(FLERR, "pair_style jump/disc: fixed is for a scene with discs that stay");
 }
 
 /** Read the file of a scene, on one rank for all. */
@@ -71,31 +66,30 @@ void PairJumpDisc::read_scene(const char *name)
   MPI_Bcast(bytes.data(), (int) size, MPI_BYTE, 0, world);
   if (!scene.take(bytes))
     error->all(FLERR, "pair_style jump/disc: {} is no scene of this version of the plugin: write the script again", name);
-  scene.state->pressed = nullptr;    // pressure is asked of the native engine
+  state().pressed = nullptr;    // pressure is asked of the native engine
+  take_tables();
 }
 
-/** Tell the core where the discs are; arrays may have moved. */
-void PairJumpDisc::bind()
+/** Let the core sort all arrays of the discs, and with them the numbers that LAMMPS has for the discs. */
+void PairJumpDisc::take_tables()
 {
-  jump_state &s = *scene.state;
-  s.n = atom->nlocal;
-  s.ids = ids.data();
-  if (sizes) s.radius = radii.data();
-  if (spin) {
-    s.omega = spins.data();
-    s.torque = turns.data();
-  }
-  s.fixed = any_fixed() ? stays.data() : nullptr;
-  if (!springs || !slots) return;
-  s.slots = slot_count;
-  s.slot_row = 4 * slot_count;
-  double *const rows = atom->nlocal > 0 ? (*slots)[0] : nullptr;
-  s.partner = reinterpret_cast<int64_t *>(rows);
-  s.sigma = rows + slot_count;
-  s.spring = rows + 2 * slot_count;
-  s.roll = rows + 3 * slot_count;
-  if ((int64_t) used.size() < s.n * s.slot_row) used.resize(s.n * s.slot_row + s.n * s.slot_row / 4, 0);
-  s.used = used.data();
+  jump_lists &l = *state().lists;
+  first_origin.assign(state().disc_room, 0);
+  table.assign(1, first_origin.data());
+  table.insert(table.end(), l.column, l.column + l.all_columns);
+  widths.assign(1, 1);
+  widths.insert(widths.end(), l.width, l.width + l.all_columns);
+  l.column = table.data();
+  l.width = widths.data();
+  l.columns++;
+  l.all_columns++;
+  if (ring.is_needed()) l.columns = l.all_columns;    // some forces are there when discs are sorted
+  const double far = 1e9 * (l.widest + l.skin);    // LAMMPS tells which discs have left the domain
+  l.xlo = l.ylo = -far;
+  l.xhi = l.yhi = far;
+  state().start[0] = 0;
+  state().owner = nullptr;    // the seam of a channel is the halo's
+  state().shift = nullptr;
 }
 
 void PairJumpDisc::coeff(int narg, char **arg)
@@ -124,18 +118,19 @@ void PairJumpDisc::init_style()
   // no ghosts of LAMMPS' own: their cutoff must not be 0 (a warning), and init_one asks for none
   if (comm->cutghostuser == 0.0) comm->cutghostuser = 1e-6 * largest;
   listed.clear();
-  candidates = interior = 0;
 }
 
 /** How far from the cuts a disc of another rank can come into touch before LAMMPS reneighbours, m.
 
     Until LAMMPS looks, a disc moves by half its skin; and on, at most, for the steps between two looks. Its speed then may be
     larger than any now: twice that, and what an overlap of 5 % gives to a disc at rest. */
-double PairJumpDisc::halo_cut() const
+double PairJumpDisc::halo_cut()
 {
+  const jump_state &s = state();
+  const double mass = s.radius ? s.mass * 0.25 * largest * largest : s.mass;
   double most = largest_squared_speed();
   MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE, MPI_MAX, world);
-  const double speed = 2.0 * std::sqrt(most) + 0.05 * largest * std::sqrt(2.0 * scene.state->pair.stiffness / mass);
+  const double speed = 2.0 * std::sqrt(most) + 0.05 * largest * std::sqrt(2.0 * s.pair.stiffness / mass);
   const int steps = std::max(neighbor->every, neighbor->delay);
   return largest + neighbor->skin + 2.0 * steps * update->dt * speed;
 }
@@ -146,85 +141,44 @@ void PairJumpDisc::read_restart(FILE *)
   error->all(FLERR, "pair_style jump/disc: the restart file is of another version of the plugin: it cannot go on");
 }
 
-void PairJumpDisc::reserve(int n)
+/** Room for so many discs, those of other ranks among them. */
+void PairJumpDisc::reserve(int64_t n)
 {
-  if ((size_t) n > disc.size()) {
-    disc.resize(n + n / 4 + 64);
-    pushes.resize(2 * disc.size());
-    if (spin) spins.resize(disc.size());
-    if (spin) turns.resize(disc.size());
-    if (sizes) {
-      radii.resize(disc.size());
-      inverse_masses.resize(disc.size());
-    }
-    ids.resize(disc.size());
-    if (any_fixed()) stays.resize(disc.size());
-    bind();
+  while (state().disc_room < n) partition.rooms.grow_discs(state());
+}
+
+/** Put what discs remember into the array of LAMMPS, a row of each: partners, then feet, springs and rolling springs. */
+void PairJumpDisc::put_slots()
+{
+  const jump_state &s = state();
+  if (!slots || !slots_are_old) return;
+  store_memory();
+  slots_are_old = false;
+  for (int64_t k = 0; k < s.n; k++) {
+    double *to = (*slots)[origin(k)];
+    to = std::copy_n(reinterpret_cast<const double *>(s.partner + k * s.slots), s.slots, to);
+    for (const double *const from : {s.sigma, s.spring, s.roll}) to = std::copy_n(from + k * s.slots, s.slots, to);
   }
 }
 
-/** Take over the local discs as they are in LAMMPS. */
-void PairJumpDisc::pack()
+/** Take it from there. */
+void PairJumpDisc::take_slots()
 {
-  double *const *const x = atom->x, *const *const v = atom->v;
-  reserve(atom->nlocal);
-  for (int i = 0; i < atom->nlocal; i++) {
-    disc[i] = {x[i][0], x[i][1], v[i][0], v[i][1]};
-    if (sizes) pack_size(i);
-    if (spin) spins[i] = atom->omega[i][2];
-    ids[i] = atom->tag[i];
+  const jump_state &s = state();
+  if (!s.partner) return;
+  for (int64_t k = 0; k < s.n; k++) {
+    const double *from = (*slots)[origin(k)];
+    std::copy_n(from, s.slots, reinterpret_cast<double *>(s.partner + k * s.slots));
+    for (double *const to : {s.sigma, s.spring, s.roll}) std::copy_n(from += s.slots, s.slots, to + k * s.slots);
   }
-  std::fill_n(pushes.begin(), 2 * (size_t) atom->nlocal, 0.0);
-  if (spin) std::fill_n(turns.begin(), atom->nlocal, 0.0);
-}
-
-/** Let LAMMPS leave its arrays of forces and torques as they are in this step: nothing reads them.
-
-    LAMMPS then clears only the forces of a group. Until the forces are evaluated this group has no disc. */
-void PairJumpDisc::keep_uncleared()
-{
-  first_group = atom->nfirst;
-  atom->nfirst = 0;
-  neighbor->includegroup = 1;
-}
-
-/** Add the forces of this step to those in LAMMPS' array, which it has cleared at the begin of the step. */
-void PairJumpDisc::hand_over_forces()
-{
-  for (int i = 0; i < atom->nlocal; i++) {
-    atom->f[i][0] += pushes[2 * i];
-    atom->f[i][1] += pushes[2 * i + 1];
-    if (spin) atom->torque[i][2] += turns[i];
-  }
-}
-
-/** Take the forces of this step from LAMMPS' array, to which other fixes may have added theirs. */
-void PairJumpDisc::take_forces()
-{
-  for (int i = 0; i < atom->nlocal; i++) {
-    pushes[2 * i] = atom->f[i][0];
-    pushes[2 * i + 1] = atom->f[i][1];
-    if (spin) turns[i] = atom->torque[i][2];
-  }
-}
-
-void PairJumpDisc::pack_size(int i)
-{
-  radii[i] = atom->radius[i];
-  inverse_masses[i] = is_fixed(i) ? 0.0 : 1.0 / atom->rmass[i];
-  if (any_fixed()) stays[i] = is_fixed(i);
-}
-
-bool PairJumpDisc::is_fixed(int i) const
-{
-  return atom->tag[i] >= fixed[0] && atom->tag[i] <= fixed[1];
 }
 
 /** Refuse discs that the settings do not describe when some may have come in. */
-void PairJumpDisc::check_discs(int from, int to)
+void PairJumpDisc::check_discs(int from, int to) const
 {
   const double slack = 1e-10;
-  const jump_state &s = *scene.state;
+  const jump_state &s = state();
+  const bool sizes = s.radius;
   for (int i = from; i < to; i++) {
     const double radius = atom->radius[i], m = atom->rmass[i], right = sizes ? s.mass * radius * radius : s.mass;
     const bool fits = 2.0 * radius < (1.0 + slack) * largest && (sizes || 2.0 * radius > (1.0 - slack) * largest);
@@ -238,9 +192,9 @@ void PairJumpDisc::check_discs(int from, int to)
 void PairJumpDisc::share_memory()
 {
   constexpr int WORDS = 4;    // a disc, its partner, tangential and rolling spring as the disc has to remember them
-  jump_state &s = *scene.state;
-  std::unordered_map<int64_t, int> local;
-  for (int i = 0; i < atom->nlocal; i++) local[ids[i]] = i;
+  jump_state &s = state();
+  std::unordered_map<int64_t, int64_t> local;
+  for (int64_t i = 0; i < s.n; i++) local[s.ids[i]] = i;
   const auto put = [&](const double *row) {
     const auto found = local.find((int64_t) row[0]);
     if (found == local.end()) return false;
@@ -255,9 +209,9 @@ void PairJumpDisc::share_memory()
     return true;
   };
   std::vector<double> away, all;
-  for (int i = 0; i < atom->nlocal; i++)
+  for (int64_t i = 0; i < s.n; i++)
     for (int64_t at = i * s.slot_row, last = at + s.slots; at < last; at++) {
-      const double row[WORDS] = {(double) s.partner[at], (double) ids[i], s.spring[at], -s.roll[at]};
+      const double row[WORDS] = {(double) s.partner[at], (double) s.ids[i], s.spring[at], -s.roll[at]};
       if (s.partner[at] > 0 && !put(row)) away.insert(away.end(), row, row + WORDS);
     }
   const int own = (int) away.size();

