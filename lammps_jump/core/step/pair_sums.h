@@ -128,7 +128,7 @@ template <bool SIZES, bool SPIN, class Law, class Sums> class PairSums {
       }
     };
     const auto flush = [&]() {
-      compute();
+      compute<false>();
       for (int c = 0; c < b.n; c++) add_contact(c);
       b.n = 0;
     };
@@ -190,23 +190,13 @@ template <bool SIZES, bool SPIN, class Law, class Sums> class PairSums {
   void find(int64_t from, int64_t to)
   {
     b.template find<SIZES>(at, s.radius, s.diameter, part.first, s.neighbours, from, to, memory);
-    const auto *const __restrict places = at;
-    const double *const __restrict radius = s.radius;
-    for (int c = 0, n = b.n; c < n; c++) {
-      const int32_t i = b.one[c], j = b.two[c];
-      b.difference(c) = *reinterpret_cast<const Four *>(places[i]) - *reinterpret_cast<const Four *>(places[j]);
-      if constexpr (SIZES) {
-        b.radius[0][c] = radius[i];
-        b.radius[1][c] = radius[j];
-      }
-    }
-    compute();
+    compute<true>();
   }
 
-  /** The forces of the batch. */
-  void compute()
+  /** The forces of the batch; FOUND: it has no differences yet. */
+  template <bool FOUND> void compute()
   {
-    gather();
+    gather<FOUND>();
     if constexpr (LOSSES) with_losses();
     else
       b.template evaluate<SIZES, SPIN>(law, numbers_of(s.pair, Lanes{}), s.fixed, 0.5 * s.diameter, [this](int c, const auto &out) {
@@ -232,22 +222,25 @@ template <bool SIZES, bool SPIN, class Law, class Sums> class PairSums {
   }
 
   /** What the contacts read of their discs; the last vector is filled with a contact that nobody reads. */
-  void gather()
+  template <bool FOUND> void gather()
   {
-    const double *const __restrict radius = s.radius;
-    for (int c = 0; (SIZES || SPIN || MEMORY) && c < b.n; c++) {
-      const int64_t i = b.one[c], j = b.two[c];
+    const auto *const __restrict places = at;
+    const double *const __restrict radius = s.radius, *const __restrict spin = seen.spin;
+    const bool heavy = s.fixed;
+    for (int c = 0, n = b.n; (FOUND || SIZES || SPIN || MEMORY) && c < n; c++) {
+      const int32_t i = b.one[c], j = b.two[c];
+      if constexpr (FOUND) b.difference(c) = *reinterpret_cast<const Four *>(places[i]) - *reinterpret_cast<const Four *>(places[j]);
       if constexpr (SIZES) {
         b.radius[0][c] = radius[i];
         b.radius[1][c] = radius[j];
-        if (s.fixed) {
+        if (heavy) {
           b.bulk[0][c] = mass_radius(s, i);
           b.bulk[1][c] = mass_radius(s, j);
         }
       }
       if constexpr (SPIN) {
-        b.spin[0][c] = seen.spin[i];
-        b.spin[1][c] = seen.spin[j];
+        b.spin[0][c] = spin[i];
+        b.spin[1][c] = spin[j];
       }
       if constexpr (MEMORY) recall(c);
     }
