@@ -238,11 +238,9 @@ static int64_t drift_kind(const jump_state &s, int64_t begin, int64_t end, Dissi
   return kicks.moved;
 }
 
-void load_halves(const jump_state &s, int64_t begin, int64_t end, const StepRows &rows, bool begins)
+void begin_halves(const jump_state &s, int64_t begin, int64_t end, const StepRows &rows, bool begins)
 {
   for (int64_t i = begin; i < end; i++) {
-    const double places[4] = {s.x[i], s.y[i], s.vx[i], s.vy[i]};
-    std::copy_n(places, 4, rows.at[i]);
     double *const force = rows.forces[i];
     put_mass(s, i, force);
     force[0] = begins ? s.weight_x * force[MASS] : s.fx[i];

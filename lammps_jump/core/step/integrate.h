@@ -59,8 +59,8 @@ inline void put_mass(const jump_state &s, int64_t i, double *force)
   force[MASS] = stays ? 0.0 : square;
 }
 
-/** Take discs for `drift_by_halves`, whose only force is their weight where a step `begins`. */
-void load_halves(const jump_state &s, int64_t begin, int64_t end, const StepRows &rows, bool begins);
+/** Rows of forces for `drift_by_halves`: the weight alone where a step `begins`, else what the state has. */
+void begin_halves(const jump_state &s, int64_t begin, int64_t end, const StepRows &rows, bool begins);
 
 /** The same by half kicks, as LAMMPS does: that of the step before, where `both` is set, and that of this one. Returns the range of
     the new velocities, which bounds how far discs can have come against one another. */

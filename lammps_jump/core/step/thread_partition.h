@@ -114,15 +114,27 @@ class ThreadPartition {
   double (*rows())[4] { return rows_of(at[now]); }
   double (*other_rows())[4] { return rows_of(at[1 - now]); }
 
-  /** Rows for so many discs of other ranks, behind those of the state. */
-  void make_room_for(int64_t count)
+  /** Rows for so many discs of the state, and `count` of other ranks behind them. */
+  void make_room_for(int64_t discs, int64_t count)
   {
     others = count;
-    for (auto *rows : {&at[0], &at[1], &forces}) rows->resize((size_t) (n + others));
+    for (auto *rows : {&at[0], &at[1], &forces}) rows->resize((size_t) (discs + others));
     for (ThreadPart &part : parts) {
       part.at = rows();
       part.forces = rows_of(forces);
     }
+  }
+
+  /** Sort the rows as the last search has sorted the discs; those of other ranks stay behind them. */
+  void sort_rows(int64_t discs)
+  {
+    const DiscRow *const from = at[now].data();
+    DiscRow *const to = at[1 - now].data();
+    stretches(discs, [&](int, int64_t begin, int64_t end) {
+      for (int64_t i = begin; i < end; i++) to[i] = from[was_at(lists.sorted[(size_t) i])];
+    });
+    std::copy_n(from + discs, others, to + discs);
+    turn_rows();
   }
 
   /** From here on contacts see the other rows. */

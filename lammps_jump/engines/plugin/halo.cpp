@@ -65,7 +65,7 @@ void JumpHalo::rebuild(PairJumpDisc &pair, double cut)
   number = 0;
   for (auto &partner : partners) number += partner.incoming = incoming[partner.rank];
   pair.reserve(2 * (int64_t) atom->nlocal + number);    // discs near the cuts have two rows of the list
-  pair.partition.make_room_for(number);
+  pair.partition.make_room_for(pair.state().n, number);
   start(pair);
   finish(pair);
 }

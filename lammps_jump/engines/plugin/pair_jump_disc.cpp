@@ -70,18 +70,30 @@ void PairJumpDisc::read_scene(const char *name)
   take_tables();
 }
 
-/** Let the core sort all arrays of the discs, and with them the numbers that LAMMPS has for the discs. */
+/** Let the core sort the arrays of the discs, and with them the numbers that LAMMPS has for the discs. Velocities are in rows, which
+    are sorted too, and forces are made anew. */
 void PairJumpDisc::take_tables()
 {
-  jump_lists &l = *state().lists;
-  first_origin.assign(state().disc_room, 0);
+  const jump_state &s = state();
+  jump_lists &l = *s.lists;
+  first_origin.assign(s.disc_room, 0);
   table.assign(1, first_origin.data());
-  table.insert(table.end(), l.column, l.column + l.all_columns);
   widths.assign(1, 1);
-  widths.insert(widths.end(), l.width, l.width + l.all_columns);
+  const auto in_rows = [&](const int64_t *column) {
+    const double *const rows[] = {s.vx, s.vy, s.fx, s.fy};
+    return std::find(rows, rows + 4, reinterpret_cast<const double *>(column)) != rows + 4;
+  };
+  const int64_t sorted = l.columns;
+  l.columns = 1;
+  for (const bool last : {false, true})
+    for (int64_t c = 0; c < l.all_columns; c++) {
+      if ((c >= sorted || in_rows(l.column[c])) != last) continue;
+      table.push_back(l.column[c]);
+      widths.push_back(l.width[c]);
+      l.columns += !last;
+    }
   l.column = table.data();
   l.width = widths.data();
-  l.columns++;
   l.all_columns++;
   if (ring.is_needed()) l.columns = l.all_columns;    // some forces are there when discs are sorted
   const double far = 1e9 * (l.widest + l.skin);    // LAMMPS tells which discs have left the domain

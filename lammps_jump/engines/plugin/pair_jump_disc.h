@@ -66,6 +66,7 @@ class PairJumpDisc : public Pair {
   bool goes_on() const { return scene.state->memory_step > 0.0; }
   void reserve(int64_t);
   void store();
+  void store_places();
   void store_memory();
   void keep_uncleared();
   void hand_over_forces();
@@ -94,7 +95,7 @@ class PairJumpDisc : public Pair {
   void check_discs(int, int) const;
   bool keeps_order() const;
   bool take_discs();
-  void load();
+  void load(int64_t);
   void build_list();
   void list_across();
   void append_to_list(int);

@@ -44,6 +44,16 @@ void PairJumpDisc::store()
   }
 }
 
+/** What a new list is made from: places, and on ranks the forces that there are. */
+void PairJumpDisc::store_places()
+{
+  if (ring.is_needed()) return store();
+  store_memory();
+  jump_state &s = state();
+  const auto *const row = rows();
+  for (int64_t k = 0; k < s.n; k++) s.x[k] = row[k][0], s.y[k] = row[k][1];
+}
+
 /** Put what pairs remember into the slots of the discs. */
 void PairJumpDisc::store_memory()
 {
@@ -52,15 +62,15 @@ void PairJumpDisc::store_memory()
   memory.goes_on = false;
 }
 
-/** Take the local discs from the arrays of the state, for the threads that there are now. */
-void PairJumpDisc::load()
+/** Divide the discs among the threads that there are now; the forces of those from `from` on begin. */
+void PairJumpDisc::load(int64_t from)
 {
   jump_state &s = state();
   partition.both_remember = ring.is_needed();
   partition.divide(s);
-  partition.make_room_for(ring.count());
+  partition.make_room_for(s.n, ring.count());
   const bool begins = packed || !ring.is_needed();    // contacts of local discs come first on ranks
-  partition.each([&](jump::ThreadPart &part) { jump::load_halves(s, part.begin, part.end, part.rows(), begins); });
+  partition.each([&](jump::ThreadPart &part) { jump::begin_halves(s, std::max(part.begin, from), part.end, part.rows(), begins); });
   packed = false;
 }
 
@@ -71,8 +81,9 @@ void PairJumpDisc::take_disc(int i)
   const int64_t k = s.n++;
   table[0][k] = i;
   s.ids[k] = atom->tag[i];
-  s.x[k] = atom->x[i][0], s.y[k] = atom->x[i][1];
-  s.vx[k] = atom->v[i][0], s.vy[k] = atom->v[i][1];
+  double *const row = rows()[k];
+  for (int c = 0; c < 2; c++) row[c] = atom->x[i][c], row[2 + c] = atom->v[i][c];
+  s.x[k] = row[0], s.y[k] = row[1];
   const double square = s.radius ? atom->radius[i] * atom->radius[i] : 1.0;
   s.fx[k] = s.weight_x * square;
   s.fy[k] = s.weight_y * square;
@@ -91,6 +102,7 @@ void PairJumpDisc::pack()
   put_slots();
   s.n = s.rows = s.sorted = 0;
   reserve(atom->nlocal);
+  partition.make_room_for(atom->nlocal, ring.count());
   for (int i = 0; i < atom->nlocal; i++) take_disc(i);
   take_slots();
   packed = true;
@@ -214,7 +226,7 @@ void PairJumpDisc::compute(int eflag, int vflag)
   widen_range();
   travel(moved);
   if (!stale && worn(moved)) {
-    store();
+    store_places();
     build_list();
     list_across();
   } else if (fresh) {

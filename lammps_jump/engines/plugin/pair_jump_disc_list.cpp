@@ -52,12 +52,13 @@ void PairJumpDisc::build_list()
     if (found >= 0)
       error->one(FLERR, "jump/disc: the position of disc {}, ({}, {}) m, is not a number or far outside the domain: the run has blown up",
                  s.ids[found], s.x[found], s.y[found]);
+    partition.sort_rows(s.n);
     if (!packed) ring.renumber(partition.lists.sorted);
     if (found == jump::NO_ROOM) partition.rooms.grow_neighbours(s, 0);
   }
   order++;
   remembers_list = false;
-  load();
+  load(0);
 }
 
 /** Rows of the list behind the others, for pairs of a local disc with one of another rank or beyond the seam. */
@@ -76,7 +77,8 @@ void PairJumpDisc::append_to_list(int from)
   jump_state &s = state();
   check_discs(from, atom->nlocal);
   reserve(atom->nlocal);
-  store();
+  store_places();
+  partition.make_room_for(atom->nlocal, 0);
   for (int i = from; i < atom->nlocal; i++) {
     const int64_t k = s.n;
     jump::Rooms::clear_next(s);
@@ -88,5 +90,5 @@ void PairJumpDisc::append_to_list(int from)
   listed.assign(atom->tag, atom->tag + atom->nlocal);
   order++;
   remembers_list = false;
-  load();
+  load(from);
 }
