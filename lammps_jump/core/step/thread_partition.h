@@ -35,6 +35,7 @@ class ThreadPartition {
   Rooms rooms;
   int64_t lists_made = 0;
   bool both_remember = false;    // as of `ThreadPart`
+  bool in_blocks = true;         // sums of rows are kept until the end of a block
   std::vector<ThreadPart> parts;
   PairMemory memory;
   std::vector<Dissipated> taken;    // of each block of discs
@@ -196,11 +197,11 @@ class ThreadPartition {
     for (; from < to; from++) at[from] = row;
   }
 
-  /** Ends of blocks of rows, each with at most BATCH rows and pairs, or one row. */
-  static void cut(const jump_state &s, int64_t from, int64_t to, std::vector<int64_t> &blocks)
+  /** Ends of blocks of rows, each with at most BATCH rows and pairs, or one row; of all of them, where there are no blocks. */
+  void cut(const jump_state &s, int64_t from, int64_t to, std::vector<int64_t> &blocks) const
   {
     blocks.assign(1, from);
-    for (int64_t row = from; row < to; row++) {
+    for (int64_t row = from; in_blocks && row < to; row++) {
       const int64_t begin = blocks.back();
       if (row > begin && (s.start[row + 1] - s.start[begin] > BATCH || row - begin == BATCH)) blocks.push_back(row);
     }

@@ -28,6 +28,7 @@ PairJumpDisc::PairJumpDisc(LAMMPS *lmp) : Pair(lmp), ring(lmp)
   single_enable = 0;
   restartinfo = 0;
   no_virial_fdotr_compute = 1;
+  partition.in_blocks = false;
   partition.tuner.read(std::getenv("LAMMPS_JUMP_THREADS"));
 }
 
