@@ -298,8 +298,11 @@ def run_member(member: Member, store: Path, again: bool, keep_dump: bool) -> Non
     if marker is not None and (marker.kind, marker.about.get("key")) != ("run", member.run):
         raise SetupError(f"{folder}: holds another run than that of this member; move it out of {store / RUNS}")
 
+    def without_dump() -> bool:
+        return not any((folder / name).exists() for name in DUMP_NAMES.values())
+
     if not keep_dump and read_summary(folder).get("status") == "complete":
-        again = again or not any((folder / name).exists() for name in DUMP_NAMES.values())
+        again = again or without_dump()
 
     def tell(report: Progress) -> None:
         worker.tell((report.step / max(report.steps, 1), report.step * 1.0, report.discs))
@@ -307,9 +310,9 @@ def run_member(member: Member, store: Path, again: bool, keep_dump: bool) -> Non
     run = partial(run_case, member.case, folder, progress=tell, should_stop=worker.asked_to_stop)
     try:
         run(resume=not again, force=again)
-    except (ResumeError, SetupError):
-        if again:
-            raise
+    except (ResumeError, SetupError, DumpError) as error:
+        if again or (isinstance(error, DumpError) and not without_dump()):
+            raise  # a dump that is gone: another piece of work has run this member and measured it meanwhile
         run(force=True)
     if not keep_dump:
         drop_dumps(member, store)

@@ -10,6 +10,7 @@ import lammps_jump as lj
 from lammps_jump.engines.lammps.loader import load_lammps
 from lammps_jump.studies import fluid
 from lammps_jump.studies.fluid import box
+from lammps_jump.studies.fluid.cell import LX, LY, OFFSET
 
 BEFORE, DURING = 1.0, 8.0
 """Strain before and while the means are taken."""
@@ -39,7 +40,7 @@ MEANS = "fix means all ave/time 1 {during} {during} c_stress[1] c_stress[2] c_st
 def by_stock(cell: fluid.Cell, restitution: float, rate: float) -> tuple[float, float]:
     """Friction and pressure (Pa) of a box that stock LAMMPS shears, from where the discs of a cell are."""
     discs, swarm, step = cell.discs, cell.swarm, cell.discs.coefficients.time_step
-    length, height, offset = cell.box[[cell.LX, cell.LY, cell.OFFSET]]
+    length, height, offset = cell.box[[LX, LY, OFFSET]]
     level = np.floor(swarm.y / height)
     x, y = swarm.x - level * offset, swarm.y - level * height
     vx = swarm.vx - level * rate * height + 0.5 * rate * height  # LAMMPS: at rest at the lower seam

@@ -14,6 +14,7 @@ from lammps_jump.studies.folder import held_folder
 COMMANDS = sorted({*STUDY_FILES, "fluid", "sensitivity", "stress"})
 OF_A_CASE = {"bench", "fluid", "cross-validate"}
 OF_A_NUMBER = [INPUTS / "quick_jump.yaml", "--of", "jump.y2"]
+OF_A_SEARCH = [INPUTS / "quick_jump.yaml", "--vary", "walls.sill.y.1=0.5:1.5", "--until", "jump.y2 >= 3"]
 OF_A_STUDY = {"calibrate": [INPUTS.parent / "validation" / "calibrate" / "like_water.yaml"]}
 
 
@@ -26,7 +27,7 @@ def standing_names(command):
 )
 def test_a_study_starts_in_no_folder_with_files_of_a_person(command, tmp_path, monkeypatch, capsys):
     given = [INPUTS / "quick_jump.yaml"] if command in OF_A_CASE else OF_A_STUDY.get(command, [])
-    given = OF_A_NUMBER if command == "budget" else given
+    given = {"budget": OF_A_NUMBER, "find": OF_A_SEARCH}.get(command, given)
     words = [command, *given, "--out", tmp_path / "out"]
     (tmp_path / "out" / "figures").mkdir(parents=True)
     for name in standing_names(command):
