@@ -57,9 +57,9 @@ function show() {
   const p = live.p || begin(frame);
   if (p.found.x.length < (p.run.seam ? 4 : 2) * frame.ids.length) p.found = roomFor(runNow(frame));
   Object.assign(p, { run: runNow(frame), time: frame.time });
+  live.last = frame;  // the clock that a picture draws is of this frame
   if (follows(p)) showHome(p);
   else draw(p);
-  live.last = frame;
   live.drawn++;
   showRecorded();
   addPoints(frame);
@@ -89,9 +89,15 @@ function say(name, text) {
 
 // ---- curves ----
 
-function addPoints({ time, forces }) {
+function addPoints({ time, forces, playing }) {
   if (time < live.since) clearPoints();
-  if (time < live.since + live.every) return;
+  if (time >= live.since + live.every) addPoint(time, forces);
+  if (playing && performance.now() - live.curvesAt < CURVES_EVERY) return;  // a flow that stands shows all of them
+  live.curvesAt = performance.now();
+  document.dispatchEvent(new Event("curves"));
+}
+
+function addPoint(time, forces) {
   live.since = time;
   const add = (line, value) => { line.x.push(live.head.time + time); line.y.push(value); };
   if (forces) linesOf("force").forEach((line, k) => add(line, forces[live.head.forces[k]][0] / 1000));
@@ -99,9 +105,6 @@ function addPoints({ time, forces }) {
   add(front, frontOf(live.p));
   linesOf("depth").forEach((line) => add(line, depthOf(live.p)));
   if (front.x.length > MOST_POINTS) thinPoints();
-  if (performance.now() - live.curvesAt < CURVES_EVERY) return;
-  live.curvesAt = performance.now();
-  document.dispatchEvent(new Event("curves"));
 }
 
 // The lines of a chart that the page goes on with; none where it has no such chart.

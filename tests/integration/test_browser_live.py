@@ -112,6 +112,7 @@ def test_step_start_and_sliders_by_the_keyboard(browser, tmp_path):
     assert page.run("document.activeElement.getAttribute('aria-valuetext')") == "0.01 m"
     page.run("document.activeElement.blur(), oneStep()")
     until(page, "live.last.step === 2")
+    assert page.run("document.querySelector('.clock').textContent").endswith("step 2")  # of the picture that is shown
     page.run("byClass('again').click()")
     until(page, "live.last.step === 0")
     assert page.troubles() == []

@@ -4,6 +4,7 @@
 #include "step/pair_search.h"    // before the core: its templates take vectors
 
 #include "step/integrate.cpp"
+#include "contact/no_contraction.h"    // before what takes contacts one at a time
 #include "step/lists.cpp"
 #include "step/relist.cpp"
 #include "step/wall_forces.cpp"
