@@ -515,9 +515,12 @@ function drawSequent(p, [from, to, depth], height) {
   const x0 = MARGIN.left + column(p, from), x1 = MARGIN.left + column(p, to), y = height(depth);
   drawLine(p, [[x0, y], [x1, y]], p.ink.theory, 1.5, [5, 4]);
   const left = Math.min(x0, x1), right = Math.min(Math.max(x0, x1), MARGIN.left + p.wide);
-  // before the front, where the stream is low; above the line where there is no room
-  const [x, up] = left - MARGIN.left > 110 ? [left - 8, 0] : [right, 10];
-  write(p, `Bélanger at this instant ${depth.toFixed(2)} m`, x, y - up, { align: "right", colour: p.ink.theory });
+  // before the front, where the stream is low; above the line where there is no room; short where the page is narrow
+  const number = `${depth.toFixed(2)} m`, end = MARGIN.left + p.wide;
+  const label = [`Bélanger at this instant ${number}`, `Bélanger ${number}`].find((one) => textWidth(p, one) < 0.6 * p.wide) || number;
+  const wide = textWidth(p, label), before = left - 8 - wide > MARGIN.left;
+  const x = before ? left - 8 : Math.min(Math.max(right, MARGIN.left + wide + 4), end);
+  write(p, label, x, y - (before ? 0 : 10), { align: "right", colour: p.ink.theory });
 }
 
 // From the right, so that the unit has its room: a label stays within the picture, and one without room is left out.
