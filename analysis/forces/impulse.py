@@ -178,6 +178,8 @@ def impulse_identity(forces: Mapping[str, ForceHistory], momentum: MomentumHisto
     start, end = momentum.time[a], momentum.time[b]
     pushing = [name for name, pushed in momentum.unprobed.items() if pushed[a : b + 1, column].any()]
     reasons = [f"wall '{name}' pushes along {axis} and is not probed" for name in pushing]
+    if flow.scene.fixed is not None:
+        reasons.append("the discs of a rough bed push, and no record has their force")
     if not flow.knows_contacts:
         reasons.append(f"{flow.no_contacts}, so that nothing tells whether other walls push")
     silent = [wall.name for wall in flow.scene.permanent if wall.name in flow.scene.probes and wall.name not in forces]

@@ -22,7 +22,7 @@ from lammps_jump.dump.frame import make_frame
 from lammps_jump.files import plain
 from lammps_jump.physics import jump as waves
 from lammps_jump.scene.motion import gate
-from lammps_jump.scene.scene import InletRow
+from lammps_jump.scene.scene import Fixed, InletRow
 from lammps_jump.scene.walls import Block, Plane
 
 D, M, G, DT = 0.2, 40.0, 9.81, 1e-3
@@ -93,6 +93,8 @@ def test_identity_names_what_is_missing():
     assert "floor" in impulse_identity({"back": record(-600.0)}, low, flow, "y").reason
     short = impulse_identity({"back": record(-600.0, windows=50)}, low, flow, "x")
     assert short.end == pytest.approx(0.5)
+    rough = replace(flow, scene=replace(flow.scene, fixed=Fixed(90, 99)))
+    assert "rough bed" in impulse_identity({"back": record(-600.0)}, low, rough, "x").reason
     assert "no wall" in impulse_identity({}, low, flow, "x").reason
     changing = ledger(pushed(600.0, frames=2, gone=1), flow)
     assert "enter or leave" in impulse_identity({"back": record(-600.0)}, changing, flow, "x").reason
