@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /* What pairs remember while steps are made: their springs stand in the order of the list of pairs, so that no step looks for a slot.
 
-   Slots (contact/history.h) are the form that lasts: hosts, sums and sorting of the discs know them alone. `begin_memory` takes the
-   springs of pairs out of the slots, `end_memory` puts them back. Between the two, slots hold contacts with walls alone. */
+   Slots (contact/history.h) are the form that lasts: hosts, sums and sorting of the discs know them alone. `begin` takes the
+   springs of pairs out of the slots, `end` puts them back. Between the two, slots hold contacts with walls alone. */
 
 #ifndef JUMP_CORE_PAIR_MEMORY_H
 #define JUMP_CORE_PAIR_MEMORY_H
@@ -25,18 +25,18 @@ class PairMemory {
   bool goes_on = false;
 
   /** Take what slots remember of the pairs of the list. */
-  template <class Crew> void begin(const jump_state &s, Crew &crew)
+  template <class Partition> void begin(const jump_state &s, Partition &partition)
   {
     goes_on = s.memory_step > 0.0;
     const size_t pairs = (size_t) s.start[s.rows] + 4;    // four are looked at together
     for (auto *const column : {&slide, &roll}) column->resize(pairs);
     touched.resize(pairs);
-    crew.stretches(s.rows, [&](int, int64_t from, int64_t to) {
+    partition.stretches(s.rows, [&](int, int64_t from, int64_t to) {
       for (int64_t row = from; row < to; row++) look(s, row);
     });
     if (!goes_on) return;
     has_wall.assign((size_t) s.n, 0);
-    crew.stretches(s.n, [&](int, int64_t from, int64_t to) {
+    partition.stretches(s.n, [&](int, int64_t from, int64_t to) {
       for (int64_t i = from; i < to; i++) has_wall[(size_t) i] = empty_slots(s, i);
     });
     at_walls.clear();
@@ -128,7 +128,7 @@ class PairMemory {
     }
   }
 
-  /** Empty the slots of a disc that remember discs; whether others remember walls. */
+  /** Empty the slots of a disc that remember discs. Returns whether others remember walls. */
   static bool empty_slots(const jump_state &s, int64_t i)
   {
     bool has_wall = false;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /* Pairs of discs that are close, found by cells: the lists of the native engine and of the plugin.
 
-   Discs are sorted by cell, so that the candidates of a disc are two stretches of memory. A crew shares the work among its threads;
+   Discs are sorted by cell, so that the candidates of a disc are two stretches of memory. A partition shares the work among its threads;
    what is found is the same for any number of them. */
 
 #ifndef JUMP_CORE_PAIR_SEARCH_H
@@ -181,12 +181,12 @@ inline void sort_column(uint64_t *from, uint64_t *to)
 }
 
 /** Cells of the discs in their order, and where each disc was. SCATTERED: discs are not as good as sorted before. */
-template <bool SCATTERED, class Crew> void sort_discs(const SearchedDiscs &s, const SearchCells &cells, SearchRoom &work, Crew &crew)
+template <bool SCATTERED, class Partition> void sort_discs(const SearchedDiscs &s, const SearchCells &cells, SearchRoom &work, Partition &partition)
 {
   work.cells.resize((size_t) s.n);
   work.columns.resize((size_t) s.n);
   work.sorted.resize((size_t) s.n);
-  crew.stretches(s.n, [&](int, int64_t from, int64_t to) {
+  partition.stretches(s.n, [&](int, int64_t from, int64_t to) {
     for (int64_t i = from; i < to; i++) {
       const auto [column, cell] = cells.of(s.x[i], s.y[i]);
       work.columns[(size_t) i] = (int32_t) column;
@@ -203,16 +203,16 @@ template <bool SCATTERED, class Crew> void sort_discs(const SearchedDiscs &s, co
     work.sorted[(size_t) ends[keys[(size_t) i]]++] = (uint64_t) work.cells[(size_t) i] << 32 | (uint64_t) i;
   if constexpr (SCATTERED) return;
   uint64_t *const sorted = work.sorted.data();
-  crew.stretches(cells.columns, [&](int, int64_t from, int64_t to) {
+  partition.stretches(cells.columns, [&](int, int64_t from, int64_t to) {
     for (int64_t c = from; c < to; c++) sort_column(sorted + ends[c], sorted + ends[c + 1]);
   });
 }
 
 /** List the rows of the sorted discs; false where there is no room. */
-template <class Numbers, class Crew>
-bool list_rows(const RowsOf<Numbers> &rows, int32_t *neighbours, int64_t room, SearchRoom &work, Crew &crew)
+template <class Numbers, class Partition>
+bool list_rows(const RowsOf<Numbers> &rows, int32_t *neighbours, int64_t room, SearchRoom &work, Partition &partition)
 {
-  const int count = crew.shares();
+  const int count = partition.shares();
   const int64_t n = rows.s.n;
   int64_t *const start = rows.start;
   start[0] = 0;
@@ -220,7 +220,7 @@ bool list_rows(const RowsOf<Numbers> &rows, int32_t *neighbours, int64_t room, S
   std::vector<std::vector<int32_t>> &own = work.rows;
   std::vector<int64_t> length((size_t) count), before((size_t) count + 1);
   own.resize((size_t) count);
-  crew.stretches(n, [&](int k, int64_t from, int64_t to) {
+  partition.stretches(n, [&](int k, int64_t from, int64_t to) {
     own[(size_t) k].resize((size_t) (2 * room / count + 64));
     length[(size_t) k] = rows.list(from, to, own[(size_t) k].data(), (int64_t) own[(size_t) k].size());
   });
@@ -229,7 +229,7 @@ bool list_rows(const RowsOf<Numbers> &rows, int32_t *neighbours, int64_t room, S
     before[(size_t) k + 1] = before[(size_t) k] + length[(size_t) k];
   }
   if (before.back() > room) return false;
-  crew.stretches(n, [&](int k, int64_t from, int64_t to) {
+  partition.stretches(n, [&](int k, int64_t from, int64_t to) {
     std::copy_n(own[(size_t) k].data(), length[(size_t) k], neighbours + before[(size_t) k]);
     for (int64_t i = from; i < to; i++) start[i + 1] += before[(size_t) k];
   });

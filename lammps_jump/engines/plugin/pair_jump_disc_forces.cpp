@@ -74,7 +74,7 @@ void PairJumpDisc::load(int64_t from)
   packed = false;
 }
 
-/** Take a disc of LAMMPS as the next one, without force but its weight. */
+/** Take a disc of LAMMPS as the next one. Its force begins with its weight (`load`). */
 void PairJumpDisc::take_disc(int i)
 {
   jump_state &s = state();
@@ -84,9 +84,6 @@ void PairJumpDisc::take_disc(int i)
   double *const row = rows()[k];
   for (int c = 0; c < 2; c++) row[c] = atom->x[i][c], row[2 + c] = atom->v[i][c];
   s.x[k] = row[0], s.y[k] = row[1];
-  const double square = s.radius ? atom->radius[i] * atom->radius[i] : 1.0;
-  s.fx[k] = s.weight_x * square;
-  s.fy[k] = s.weight_y * square;
   if (s.radius) s.radius[k] = atom->radius[i];
   if (s.fixed) s.fixed[k] = is_fixed(atom->tag[i]);
   if (s.omega) {
