@@ -20,7 +20,6 @@ from lammps_jump.dump.contacts import ContactFile
 from lammps_jump.dump.exports import write_netcdf, write_table
 from lammps_jump.dump.find import read_forces
 from lammps_jump.dump.read import Dump, open_dump
-from lammps_jump.dump.walls import read_pressure
 from lammps_jump.errors import DumpError, SetupError
 from lammps_jump.files import CONTACTS_FILE, CURVES, PRESSURE_FILE, plain, write_json
 
@@ -325,14 +324,8 @@ def figure(
 
 
 def felt(gathered: Gathered) -> ForceArrows | None:
-    """Forces of a run for the outlines of its structures; None where none was recorded."""
-    if not gathered.forces:
-        return None
-    record = None
-    if gathered.pressure is not None:
-        with suppress(DumpError):  # the analysis says what is wrong with it
-            record = read_pressure(gathered.pressure, gathered.flow.scene)
-    return ForceArrows(gathered.flow, gathered.forces, record)
+    """The forces of a run as arrows on its structures, or None without a record of forces."""
+    return ForceArrows.recorded(gathered.flow, gathered.forces, gathered.pressure)
 
 
 def draw_figures(
@@ -342,10 +335,10 @@ def draw_figures(
     dump: Path,
     flow: Flow,
     ending: str = "png",
-    **how: Any,
+    arrows: ForceArrows | None = None,
+    beside: Callable[[Image], None] | None = None,
 ) -> None:
     """Draw figures into a folder, as files with this ending; `arrows` as of `figure`, `beside` as of `style.save`."""
-    arrows, beside = how.pop("arrows", None), how.pop("beside", None)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

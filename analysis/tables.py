@@ -129,7 +129,7 @@ def _rows(
         held = wanted.other and component != "fy"  # water at rest pushes along x
         held = held and all(quantity.compares(wanted, name, one) for one in summaries)
         other = f"{quantity.name}.{wanted.other}".replace("*", name) if held else ""
-        pairs = [(_at(one, path), _at(one, other)) for one in summaries if quantity.is_shown(wanted, one)]
+        pairs = [(value_at(one, path), value_at(one, other)) for one in summaries if quantity.is_shown(wanted, one)]
         known = [(value / wanted.scale, theory) for value, theory in pairs if isinstance(value, int | float)]
         if not known:
             continue
@@ -151,7 +151,7 @@ def _rows(
         )
 
 
-def _at(summary: Mapping[str, Any], path: str) -> Any:
+def value_at(summary: Mapping[str, Any], path: str) -> Any:
     """Value at a path of keys; None where there is nothing."""
     found: object = summary
     for key in path.split("."):
@@ -195,8 +195,8 @@ def _measured(row: MeasuredRow, summary: Mapping[str, Any] | None) -> str:
     if summary is None or isfinite(row.measured.error):
         return _text(row.measured)
     group, _, key = row.path.rpartition(".")
-    error, bounds = _at(summary, f"{row.path}_error"), _at(summary, f"{group}.lower_bounds")
-    stored = _at(summary, row.path)
+    error, bounds = value_at(summary, f"{row.path}_error"), value_at(summary, f"{group}.lower_bounds")
+    stored = value_at(summary, row.path)
     if not isinstance(error, int | float) or not isinstance(stored, int | float) or not stored:
         return _text(row.measured)
     scale = row.measured.value / stored
@@ -234,7 +234,7 @@ def together(summaries: Sequence[Mapping[str, Any]], mean: Callable[[Sequence[fl
 
     ``starts`` holds how many they are, and how many of them have the verdict.
     """
-    kinds = [tuple(_at(one, f"{name}.verdict") for name in QUANTITIES) for one in summaries]
+    kinds = [tuple(value_at(one, f"{name}.verdict") for name in QUANTITIES) for one in summaries]
     kind = Counter(kinds).most_common(1)[0][0]
     same = [one for one, its in zip(summaries, kinds, strict=True) if its == kind]
     made = {**_means(same, mean), "starts": (len(same), len(summaries))}

@@ -266,7 +266,7 @@ def line(summary: Mapping[str, Any]) -> str:
 
 
 def section(summary: Mapping[str, Any]) -> Section | None:
-    """The budget of the ledger, and that from frames between the same stations; None where the case has no stations."""
+    """Budget of the ledger, beside that of the frames between the same stations; None without stations."""
     ledger = summary.get("ledger") or {}
     if ledger.get("stations_lost") is None:
         return None

@@ -318,31 +318,24 @@ def _notes(delivered: float, asked: float, refused: int, turns: int, blocked: st
 
 
 def shortfall(summaries: Sequence[Mapping[str, Any]]) -> str:
-    """A sentence on runs of which less came in or passed a structure than was asked for; empty where none is.
+    """A sentence that counts the runs with less discharge than was asked for, at the inlet or past a structure.
+
+    It is empty where no run is short.
 
     Parameters
     ----------
     summaries : sequence of mapping
         ``inflow`` and ``overtopping`` as in ``summary.json``; each may be absent.
     """
-    asked: list[float] = []
-    came: list[float] = []
-    passed: dict[str, list[float]] = {}
-    for summary in summaries:
-        inflow = summary.get("inflow") or {}
-        q, delivered = inflow.get("asked"), inflow.get("delivered")
-        if not q or delivered is None:
-            continue
-        through = {name: _through(one) for name, one in (summary.get("overtopping") or {}).items()}
-        short = {name: one for name, one in through.items() if one[0] + max(SHORT * q, 2 * one[1]) < q}
-        if short or delivered < (1 - LARGEST_LOSS) * q:
-            asked.append(q)
-            came.append(delivered)
-            for name, (rate, _) in short.items():
-                passed.setdefault(name, []).append(rate)
-    if not asked:
+    short = [found for summary in summaries if (found := _shortfall_of(summary))]
+    if not short:
         return ""
-    runs = f" in {len(asked)} of {len(summaries)} runs" if len(summaries) > 1 else ""
+    asked, came, _ = zip(*short, strict=True)
+    passed: dict[str, list[float]] = {}
+    for one in short:
+        for name, rate in one.passed.items():
+            passed.setdefault(name, []).append(rate)
+    runs = f" in {len(short)} of {len(summaries)} runs" if len(summaries) > 1 else ""
     went = "".join(f", {_span(rates)} passed {name}" for name, rates in passed.items())
     why = ". What did not pass is still before it or left elsewhere: run longer, with a later analysis.window"
     return (
@@ -352,8 +345,27 @@ def shortfall(summaries: Sequence[Mapping[str, Any]]) -> str:
 
 def line(summary: Mapping[str, Any]) -> str:
     """Sentence on a structure that less passed than came in; what did not come in stands among the notes."""
-    text = shortfall([summary])
-    return text if " passed " in text else ""
+    found = _shortfall_of(summary)
+    return shortfall([summary]) if found and found.passed else ""
+
+
+class _Shortfall(NamedTuple):
+    """Discharge that was asked for and that came in, and of structures that less passed what passed, m^2/s."""
+
+    asked: float
+    came: float
+    passed: dict[str, float]
+
+
+def _shortfall_of(summary: Mapping[str, Any]) -> _Shortfall | None:
+    """That of one run; None where it is not short, or where nothing is known of its inflow."""
+    inflow = summary.get("inflow") or {}
+    asked, came = inflow.get("asked"), inflow.get("delivered")
+    if not asked or came is None:
+        return None
+    through = {name: _through(one) for name, one in (summary.get("overtopping") or {}).items()}
+    passed = {name: rate for name, (rate, error) in through.items() if rate + max(SHORT * asked, 2 * error) < asked}
+    return _Shortfall(asked, came, passed) if passed or came < (1 - LARGEST_LOSS) * asked else None
 
 
 def _through(one: Mapping[str, Any]) -> tuple[float, float]:

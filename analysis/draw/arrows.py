@@ -8,16 +8,19 @@ of pressure stand on the stretches over which it was summed.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from math import floor, hypot, log10
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.dump.find import ForceHistory
-from lammps_jump.dump.walls import StretchForces
+from lammps_jump.dump.walls import StretchForces, read_pressure
+from lammps_jump.errors import DumpError
 from lammps_jump.scene.motion import MovingWall, reference
 from lammps_jump.scene.walls import Interval, Wall, parts_of
 from lammps_jump.units import KILO
@@ -129,6 +132,20 @@ class ForceArrows:
     flow: Flow
     forces: Mapping[str, ForceHistory]
     pressure: StretchForces | None = None
+
+    @classmethod
+    def recorded(cls, flow: Flow, forces: Mapping[str, ForceHistory], pressure: Path | None) -> ForceArrows | None:
+        """Arrows of a run, by its record of forces and the file of its pressure; None without forces.
+
+        A file of pressure that cannot be read gives none: the analysis says what is wrong with it.
+        """
+        if not forces:
+            return None
+        record = None
+        if pressure is not None:
+            with suppress(DumpError):
+                record = read_pressure(pressure, flow.scene)
+        return cls(flow, forces, record)
 
     @cached_property
     def _known(self) -> dict[str, ForceHistory]:

@@ -33,7 +33,7 @@ from .to_scene import build_scene
 NOT_TOLD = ("name", "analysis", "probes", "engine", "run.members", "run.checkpoint_interval", "run.dump_format")
 """Fields whose change is not told behind a description: the flow is the same."""
 TOLD = "analysis.window"
-"""The one among them that is told: all means are of it."""
+"""Field of `analysis` that a description tells: all means are taken over it."""
 OF_THE_FLOW = ("gravity", "slope", "discs", "contact", "domain", "walls", "initial", "inflow", "outflow")
 """Fields that a description of a scene may speak of."""
 CHANGED = "changed: "

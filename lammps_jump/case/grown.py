@@ -86,9 +86,8 @@ def bed_positions(bed: PackedBed, diameters: np.ndarray, seed: int) -> np.ndarra
         )
     grown = _kept(SoftBed(size, tuple(diameters.tolist()), seed))
     if grown.overlap > TOUCHING:
-        room = (
-            floor(100 * bed.packing * (1.0 - grown.overlap) ** 2) / 100
-        )  # to the nearest, it could be what is refused
+        # rounded down: to the nearest, it could be the packing that is refused
+        room = floor(100 * bed.packing * (1.0 - grown.overlap) ** 2) / 100
         raise ValueError(
             f"packing {bed.packing:zg} is not reached: {len(diameters)} discs are jammed in {size[0]:z.4g} by "
             f"{size[1]:z.4g} m with overlaps up to {100 * grown.overlap:z.2g} % of a diameter. Discs at random reach "

@@ -43,7 +43,7 @@ def require_own(*files: Path) -> None:
 
 
 def open_to_others(*files: Path) -> Path | None:
-    """Part of the way to some files that another user owns or may change, see `require_own`; None where nothing is."""
+    """First file or folder on the way to some files that another user owns or may change (`require_own`), or None."""
     for path in dict.fromkeys(place for file in files for place in _way(file)):
         with suppress(OSError):  # not there yet
             found, itself = path.stat(), path.lstat()
@@ -65,7 +65,7 @@ def _way(file: Path, links: int = MOST_LINKS) -> Iterator[Path]:
 
 
 def _home() -> Path | None:
-    """Home folder of this user by the system's list of users, whatever HOME says; None where there is none."""
+    """Home folder of this user in the system's list of users, or None. HOME is not asked: others may set it."""
     with suppress(KeyError):
         home = Path(pwd.getpwuid(os.getuid()).pw_dir)
         return home if home.is_dir() else None

@@ -124,7 +124,7 @@ class Platform:
 
     @property
     def compiler(self) -> tuple[str, ...] | None:
-        """The command, None where it is not there."""
+        """The command of the compiler, or None without one."""
         return (sys.executable, "-m", "ziglang", "c++", "-g0", "-target", self.zig) if self.zig else find_compiler()
 
     @property

@@ -36,7 +36,7 @@ def is_code(data: bytes) -> bool:
 
 
 def made_for(code: bytes) -> tuple[str, str] | None:
-    """System and machine of an object or library, by the words of `platform`; None where it is neither.
+    """System and machine that an object or library is for, in the words of `platform`; None for other files.
 
     The object files of Windows have no mark of their own, so that its libraries alone are known.
     """

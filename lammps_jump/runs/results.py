@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Collection, Mapping, Sequence
-from contextlib import nullcontext, suppress
+from contextlib import nullcontext
 from dataclasses import dataclass, fields, replace
 from importlib import import_module
 from pathlib import Path
@@ -30,7 +30,6 @@ from lammps_jump.dump.exports import export as write_exports
 from lammps_jump.dump.exports import load_netcdf
 from lammps_jump.dump.find import ForceHistory, find_dump, read_dump, read_forces
 from lammps_jump.dump.read import Dump, open_dump
-from lammps_jump.dump.walls import StretchForces, read_pressure
 from lammps_jump.errors import CaseError, DumpError
 from lammps_jump.files import PLAYER, PRESSURE_FILE, SUMMARY_FILE, checksum, read_json, write_json, write_text, writes
 from lammps_jump.provenance import versions
@@ -348,24 +347,18 @@ def animate(target: Path, out: Path | None, fps: int, *, arrows: bool = True) ->
     case = ReadCase.load(require_case(home)) if (home / "case.yaml").exists() else None
     table = home / "forces.csv"
     results_of(home).require_same(table.name)
-    forces = read_forces(table) if arrows and case is not None and table.exists() else None
+    forces = read_forces(table) if arrows and case is not None and table.exists() else {}
     destination = out or home / "animation.mp4"
     written = destination if drawing.film.has_ffmpeg() else destination.with_suffix(".gif")
     folders.require_replaceable(written.parent, written.name)
     flow = flow_of_dump(target) if analysed else _flow(path, case)
     with folders.locked(home) if out is None and folders.read_marker(home) else nullcontext():
-        felt = drawing.arrows.ForceArrows(flow, forces, _pressure_of(home, flow)) if forces else None
+        pressure = home / PRESSURE_FILE if flow.scene.pressure else None
+        felt = drawing.arrows.ForceArrows.recorded(flow, forces, pressure)
         drawing.film.animate(open_dump(path), flow, written, fps=fps, arrows=felt)
     if written != destination:
         log.info(f"note: {drawing.film.NO_FFMPEG}")
     return written
-
-
-def _pressure_of(folder: Path, flow: Flow) -> StretchForces | None:
-    """Record of the pressure in a run folder; None where there is none that can be read."""
-    with suppress(DumpError):
-        return read_pressure(folder / PRESSURE_FILE, flow.scene) if flow.scene.pressure else None
-    return None
 
 
 def export(place: Path, kinds: Collection[str], out: Path | None = None) -> list[Path]:

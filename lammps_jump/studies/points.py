@@ -14,13 +14,13 @@ from typing import Any, NamedTuple
 
 from lammps_jump.analysis.tables import paragraphs
 from lammps_jump.errors import CaseError, JumpError, RunError, RunInterrupted
-from lammps_jump.files import DUMP_NAMES, plain, text_of
+from lammps_jump.files import plain, text_of
 from lammps_jump.identity import short_hash
 from lammps_jump.provenance import usable_cores
 from lammps_jump.runs.run import Case, load_case, open_run
 from lammps_jump.studies.folder import LAW_FILE, MEASURE_FILE, STUDY_FILE, load_module, source_of
 from lammps_jump.sweeps import Pool, Results, Say, Start, Store, plan
-from lammps_jump.sweeps.members import Member, drop_dumps, require_no_links, run_member, state_of
+from lammps_jump.sweeps.members import Member, drop_dumps, has_dump, require_no_links, run_member, state_of
 from lammps_jump.sweeps.pool import CallOutcome
 from lammps_jump.sweeps.store import Watch
 
@@ -185,7 +185,7 @@ def _measured(task: Task, member: Member, function: Measure) -> object:
     stage = state_of(member, task.store).stage
     there = stage == "done" and not task.again
     if there and task.dump:
-        there = any((folder / name).exists() for name in DUMP_NAMES.values())
+        there = has_dump(folder)
     if not there:
         run_member(member, task.store, stage in ("done", "failed"), True)
     found = function(open_run(folder), **task.options)

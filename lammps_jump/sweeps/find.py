@@ -20,6 +20,7 @@ from pydantic import Field, ValidationError
 from lammps_jump.analysis.budgets.inflow import shortfall
 from lammps_jump.analysis.draw.style import BLACK, BLUE, GREY, RED, drawing, save
 from lammps_jump.analysis.report.page import Boxes, NumberBox, Section, Table, Text, picture
+from lammps_jump.analysis.tables import value_at
 from lammps_jump.case.case import ReadCase
 from lammps_jump.case.explain import explain
 from lammps_jump.case.parts.base import Strict, Whole
@@ -400,9 +401,7 @@ def _searched(wanted: Wanted, folder: Path, pool: Pool, progress: Callable[[Swee
 
 def _why_absent(summary: Mapping[str, Any], key: str) -> str:
     """Why a run that is complete has no such number: the reason that stands beside it, where one does."""
-    beside: Any = summary
-    for name in key.split(".")[:-1]:
-        beside = beside.get(name) if isinstance(beside, Mapping) else None
+    beside = value_at(summary, key.rpartition(".")[0])
     reason = beside.get("reason") if isinstance(beside, Mapping) else None
     return f"it has no {key}" + (f": {reason}" if isinstance(reason, str) else "")
 

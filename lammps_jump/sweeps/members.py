@@ -298,11 +298,8 @@ def run_member(member: Member, store: Path, again: bool, keep_dump: bool) -> Non
     if marker is not None and (marker.kind, marker.about.get("key")) != ("run", member.run):
         raise SetupError(f"{folder}: holds another run than that of this member; move it out of {store / RUNS}")
 
-    def without_dump() -> bool:
-        return not any((folder / name).exists() for name in DUMP_NAMES.values())
-
     if not keep_dump and read_summary(folder).get("status") == "complete":
-        again = again or without_dump()
+        again = again or not has_dump(folder)
 
     def tell(report: Progress) -> None:
         worker.tell((report.step / max(report.steps, 1), report.step * 1.0, report.discs))
@@ -311,11 +308,16 @@ def run_member(member: Member, store: Path, again: bool, keep_dump: bool) -> Non
     try:
         run(resume=not again, force=again)
     except (ResumeError, SetupError, DumpError) as error:
-        if again or (isinstance(error, DumpError) and not without_dump()):
+        if again or (isinstance(error, DumpError) and has_dump(folder)):
             raise  # a dump that is gone: another piece of work has run this member and measured it meanwhile
         run(force=True)
     if not keep_dump:
         drop_dumps(member, store)
+
+
+def has_dump(folder: Path) -> bool:
+    """Tells whether a run folder holds its dump, which members do not keep."""
+    return any((folder / name).exists() for name in DUMP_NAMES.values())
 
 
 def drop_dumps(member: Member, store: Path) -> None:

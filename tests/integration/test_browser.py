@@ -726,12 +726,14 @@ def read_back(page, folder):
 def numbers_agree(page, summary):
     """The numbers at the top are those of the summary."""
     plain = [value for value in flat(summary) if isinstance(value, float | int) and value is not True]
-    shown = page.run("[...document.querySelectorAll('.numbers b')].map((b) => b.textContent)")
+    shown = page.run(
+        "[...document.querySelectorAll('.numbers b')].map((b) => [b.textContent, b.parentElement.textContent])"
+    )
     assert 2 <= len(shown) <= 5
-    for text in shown:
+    for text, around in shown:
         value = float(text.replace("\u2212", "-").replace("\u202f", ""))
-        zeros = len(text) - len(text.rstrip("0")) if "." not in text else 0  # cut to its error: 8020 ± 110
-        digits = len(text.partition(".")[2]) - min(zeros, 2)
+        cut = "±" in around and "." not in text  # to two digits of its error: 8020 ± 110
+        digits = len(text.partition(".")[2]) - (len(text) - len(text.rstrip("0")) if cut else 0)
         near = [one for one in plain for scale in (1, 1e-3, 100) if abs(one * scale - value) <= 0.51 * 10**-digits]
         assert near, text
 
