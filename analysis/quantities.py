@@ -36,7 +36,7 @@ class ListedAnalysis(NamedTuple):
     bare : bool
         It is looked for in a bare dump where no option names anything.
     needs : mapping of str to str
-        What a scene must have, by the names of `lammps_jump.case.asked.facts`, and what follows where it
+        What a scene must have, by the names of `lammps_jump.case.doubts.facts`, and what follows where it
         lacks that; ``check`` says so.
     makes : tuple of str
         Names of its tables, and those of its figures without an ending; ``*`` stands for its own.

@@ -192,7 +192,7 @@ DEFECTS = [
     Defect("derivative", CORE_MOTION, "follow", "wall.now.x -", "behind.x -", MOVING_PLUGIN_TESTS),
     Defect("factor", CORE_MOTION, "drift", "* force", "* 0.5 * force", MOVING_PLUGIN_TESTS),
     Defect("factor", HYDROGRAPH, "_parabola", "+ h0", "+ 2 * h0", "physics/test_inlet.py case/test_inflow_table.py"),
-    Defect("interpolation", "lammps_jump/case/parts/rows.py", "_rows_against_time.speeds", "(steps - settle)",
+    Defect("interpolation", "lammps_jump/case/channel.py", "_rows_against_time.speeds", "(steps - settle)",
            "steps", "case/test_inflow_table.py"),
     Defect("interpolation", "analysis/devices/waves.py", "analyse.records", "np.interp(place, x, row)",
            "row[np.searchsorted(x, place)]", "analysis/test_devices.py"),

@@ -9,8 +9,8 @@ from typing import Any
 from features import BED, BELT, BOX, CHANNEL, COLUMN, CONTACT, FLOOR, JET, JETS, LID, PADDLE, POUR, SIDE, SIZES
 from pydantic import BaseModel
 
+from lammps_jump.case.contact import Contact, RollingResistance
 from lammps_jump.case.discs import UniformSizes
-from lammps_jump.case.parts.contact import Contact, RollingResistance
 
 LAWS = ("viscous", "sign", "history")
 SCALES = {"largest_overlap", "impact_speed", "stiffness", "stiffness_wall", "touch_width", "tangential_damping"}

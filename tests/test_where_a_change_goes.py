@@ -32,10 +32,9 @@ from lammps_jump.analysis.flow import from_scene
 from lammps_jump.analysis.quantities import LISTED, ListedAnalysis, captions, result_files
 from lammps_jump.analysis.report.run import write_report
 from lammps_jump.analysis.tables import main_numbers, rows_of
-from lammps_jump.case import explain
-from lammps_jump.case.asked import facts
-from lammps_jump.case.fields import CaseFields, Contact
-from lammps_jump.case.measures import Analysis, asked_for
+from lammps_jump.case import field_words
+from lammps_jump.case.doubts import facts
+from lammps_jump.case.fields import Analysis, CaseFields, Contact, asked_for
 from lammps_jump.cli import app as cli_app
 from lammps_jump.cli import studies as cli_studies
 from lammps_jump.cli import tools
@@ -176,7 +175,7 @@ ROWS = {
 """Sections of docs/extending.md that execute each row of the table."""
 BESIDE = {
     "an analysis": {"analysis/spread.py"},
-    "a number of the contact law": {"lammps_jump/case/parts/contact.py"},
+    "a number of the contact law": {"lammps_jump/case/contact.py"},
 }
 """Files that a row tells in words: its own file, its field of a case."""
 
@@ -474,7 +473,7 @@ def test_a_new_field_is_told_at_the_field_alone(monkeypatch, capsys):
     class Fields(CaseFields):
         contact: Sticky = Field(description="what happens when discs touch")
 
-    for module in (cases, explain, words, fields, lammps_jump.case):
+    for module in (cases, field_words, words, fields, lammps_jump.case):
         monkeypatch.setattr(module, "CaseFields", Fields)
     row = "| `grip` | how soon two discs let go. Without it, at once | number | 1/s | ≥ 0.001 and ≤ 50 | \N{EN DASH} |"
     assert row in fields.page() and "contact.grip" in fields.names()

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from lammps_jump.case.parts.grading import GradingCurve
+from lammps_jump.case.discs import GradingCurve
 from lammps_jump.errors import CaseError, DumpError, JumpError
 from lammps_jump.sweeps import Pool, run_starts
 from lammps_jump.sweeps.members import Start, plan

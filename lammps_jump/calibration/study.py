@@ -13,9 +13,9 @@ import yaml
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationError
 
 from lammps_jump.analysis.quantities import QUANTITIES, result_files
+from lammps_jump.case.base import Strict, Whole
 from lammps_jump.case.case import ReadCase
-from lammps_jump.case.explain import explain
-from lammps_jump.case.parts.base import Strict, Whole
+from lammps_jump.case.field_words import explain
 from lammps_jump.case.text import CaseSource, read_source
 from lammps_jump.errors import CaseError, FieldError
 from lammps_jump.files import plain

@@ -13,7 +13,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field, model_validator
 
-from lammps_jump.case.parts.base import Strict
+from lammps_jump.case.base import Strict
 from lammps_jump.dump.tables import LARGEST, table_of
 from lammps_jump.errors import CaseError, DumpError
 from lammps_jump.files import read_file

@@ -21,7 +21,7 @@ from lammps_jump.scene.scene import Beginning
 from lammps_jump.scene.shapes import open_ends
 from lammps_jump.scene.walls import Block, Circle, Polygon, Wall, WallName
 
-from .parts.base import Strict
+from .base import Strict
 
 Axis = Literal["x", "y", "turn"]
 AXES: tuple[Axis, ...] = ("x", "y", "turn")

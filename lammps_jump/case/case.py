@@ -24,9 +24,9 @@ from lammps_jump.scene.scene import Scene
 from lammps_jump.scene.tracks import Held
 
 from .derived import Derived
-from .explain import explain, slopes_of_angles
+from .earlier import from_run, read_runs, with_restart
+from .field_words import explain, slopes_of_angles
 from .fields import CaseFields
-from .parts.taken import from_run, read_runs, with_restart
 from .text import CaseSource, PathKey, nearest, override, parse_source, read_source, read_tables, value_at
 from .to_scene import build_scene
 

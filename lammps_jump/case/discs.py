@@ -1,18 +1,188 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Fields of the discs: their sizes, and where they are at the start."""
+"""Fields of the discs: their sizes, by a sieve curve or a log-normal law too, and where they are at the start."""
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from itertools import pairwise
+from math import ceil, sqrt
+from typing import Annotated, Any, Literal, NamedTuple
 
+import numpy as np
 from pydantic import ConfigDict, Discriminator, Field, Tag, ValidationError
-from pydantic.functional_validators import model_validator
+from pydantic.functional_validators import field_validator, model_validator
 
 from lammps_jump import units
-from lammps_jump.case.parts.grading import GradingCurve, LogNormalSizes, SieveSizes
+from lammps_jump.physics.elementary import exp, log
+from lammps_jump.physics.grading import normal_part, number_shares
 from lammps_jump.scene.shapes import PlaceError
 
-from .parts.base import EarlierRun, Jitter, Shift, Speed, Strict, Whole
+from .base import EarlierRun, Jitter, Shift, Speed, Strict, Whole
+
+WIDEST = 16.0
+"""Largest ratio of the largest and the smallest diameter of a curve: cells are those of the largest."""
+OFF = 1e-3
+"""Part of the whole by which a curve in pieces may be off between their ends: there discs are uniform by number."""
+FINE_RATIO, FINE_SPREAD = 1.055, 0.12
+"""Largest ratio of the ends of a piece of a log-normal curve, and its largest width in spreads: `OFF` is kept."""
+FINER = 2.0
+"""Part of the finest sieve that what passes it is taken to reach down to, as an inverse: sieves halve."""
+DIGITS = 6
+"""Significant digits of a nominal diameter that is d50."""
+By = Literal["mass", "number"]
+Passing = tuple[units.Length, Annotated[units.Plain, Field(ge=0, le=1)]]
+
+
+class Pieces(NamedTuple):
+    """A curve in pieces: shares in the number of discs, least and largest diameter (m), each of shape (n,)."""
+
+    shares: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+
+
+class GradingCurve(Strict):
+    """A distribution that says all of the diameters, so that no nominal one is needed."""
+
+    by: By = Field(
+        default="mass",
+        description="what the shares are of: `mass` (as of sieves; that of a disc goes with d²) or `number`",
+    )
+
+    def ends(self) -> tuple[np.ndarray, np.ndarray]:
+        """Diameters (m) and the share that is not larger, at the ends of pieces; both rise from 0 to 1."""
+        raise NotImplementedError
+
+    @property
+    def pieces(self) -> Pieces:
+        """The curve by number, with the mass (or number) of each piece as asked."""
+        sizes, below = self.ends()
+        shares, low, high = np.diff(below), sizes[:-1], sizes[1:]
+        low, high, shares = low[shares > 0], high[shares > 0], shares[shares > 0]
+        return Pieces(number_shares(low, high, shares) if self.by == "mass" else shares, low, high)
+
+    @property
+    def nominal(self) -> float:
+        """The size d50, m: half of the mass, or of the number where the curve is by number, is not larger."""
+        return float(f"{self.size_at(0.5):z.{DIGITS}g}")
+
+    def size_at(self, part: float) -> float:
+        """Size that this part is not larger than, as the curve was asked for: by mass or by number, m."""
+        sizes, below = self.ends()
+        return float(np.interp(part, below, sizes))
+
+
+def _within_bounds(low: float, high: float, remedy: str) -> None:
+    if high / low > WIDEST * (1 + 1e-9):
+        raise ValueError(
+            f"reaches from {low:z.4g} to {high:z.4g} m, a ratio of {high / low:z.3g}; allowed is {WIDEST:zg}: {remedy}"
+        )
+
+
+class SieveSizes(GradingCurve):
+    """A sieve curve: which share passes sieves of these openings; straight lines between them."""
+
+    kind: Literal["sieve"]
+    passing: tuple[Passing, ...] = Field(
+        min_length=2,
+        max_length=50,
+        description="pairs [opening, share that passes], rising: `[[0.06 m, 0 %], [0.1 m, 40 %], [0.2 m, 100 %]]`. The "
+        "last one is 100 %. Where the first is above 0 %, that share lies between it and half of its opening",
+    )
+    axis: Literal["linear", "log"] = Field(
+        default="linear", description="of the sizes, along which the lines between the openings are straight"
+    )
+
+    @field_validator("passing", mode="before")
+    @classmethod
+    def _no_bare_percent(cls, given: Any) -> Any:
+        """Refuse 40 where 40 % or 0.4 is meant: one of the two would be a guess."""
+        for pair in given if isinstance(given, list | tuple) else ():
+            share = pair[1] if isinstance(pair, list | tuple) and len(pair) == 2 else 0
+            if isinstance(share, int | float) and not isinstance(share, bool) and share > 1:
+                raise ValueError(f"{share:zg} is no share; write {share:zg} % or {share / 100:zg}")
+        return given
+
+    @model_validator(mode="after")
+    def _rises(self) -> SieveSizes:
+        for (size, share), (above, more) in pairwise(self.passing):
+            if above <= size or more < share:
+                raise ValueError(
+                    f"passing: [{above:zg} m, {100 * more:zg} %] follows [{size:zg} m, {100 * share:zg} %]; openings "
+                    "must grow, and what passes must not fall"
+                )
+        size, share = self.passing[-1]
+        if abs(share - 1.0) > 1e-9:
+            raise ValueError(
+                f"passing: {100 * share:zg} % pass the coarsest sieve, {size:zg} m, and nothing says how large the "
+                "rest is; add a last pair [largest size, 100 %]"
+            )
+        _within_bounds(self.openings[0][0], size, "leave out the finest part, which is most of the discs by number")
+        return self
+
+    @property
+    def openings(self) -> tuple[tuple[float, float], ...]:
+        """The pairs, from 0 % on, and from the last opening that nothing passes."""
+        pairs = self.passing
+        while len(pairs) > 2 and pairs[1][1] == 0:
+            pairs = pairs[1:]
+        size, share = pairs[0]
+        return ((size / FINER, 0.0), *pairs) if share > 0 else pairs
+
+    @property
+    def open_end(self) -> str:
+        """A sentence on a curve that does not say where its finest part ends; empty where it does."""
+        size, share = self.passing[0]
+        if share == 0:
+            return ""
+        return (
+            f"discs.sizes.passing: {100 * share:z.3g} % pass the finest sieve, {size:zg} m; they are taken to lie "
+            f"between {size / FINER:zg} and {size:zg} m: add a first pair [smallest size, 0 %] if that is not so"
+        )
+
+    def ends(self) -> tuple[np.ndarray, np.ndarray]:
+        """As of `GradingCurve`: between two openings as many pieces as `OFF` needs."""
+        sizes, below = [self.openings[0][0]], [0.0]
+        for (size, share), (above, more) in pairwise(self.openings):
+            wide = log(above / size)
+            # a uniform density by number is off by 0.375 of the logarithm of the ends' ratio, times the share, at most
+            count = max(2, ceil(sqrt(0.375 * wide * (more - share) / OFF)))
+            along = [*(size * exp(wide * (k / count)) for k in range(1, count)), above]
+            parts = [(one - size) / (above - size) if self.axis == "linear" else (k + 1) / count
+                     for k, one in enumerate(along)]  # fmt: skip
+            sizes += along
+            below += [*(share + (more - share) * part for part in parts[:-1]), more]
+        return np.array(sizes), np.array(below)
+
+
+class LogNormalSizes(GradingCurve):
+    """Diameters whose logarithm is normal, by mass or by number, cut off at both ends."""
+
+    kind: Literal["log_normal"]
+    median: units.Length = Field(title="median diameter", description="half of the mass, or of the number, is smaller")
+    spread: Annotated[
+        units.Plain,
+        Field(gt=1, le=4, title="geometric spread", description="geometric standard deviation: median times or over "
+              "it holds 68 %"),
+    ]  # fmt: skip
+    cut: units.Plain = Field(
+        default=2.5, gt=0, le=5, description="spreads at which both ends are cut off; 2.5 keeps 98.8 %"
+    )
+
+    @model_validator(mode="after")
+    def _not_too_wide(self) -> LogNormalSizes:
+        ends = [self.median * exp(sign * self.cut * log(self.spread)) for sign in (-1, 1)]
+        most = log(WIDEST) / (2 * log(self.spread))
+        _within_bounds(ends[0], ends[1], f"lower cut to {int(100 * most) / 100:zg} or less, or the spread")
+        return self
+
+    def ends(self) -> tuple[np.ndarray, np.ndarray]:
+        """As of `GradingCurve`: the integral of the normal density of (ln d - ln median)/ln spread."""
+        wide = log(self.spread)
+        count = max(ceil(2 * self.cut / FINE_SPREAD), ceil(2 * self.cut * wide / log(FINE_RATIO)))
+        z = [self.cut * (2 * k / count - 1) for k in range(count + 1)]
+        below = np.array([normal_part(one) for one in z])
+        return np.array([self.median * exp(one * wide) for one in z]), (below - below[0]) / (below[-1] - below[0])
+
 
 Spread = Annotated[
     units.Plain, Field(ge=0, le=0.5, title="spread of diameters", description="half width s, over the nominal diameter")

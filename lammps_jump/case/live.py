@@ -16,9 +16,8 @@ from lammps_jump.errors import FieldError
 from lammps_jump.scene import Interval, MovingWall
 from lammps_jump.scene.walls import Wall
 
-from .fields import CaseFields
-from .parts.inflow import RowsInflow
-from .settings import LiveSlider
+from .fields import CaseFields, LiveSlider
+from .inflow import RowsInflow
 from .text import nearest
 
 NUMBERS = ("contact.friction", "contact.restitution", "gravity", "slope")

@@ -13,11 +13,10 @@ from lammps_jump.physics.contact import Coefficients
 from lammps_jump.scene.sizes import Sizes
 from lammps_jump.scene.walls import Interval
 
-from .discs import BidisperseSizes, Column, DiscList, Discs, Lattice, PackedBed, UniformSizes
+from .base import EarlierRun
+from .beds import bed_diameters, bed_positions
+from .discs import BidisperseSizes, Column, DiscList, Discs, GradingCurve, Lattice, PackedBed, UniformSizes
 from .fields import CaseFields
-from .grown import bed_diameters, bed_positions
-from .parts.base import EarlierRun
-from .parts.grading import GradingCurve
 
 
 class TooSoft(ValueError):

@@ -15,12 +15,11 @@ from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.scene import Beginning, MovingWall, Scene
 from lammps_jump.scene.motion import Motion, largest_speed
 
-from .discs import Column, DiscList, Lattice, PackedBed
+from .base import EarlierRun
+from .beds import RoughBed
+from .discs import Column, DiscList, GradingCurve, Lattice, PackedBed, SieveSizes
 from .fields import CaseFields
-from .parts.base import EarlierRun
-from .parts.beds import RoughBed
-from .parts.grading import GradingCurve, SieveSizes
-from .parts.inflow import PourInflow, RowsInflow
+from .inflow import PourInflow, RowsInflow
 
 DESIGN = 0.1
 """Largest overlap that contacts are designed for, over the diameter: thesis (3.20) with n = 10."""

@@ -27,22 +27,29 @@ from lammps_jump.scene.pressed import FaceStretch
 from lammps_jump.scene.scene import STABILITY_MEAN, Weighed
 from lammps_jump.scene.schedule import Schedule, fitted_step, plan_stations, plan_steps
 
-from . import checks, design, speeds, walls, ways_out
-from .asked import behind_the_end, in_vain, light, radians_given, small_bins, written_walls
+from . import channel, checks, derived, speeds, walls, ways_out
+from .base import EarlierRun
+from .beds import beds_of
 from .bodies import check_bodies
+from .channel import Inlet, Rectangle, domain_of, implied_speed, inlet_back, inlet_of, outlets_of
 from .derived import skipped
-from .doubts import doubts, held_deep, jump_doubts, never_met
+from .doubts import (
+    behind_the_end,
+    doubts,
+    held_deep,
+    in_vain,
+    jump_doubts,
+    light,
+    never_met,
+    radians_given,
+    small_bins,
+    written_walls,
+)
+from .earlier import RestartDiscs, for_walls, going_on, load_restart, restart_state, with_given
 from .fields import CaseFields
+from .inflow import PourInflow, RowsInflow
 from .live import check_live, is_live
 from .packing import TooSoft, arrange, disc_sizes
-from .parts import channel, places
-from .parts.base import EarlierRun
-from .parts.beds import beds_of
-from .parts.channel import Rectangle, domain_of, implied_speed, outlets_of
-from .parts.inflow import PourInflow, RowsInflow
-from .parts.pushed import going_on
-from .parts.rows import Inlet, inlet_back, inlet_of
-from .parts.taken import RestartDiscs, for_walls, load_restart, restart_state, with_given
 from .speeds import curve_doubts, heap_doubts
 from .text import Runs
 
@@ -151,7 +158,7 @@ def _scene(case: CaseFields, runs: Runs) -> Scene:
         pressure=seen.pressed,
         stability_mean=case.probes.stability_mean or STABILITY_MEAN,
         stations=_stations(case, begun, geometry.inlet.rows, geometry.outlets),
-        gauges=places.gauges(case, geometry.domain[0]),
+        gauges=checks.gauges(case, geometry.domain[0]),
         seed=case.run.seed,
         skin=case.engine.skin or 0.3 * begun.diameter,
         periodic=case.seam is not None,
@@ -211,7 +218,7 @@ def _geometry(case: CaseFields, begun: Beginning) -> _Geometry:
     domain = domain_of(case, begun, inlet.rows, moving, speed)
     outlets = outlets_of(case, begun, domain, speed)
     fields = {item.wall.name: item.field for item in theirs}
-    moving = design.with_holdings(case, begun, moving, fields, domain, inlet.rows)
+    moving = derived.with_holdings(case, begun, moving, fields, domain, inlet.rows)
     gates = walls.shut_gates(case, begun, domain)
     moving += map(MovingWall, inlet_back(case.inflow, begun.largest))
     names = checks.check_names(case, [wall for wall, _ in (*moving[len(theirs) :], *gates)])
@@ -221,8 +228,8 @@ def _geometry(case: CaseFields, begun: Beginning) -> _Geometry:
 def _check_together(case: CaseFields, begun: Beginning, geometry: _Geometry) -> list[str]:
     """Refuse what does not go together: discs, inlets and walls in each other's place; what to beware of there."""
     standing, rows, notes = (*geometry.walls, *geometry.gates), geometry.inlet.rows, []
-    places.check_in_domain(case, begun.positions, rows, geometry.domain)
-    places.check_places(case, begun, rows, standing, geometry.fields, case.seam)
+    checks.check_in_domain(case, begun.positions, rows, geometry.domain)
+    checks.check_places(case, begun, rows, standing, geometry.fields, case.seam)
     if case.seam:
         channel.check_walls(begun, geometry.walls, geometry.fields, geometry.domain)
         notes += channel.lid_doubts(geometry.walls, geometry.domain, begun.largest)
@@ -230,7 +237,7 @@ def _check_together(case: CaseFields, begun: Beginning, geometry: _Geometry) -> 
         begun, standing, geometry.fields, geometry.laws, _integrator(case),
         unstable=case.run.allow_unstable, ground=speeds.lowest_ground(case) if case.bodies else math.inf,
     )  # fmt: skip
-    notes += places.check_bodies_in_domain(standing, geometry.fields, geometry.domain)
+    notes += checks.check_bodies_in_domain(standing, geometry.fields, geometry.domain)
     checks.check_pour(case, geometry.domain, begun.largest)
     return notes
 

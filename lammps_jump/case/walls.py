@@ -32,11 +32,11 @@ from lammps_jump.scene.shapes import (
 from lammps_jump.scene.tracks import Held, Loaded, Translate
 from lammps_jump.scene.walls import Line
 
+from .beds import RoughBed
 from .bodies import Body
 from .discs import Column
+from .earlier import Pushable
 from .fields import CaseFields
-from .parts.beds import RoughBed
-from .parts.pushed import Pushable
 from .text import nearest
 
 EASE = 10.0

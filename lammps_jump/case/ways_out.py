@@ -18,7 +18,7 @@ from lammps_jump.scene import Beginning, InletRow, Interval, MovingWall, Outlet,
 from lammps_jump.scene.motion import largest_speed, way
 
 from .fields import CaseFields
-from .parts.inflow import PourInflow
+from .inflow import PourInflow
 from .speeds import LEAST_FRICTION, expected, lowest_ground, starts
 
 CELLS = 40_000

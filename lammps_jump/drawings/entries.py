@@ -19,7 +19,7 @@ import numpy as np
 import yaml
 from scipy.spatial import cKDTree
 
-from lammps_jump.case.asked import is_written
+from lammps_jump.case.doubts import is_written
 from lammps_jump.case.text import parse_source
 from lammps_jump.errors import CaseError
 from lammps_jump.quoting import LONGEST_NAME, shortened, visible

@@ -188,7 +188,7 @@ AT_END, STOPPED, AT_FRAME, NO_END = (
 )
 """Which state of a run it is, in words."""
 MOST_IDS = 1 << 40
-"""Ids are below; what stands for a fixed disc is above (`lammps_jump.case.parts.taken`)."""
+"""Ids are below; what stands for a fixed disc is above (`lammps_jump.case.earlier`)."""
 DENSITIES = 1e-3, 1e6
 """Least and largest density that a case may have, kg/m^3."""
 WIDEST = 16.0

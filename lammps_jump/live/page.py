@@ -29,8 +29,8 @@ from lammps_jump.analysis.draw.painter import disc_speeds, seen, top_of
 from lammps_jump.analysis.report import page
 from lammps_jump.analysis.report.frames import FramePacker
 from lammps_jump.analysis.report.player import about_run
-from lammps_jump.case.parts.inflow import RowsInflow
-from lammps_jump.case.settings import LiveSlider
+from lammps_jump.case.fields import LiveSlider
+from lammps_jump.case.inflow import RowsInflow
 from lammps_jump.core.browser import BrowserCore, browser_core
 from lammps_jump.core.columns import PlacedColumns, TrackRowColumns
 from lammps_jump.engines.native.bound import jump_events, jump_inlet, jump_state

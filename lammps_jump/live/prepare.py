@@ -17,11 +17,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lammps_jump.case import ReadCase
+from lammps_jump.case.base import EarlierRun
 from lammps_jump.case.discs import Column
+from lammps_jump.case.fields import LiveSlider
+from lammps_jump.case.inflow import PourInflow, RowsInflow
 from lammps_jump.case.live import NUMBERS
-from lammps_jump.case.parts.base import EarlierRun
-from lammps_jump.case.parts.inflow import PourInflow, RowsInflow
-from lammps_jump.case.settings import LiveSlider
 from lammps_jump.engines.accuracy import with_accuracy
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.errors import CaseError, JumpError

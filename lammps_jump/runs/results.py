@@ -23,7 +23,7 @@ from lammps_jump.analysis.report import run as report
 from lammps_jump.analysis.report.frames import FramePacker
 from lammps_jump.analysis.report.player import make_player, member_packer, pack_player
 from lammps_jump.case.case import ReadCase
-from lammps_jump.case.measures import Layers
+from lammps_jump.case.fields import Layers
 from lammps_jump.core.library import core
 from lammps_jump.dump.check import IdCheck
 from lammps_jump.dump.exports import export as write_exports

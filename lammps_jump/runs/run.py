@@ -18,9 +18,9 @@ from lammps_jump import runs
 from lammps_jump.analysis import report
 from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.analysis.report.page import LivePage, show_page
+from lammps_jump.case.base import HOW_TO_CHANGE
 from lammps_jump.case.case import Changes, ReadCase
 from lammps_jump.case.fields import CaseFields
-from lammps_jump.case.parts.base import HOW_TO_CHANGE
 from lammps_jump.engines import NATIVE_KERNELS, ProgressCallback, RunResult, Setting
 from lammps_jump.errors import CaseError, DumpError, NearestNames, RunError
 from lammps_jump.files import CURVES

@@ -21,7 +21,7 @@ import numpy as np
 from lammps_jump import engines
 from lammps_jump.analysis import quantities
 from lammps_jump.case.case import ReadCase
-from lammps_jump.case.parts.inflow import RowsInflow
+from lammps_jump.case.inflow import RowsInflow
 from lammps_jump.case.text import nearest
 from lammps_jump.dump.frame import Frame
 from lammps_jump.engines import Job, Setting

@@ -26,7 +26,7 @@ from lammps_jump.analysis.report.page import Boxes, NumberBox, Section, Table, T
 from lammps_jump.analysis.statistics import student
 from lammps_jump.analysis.tables import Column, cells, markdown
 from lammps_jump.case import discs
-from lammps_jump.case.parts.grading import GradingCurve
+from lammps_jump.case.discs import GradingCurve
 from lammps_jump.errors import CaseError, FieldError
 from lammps_jump.runs.results import looked_at
 from lammps_jump.runs.run import Case, Run

@@ -21,9 +21,9 @@ from lammps_jump.analysis.budgets.inflow import shortfall
 from lammps_jump.analysis.draw.style import BLACK, BLUE, GREY, RED, drawing, save
 from lammps_jump.analysis.report.page import Boxes, NumberBox, Section, Table, Text, picture
 from lammps_jump.analysis.tables import value_at
+from lammps_jump.case.base import Strict, Whole
 from lammps_jump.case.case import ReadCase
-from lammps_jump.case.explain import explain
-from lammps_jump.case.parts.base import Strict, Whole
+from lammps_jump.case.field_words import explain
 from lammps_jump.case.text import CaseSource, read_source
 from lammps_jump.errors import CaseError, FieldError
 from lammps_jump.files import STUDY_FILES, plain, read_json, write_json, write_text

@@ -8,7 +8,7 @@ import pytest
 from made_up import INPUTS
 
 from lammps_jump.case import load_case
-from lammps_jump.case.parts.beds import RoughBed
+from lammps_jump.case.beds import RoughBed
 from lammps_jump.errors import CaseError
 
 NAME = "inclined_flow"

@@ -4,7 +4,7 @@
 import pytest
 
 from lammps_jump.case.case import ReadCase
-from lammps_jump.case.parts.contact import Contact
+from lammps_jump.case.contact import Contact
 from lammps_jump.studies.fluid.cell import discs_of
 
 TEXT = """

@@ -13,7 +13,7 @@ from made_up import call, choose_to_stop_at, plugin_or_skip, reseal
 
 import lammps_jump as lj
 from lammps_jump.analysis.draw.sketch.preview import scene_drawing
-from lammps_jump.case.parts import taken
+from lammps_jump.case import earlier
 from lammps_jump.dump.ended import read_ended
 from lammps_jump.dump.find import read_dump
 from lammps_jump.errors import CaseError, DumpError, RunInterrupted
@@ -200,7 +200,7 @@ def test_a_run_that_goes_on_is_resumed_and_stays_whole(first, tmp_path):
         patch.setattr(engine, "choose", choose_to_stop_at(500))
         case.run(tmp_path / "part")
     shutil.rmtree(tmp_path / "first")
-    taken.KNOWN.clear()
+    earlier.KNOWN.clear()
     on = lj.load_case(tmp_path / "part").run(tmp_path / "part", resume=True)
     same_bytes(whole, on, 3)
     assert any("body 'sled' goes on" in text for text in on.summary["begins"])

@@ -12,7 +12,7 @@ import yaml
 from made_up import analysed_again, call, choose_to_stop_at, plugin_or_skip, reseal
 
 import lammps_jump as lj
-from lammps_jump.case.parts import taken
+from lammps_jump.case import earlier
 from lammps_jump.dump.ended import read_ended, write_ended
 from lammps_jump.dump.find import read_dump
 from lammps_jump.errors import CaseError, RunInterrupted
@@ -248,7 +248,7 @@ def test_a_run_stays_whole_without_the_other_one(bed, tmp_path, monkeypatch):
         case.run(tmp_path / "next")
     shutil.rmtree(tmp_path / "bed")
     shutil.move(tmp_path / "next", tmp_path / "elsewhere")
-    taken.KNOWN.clear()
+    earlier.KNOWN.clear()
     whole = case.run(tmp_path / "whole")
     with pytest.raises(CaseError, match="holds no run"):
         lj.load_case(case_file(tmp_path))
@@ -264,7 +264,7 @@ def test_discs_that_were_made_anew_are_another_run(bed, tmp_path):
     shutil.copytree(bed.folder, tmp_path / "bed")
     case = lj.load_case(case_file(tmp_path))
     lj.load_case(BED, {"run.seed": 5}).run(tmp_path / "bed", force=True)
-    taken.KNOWN.clear()
+    earlier.KNOWN.clear()
     other = lj.load_case(case_file(tmp_path))
     assert other.hash != case.hash
     pinned = [{"kind": "run", "folder": "bed", "key": case.core["initial"][0]["key"]}]
@@ -277,7 +277,7 @@ def test_a_damaged_start_is_told(bed, tmp_path):
     run = lj.load_case(BED).after(bed).run(tmp_path / "on")
     (start,) = run.folder.glob("start-*.npz")
     start.write_bytes(b"nothing")
-    taken.KNOWN.clear()
+    earlier.KNOWN.clear()
     with pytest.raises(CaseError, match="put the file back"):
         lj.load_case(run.folder)
 
@@ -285,7 +285,7 @@ def test_a_damaged_start_is_told(bed, tmp_path):
 def test_a_study_reads_the_bed_once(bed, tmp_path, monkeypatch):
     shutil.copytree(bed.folder, tmp_path / "bed")
     read = []
-    monkeypatch.setattr(taken, "read_ended", lambda path: (read.append(path), read_ended(path))[1])
+    monkeypatch.setattr(earlier, "read_ended", lambda path: (read.append(path), read_ended(path))[1])
     case = lj.load_case(case_file(tmp_path))
     cases = [case.replace({"contact.friction": 0.1 * k, "run.seed": k}) for k in range(1, 5)]
     assert len({one.hash for one in cases}) == 4 and len(read) == 1
@@ -309,7 +309,7 @@ def test_a_run_that_was_stopped_says_so(place, tmp_path, monkeypatch):
     run = lj.load_case(case_file(tmp_path)).replace(short).run(tmp_path / "on")
     assert "(where it was stopped; key" in run.summary["begins"][0]
     shutil.rmtree(tmp_path / "bed")
-    taken.KNOWN.clear()
+    earlier.KNOWN.clear()
     assert "(where it was stopped; key" in lj.load_case(run.folder).check().begins[0]
 
 

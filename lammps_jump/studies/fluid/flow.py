@@ -13,7 +13,7 @@ import numpy as np
 
 from lammps_jump.case import ReadCase
 from lammps_jump.case.discs import Column
-from lammps_jump.case.parts.inflow import RowsInflow
+from lammps_jump.case.inflow import RowsInflow
 from lammps_jump.compiling.cache import usual_folder
 from lammps_jump.errors import CaseError, DumpError
 from lammps_jump.files import SUMMARY_FILE, plain, read_json

@@ -13,8 +13,8 @@ from scipy.stats import norm
 
 from lammps_jump.analysis.grains.sizes import curve_of, drawn
 from lammps_jump.case import parse_case
+from lammps_jump.case.discs import WIDEST
 from lammps_jump.case.fields import CaseFields
-from lammps_jump.case.parts.grading import WIDEST
 from lammps_jump.errors import CaseError
 from lammps_jump.runs.run import Case
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from lammps_jump.case import discs, grown, parse_case
+from lammps_jump.case import beds, discs, parse_case
 from lammps_jump.case.packing import deepest_overlap
 from lammps_jump.errors import CaseError
 from lammps_jump.sweeps.members import started
@@ -30,9 +30,9 @@ SIZES = {
 def cache(tmp_path, monkeypatch):
     """A cache of its own, and nothing that this process still knows."""
     monkeypatch.setenv("LAMMPS_JUMP_CACHE", str(tmp_path / "cache"))
-    grown._kept.cache_clear()
+    beds._kept.cache_clear()
     yield tmp_path / "cache" / "beds"
-    grown._kept.cache_clear()
+    beds._kept.cache_clear()
 
 
 def bed(*changes):
@@ -53,9 +53,9 @@ def test_packing_is_reached_within_half_a_disc_without_overlaps(sizes, packing):
     area = np.pi / 4 * np.sum(diameters**2)
     assert abs(area / 3.0 - packing) <= 0.5 * np.pi / 4 * scene.largest**2 / 3.0
     overlap = deepest_overlap(scene.positions, diameters)
-    assert overlap is None or overlap[0] <= grown.TOUCHING * diameters[list(overlap[1:])].min() * (1 + 1e-9)
+    assert overlap is None or overlap[0] <= beds.TOUCHING * diameters[list(overlap[1:])].min() * (1 + 1e-9)
     out = np.abs(scene.positions - [-1, -0.25]) + 0.5 * diameters[:, None] - [1, 0.75]
-    assert out.max() <= grown.TOUCHING * scene.smallest * (scene.largest / scene.smallest)
+    assert out.max() <= beds.TOUCHING * scene.smallest * (scene.largest / scene.smallest)
     numbers = case.check().numbers
     assert numbers["packing_0_asked"] == packing
     assert numbers["packing_0"] == pytest.approx(area / 3.0, rel=1e-12)
@@ -97,7 +97,7 @@ def test_a_kept_bed_has_the_bits_of_a_grown_one_and_a_damaged_one_is_grown_anew(
     data = path.read_bytes()
 
     def again():
-        grown._kept.cache_clear()
+        beds._kept.cache_clear()
         return bed().scene().positions
 
     assert np.array_equal(again(), made)
@@ -112,7 +112,7 @@ def test_a_kept_bed_has_the_bits_of_a_grown_one_and_a_damaged_one_is_grown_anew(
 
 
 def test_old_beds_leave_the_cache(cache, monkeypatch):
-    monkeypatch.setattr(grown, "MOST_KEPT", 2)
+    monkeypatch.setattr(beds, "MOST_KEPT", 2)
     for seed in range(1, 5):
         bed(f"run.seed={seed}", "initial.0.packing=0.3").scene()
     assert len(list(cache.glob("*.npz"))) == 2
@@ -149,6 +149,6 @@ def test_the_packing_that_is_sure_is_below_the_one_refused(monkeypatch):
     """An overlap of 0.13 % made 0.788 of 0.79, which was told as "0.79 is sure" beside the refusal of 0.79."""
     refused = discs.PackedBed(kind="packed_bed", x=(0, 1.2), y=(0, 1), packing=0.79)
     with monkeypatch.context() as patch:
-        patch.setattr(grown, "_kept", lambda bed: grown.Grown(np.zeros((1, 2)), 0.0013))
+        patch.setattr(beds, "_kept", lambda bed: beds.Grown(np.zeros((1, 2)), 0.0013))
         with pytest.raises(ValueError, match=r"0\.78 is sure"):
-            grown.bed_positions(refused, np.full(119, 0.1), 1)
+            beds.bed_positions(refused, np.full(119, 0.1), 1)
