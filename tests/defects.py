@@ -178,7 +178,7 @@ DEFECTS = [
            "analysis/test_contacts.py"),
     Defect("factor", "analysis/budgets/head.py", "EnergyFluxes.add.energy", "= 0.5", "= 1.0",
            "analysis/test_budget.py"),
-    Defect("rate", "analysis/report/coder.py", "_digits_of_each", "ones >> 5", "ones >> 4",
+    Defect("rate", "analysis/report/frames.py", "_digits_of_each", "ones >> 5", "ones >> 4",
            "analysis/test_player.py analysis"),
     Defect("off by one", "lammps_jump/sweeps/table.py", "statistics.sd", "=1", "=0", "sweeps/test_table.py"),
     Defect("quoting", QUOTING, "csv_cell", ', "@"', "", "sweeps/test_table.py faults/test_text.py"),

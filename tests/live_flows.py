@@ -18,7 +18,7 @@ from lammps_jump.engines.native.image import image_of
 from lammps_jump.errors import SetupError
 from lammps_jump.files import plain
 from lammps_jump.live import page, prepare
-from lammps_jump.live.words import WORD
+from lammps_jump.live.prepare import WORD
 
 HERE = Path(__file__).resolve().parent / "live"
 NODE = shutil.which("node")

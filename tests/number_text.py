@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a page does with the text of `lammps_jump.analysis.report.coder`, in whole numbers of Python."""
+"""What a page does with the text of `lammps_jump.analysis.report.frames`, in whole numbers of Python."""
 
 from collections.abc import Callable
 
 
 def numbers_in(text: str) -> Callable[[int], int]:
-    """What takes the next number of a text, in its context: `report.coder` backwards."""
+    """What takes the next number of a text, in its context: `report.frames` backwards."""
     letters = "".join(chr(code) for code in range(128) if chr(code) not in "\0\n\r<")
     digits, base = [letters.index(letter) for letter in text], len(letters)
     code, span, at = sum(digit * base ** (3 - k) for k, digit in enumerate(digits[:4])), base**4, 4

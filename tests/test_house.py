@@ -67,7 +67,7 @@ DOOR = {
     "lammps_jump/folders.py": "markers, locks and staging folders",
     "lammps_jump/system.py": "files that the system makes, such as those of processes",
     "lammps_jump/compiling/cache.py": "the lock of who builds a library",
-    "lammps_jump/engines/plugin/wheel.py": "clears the folder of the libraries of a wheel that is being made",
+    "lammps_jump/engines/plugin/make.py": "clears the folder of the libraries of a wheel that is being made",
     "lammps_jump/cli/app.py": "standard output that was closed",
 }
 """The files that may call the system for a file, and for what."""

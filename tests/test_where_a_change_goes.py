@@ -54,7 +54,7 @@ from lammps_jump.scene.tracks import Kind, VelocityChange
 from lammps_jump.scene.walls import KINDS, Block, Wall, WallName
 from lammps_jump.script.stock import lacking
 from lammps_jump.studies import points as points_study
-from lammps_jump.sweeps import words
+from lammps_jump.sweeps import study
 from lammps_jump.sweeps.study import collected
 from lammps_jump.sweeps.table import row_of
 from lammps_jump.units import Coordinate, Metre, PerSecond
@@ -473,7 +473,7 @@ def test_a_new_field_is_told_at_the_field_alone(monkeypatch, capsys):
     class Fields(CaseFields):
         contact: Sticky = Field(description="what happens when discs touch")
 
-    for module in (cases, field_words, words, fields, lammps_jump.case):
+    for module in (cases, field_words, study, fields, lammps_jump.case):
         monkeypatch.setattr(module, "CaseFields", Fields)
     row = "| `grip` | how soon two discs let go. Without it, at once | number | 1/s | ≥ 0.001 and ≤ 50 | \N{EN DASH} |"
     assert row in fields.page() and "contact.grip" in fields.names()
@@ -483,7 +483,7 @@ def test_a_new_field_is_told_at_the_field_alone(monkeypatch, capsys):
     assert told["description"] == "1/s: how soon two discs let go. Without it, at once"
     number = {"type": "number", "minimum": 0.001, "maximum": 50}
     assert told["anyOf"][0] == {"anyOf": [number, {"type": "string"}], "unit": "1/s"}
-    assert words.heading("contact.grip") == "grip of the discs [1/s]"
+    assert study.axis_heading("contact.grip") == "grip of the discs [1/s]"
     for given, said in (
         ("grip: 60", "contact.grip: 60 is out of range; allowed is >= 0.001 and <= 50 1/s"),
         ("grip: 3 m", "'3 m' is in meter; expected a number in 1/s, or a string such as '100 1/s'"),

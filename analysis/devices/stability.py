@@ -28,13 +28,13 @@ from lammps_jump.dump.find import ForceHistory
 from lammps_jump.dump.walls import BodyHistory, read_bodies
 from lammps_jump.errors import DumpError
 from lammps_jump.files import BODIES
-from lammps_jump.physics.bodies import section_of_polygon
-from lammps_jump.physics.stability import (
+from lammps_jump.physics.bodies import (
     along_and_up,
     bearing_pressures,
     eccentricity,
     factor,
     moment_about,
+    section_of_polygon,
     sliding_limit,
 )
 from lammps_jump.scene.bodies import Free

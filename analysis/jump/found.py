@@ -17,8 +17,7 @@ from lammps_jump.physics import jump as theory
 from lammps_jump.units import Estimates, estimate, number, numbers_of
 
 from .frame import Balance, FlowState, Mass, Moving, Roller
-from .stream import Stream
-from .tail import Tail
+from .stream import Stream, Tail
 from .track import AlongStream, FrontMotion, JumpTrack
 
 GOAL = 0.03

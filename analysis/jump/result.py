@@ -22,8 +22,7 @@ from lammps_jump.analysis.verdicts.kinds import AT_SILL
 
 from . import frame
 from .found import MeasuredJump, StandingHeap, TrackedJump
-from .stream import compression_front, measure_stream
-from .tail import measure_tail
+from .stream import compression_front, measure_stream, measure_tail
 from .track import TO_THE_END, FrontMotion, JumpTrack, piece_speeds, straight_motion, track_jump
 
 if TYPE_CHECKING:

@@ -20,7 +20,7 @@ from lammps_jump.units import AT_LEAST, sure_of
 
 from .found import Jump, Local, MeasuredJump, TrackedJump, drift, errors, members, starts_needed
 from .frame import Balance, measure_state, share
-from .tail import Tail, against, froude
+from .stream import Tail, against, froude
 
 DEVELOPED_SHARE = 0.7
 """A front whose depth stays below this share of Bélanger's is still on its way to be a jump."""

@@ -4,6 +4,6 @@ from .page import Block as Block
 from .page import Section as Section
 from .page import Table as Table
 from .page import render as render
-from .widget import is_running as is_running
-from .widget import player_widget as player_widget
-from .widget import widgets_are_there as widgets_are_there
+from .player import is_running as is_running
+from .player import player_widget as player_widget
+from .player import widgets_are_there as widgets_are_there

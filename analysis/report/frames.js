@@ -1,7 +1,7 @@
 "use strict";
 // Frames of a run: unpacked from the text that analysis/report/frames.py writes, and the discs at any instant.
 
-// Letters that coder.py does not use: a browser changes them, or they may end a script.
+// Letters that frames.py does not use: a browser changes them, or they may end a script.
 const LEFT_OUT = [0, 10, 13, 60];
 const BASE = 128 - LEFT_OUT.length, LEAST = BASE ** 3;
 const DIGITS = Uint8Array.from({ length: 128 }, (_, letter) => letter - LEFT_OUT.filter((one) => one < letter).length);
@@ -51,7 +51,7 @@ function unpackFrames(header, text) {
   return run;
 }
 
-// A function that takes whole numbers from text, each in its context: see coder.py for the format.
+// A function that takes whole numbers from text, each in its context: see frames.py for the format.
 function numbers(text, kinds) {
   const odds = new Uint16Array(kinds * OF_A_KIND * SLOTS).fill(2048);
   let at = 0, code = 0, range = BASE ** 4;

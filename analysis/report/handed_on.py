@@ -4,7 +4,7 @@
 A page draws what it holds, so that a number in the place of a text, or a line without its points, would end its script.
 
 A page runs on what it holds, so the header is checked field by field. The frames are unpacked once as the page unpacks
-them, see `frames` and `coder`: numbers beyond the text or its counts would keep the page busy.
+them, see `frames`: numbers beyond the text or its counts would keep the page busy.
 """
 
 from __future__ import annotations
@@ -21,8 +21,7 @@ from lammps_jump.errors import DumpError
 from lammps_jump.files import CURVES, MOST_JSON, read_file
 from lammps_jump.quoting import shortened, typed
 
-from .coder import BASE, LEAST, SLOTS, TOP, digits_of
-from .frames import MOST_FRAMES, MOST_ROWS, OF_A_KIND, SHADES, UNREST
+from .frames import BASE, LEAST, MOST_FRAMES, MOST_ROWS, OF_A_KIND, SHADES, SLOTS, TOP, UNREST, digits_of
 from .page import Player
 
 MOST_LINES, MOST_VALUES, MOST_PANELS = 1_000, 10_000, 100

@@ -27,7 +27,7 @@ from markupsafe import Markup, escape
 from lammps_jump.files import plain, read_file, read_start, text_of
 from lammps_jump.units import ABSENT, AT_LEAST, POWERS, in_kilo, known, numbers_of, shown, sure_of, two_digits
 
-from .coder import digits_of, encode
+from .frames import digits_of, encode
 
 if TYPE_CHECKING:
     from PIL.Image import Image

@@ -1,9 +1,16 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Facts of a run for the player of a page, besides its frames: walls, what to show, and Bélanger's depth in time."""
+"""Facts of a run for the player of a page, besides its frames: walls, what to show, and Bélanger's depth in time.
+
+In Jupyter the player is a widget, by anywidget: the page of the player in a frame, which tells its time.
+"""
 
 from __future__ import annotations
 
+import importlib
+import importlib.util
+import sys
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from math import ceil, isfinite
 from pathlib import Path
 from typing import Any
@@ -13,17 +20,16 @@ import numpy as np
 from lammps_jump.analysis.draw.painter import disc_speeds, seen, top_of
 from lammps_jump.analysis.flow import Flow
 from lammps_jump.analysis.profiles import bin_edges
-from lammps_jump.dump.find import ForceHistory, forces_in
-from lammps_jump.dump.tables import read_table
+from lammps_jump.dump.find import ForceHistory, forces_in, read_table
 from lammps_jump.dump.walls import BodyHistory, read_bodies
-from lammps_jump.errors import DumpError
-from lammps_jump.files import BODIES
+from lammps_jump.errors import DumpError, SetupError
+from lammps_jump.files import BODIES, text_of
 from lammps_jump.physics.jump import sequent_depth
 from lammps_jump.scene.motion import MovingWall, Pose
 from lammps_jump.scene.walls import Interval, Wall, parts_of
 
 from .frames import FramePacker
-from .page import Picture, Player, picture, picture_kind
+from .page import Picture, Player, Section, picture, picture_kind, render
 
 STILL = "snapshots.png"
 """Stands in for the player where there is no script."""
@@ -234,3 +240,60 @@ def _level_until(flow: Flow, starts: np.ndarray, directions: np.ndarray) -> np.n
     bed = flow.bed_height(x.ravel()).reshape(x.shape)
     level = np.abs(bed - bed[:, :1]) < 0.5 * flow.scene.diameter
     return np.where(level.all(axis=1), x[:, -1], x[np.arange(len(x)), level.argmin(axis=1)])
+
+
+SCRIPT = Path(__file__).parent / "widget.js"
+
+
+def widgets_are_there() -> bool:
+    """Tells whether anywidget is installed."""
+    return importlib.util.find_spec("anywidget") is not None
+
+
+def is_running() -> bool:
+    """Tells whether this program runs in a notebook: an IPython that has a kernel."""
+    ipython = sys.modules.get("IPython")
+    shell = None if ipython is None else ipython.get_ipython()
+    return hasattr(shell, "kernel")
+
+
+def player_widget(player: Player, title: str) -> Any:
+    """A widget that plays a run.
+
+    Returns
+    -------
+    anywidget.AnyWidget
+        ``time`` is the time that is shown, s; ``seek(time)`` goes to another one.
+
+    Raises
+    ------
+    SetupError
+        anywidget is not installed.
+    """
+    page = render("", [Section("", [player])], tab=title, embedded=True)
+    return _widget_class()(title=title, page=page, time=float(player.header["times"][0]))
+
+
+@lru_cache(maxsize=1)
+def _widget_class() -> Any:
+    """The class of the widget; anywidget defines its base."""
+    try:
+        anywidget, traitlets = (importlib.import_module(name) for name in ("anywidget", "traitlets"))
+    except ImportError:
+        raise SetupError(
+            "the player in a notebook needs anywidget, which is not installed: pip install 'lammps-jump[notebook]'"
+        ) from None
+
+    class RunWidget(anywidget.AnyWidget):  # type: ignore[misc, name-defined]
+        """A run that plays in a notebook."""
+
+        _esm = text_of(SCRIPT)
+        title = traitlets.Unicode().tag(sync=True)
+        page = traitlets.Unicode().tag(sync=True)
+        time = traitlets.Float().tag(sync=True)
+
+        def seek(self, time: float) -> None:
+            """Show another time, s."""
+            self.send({"seek": float(time)})
+
+    return RunWidget

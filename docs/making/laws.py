@@ -12,7 +12,7 @@ from typing import Any
 from lammps_jump import load_case
 from lammps_jump.files import plain
 from lammps_jump.identity import short_hash
-from lammps_jump.studies.folder import LAW_FILE, MEASURE_FILE, TREE
+from lammps_jump.studies.points import LAW_FILE, MEASURE_FILE, TREE
 from lammps_jump.studies.validation import Law, find_laws, summary_text
 
 OWN_PAGES = ("thesis", "others")

@@ -23,7 +23,7 @@ from lammps_jump.provenance import machine, versions
 from lammps_jump.studies import bench, sensitivity
 from lammps_jump.studies.bench import collision_scene
 from lammps_jump.studies.cross_validation.study import micro_scenes
-from lammps_jump.studies.folder import TREE, load_module
+from lammps_jump.studies.points import TREE, load_module
 
 from . import calibrated, crossed, jumps, laws
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.analysis.statistics import student
-from lammps_jump.sweeps import words as fields
+from lammps_jump.sweeps import study as fields
 from lammps_jump.sweeps.table import number_at
 from lammps_jump.units import numbers_of, shown
 
@@ -336,7 +336,7 @@ UNKNOWN_SCATTER = (
 
 def named(path: str) -> str:
     """A varied number in words, with its path where the words are others."""
-    return fields.words(path)
+    return fields.axis_words(path)
 
 
 def short(path: str) -> str:
@@ -351,7 +351,7 @@ def brief(value: float) -> str:
 
 def ranged(path: str, found: Mapping[str, Any]) -> str:
     """Best value and 95 % range."""
-    unit = fields.unit(path)
+    unit = fields.axis_unit(path)
     half = max(0.5 * (found["high"] - found["low"]), 1e-12)
     best, low, high = (shown(found[key], error=half, alone=True) for key in ("best", "low", "high"))
     return f"{named(path)} {best}{f' {unit}' if unit else ''} (95 %: {low} to {high})"
@@ -512,4 +512,4 @@ def failed_text(failures: Sequence[Mapping[str, Any]]) -> list[str]:
 
 def point_text(values: Mapping[str, float]) -> str:
     """Values of a point in words."""
-    return ", ".join(f"{named(path)} = {shown(value, fields.unit(path))}" for path, value in values.items())
+    return ", ".join(f"{named(path)} = {shown(value, fields.axis_unit(path))}" for path, value in values.items())

@@ -29,7 +29,7 @@ from lammps_jump.quoting import typed
 from lammps_jump.runs.run import Run
 from lammps_jump.sweeps.page import repeating, write_study_page
 from lammps_jump.sweeps.players import LARGEST, player_of
-from lammps_jump.sweeps.words import heading, unit
+from lammps_jump.sweeps.study import axis_heading, axis_unit
 from lammps_jump.units import ABSENT, shown
 
 from .answer import brief, named, point_text
@@ -50,7 +50,7 @@ BAND = 2.0
 def parameter_rows(data: Mapping[str, Any]) -> list[list[Any]]:
     """The varied numbers."""
     return [
-        [heading(path), *(shown(one[key], digits=3) for key in ("best", "low", "high")),
+        [axis_heading(path), *(shown(one[key], digits=3) for key in ("best", "low", "high")),
          f"{one['prior'][0]:zg} to {one['prior'][1]:zg}", shown(one["identified"])]
         for path, one in data["parameters"].items()
     ]  # fmt: skip
@@ -87,7 +87,7 @@ def nearest_first(data: Mapping[str, Any]) -> list[Mapping[str, Any]]:
 def boxes(data: Mapping[str, Any]) -> list[NumberBox]:
     """Best values with their ranges."""
     return [
-        NumberBox(named(path), brief(one["best"]) if one["identified"] else ABSENT, unit(path), "",
+        NumberBox(named(path), brief(one["best"]) if one["identified"] else ABSENT, axis_unit(path), "",
             f"95 %: {brief(one['low'])} to {brief(one['high'])}")
         for path, one in data["parameters"].items()
         if one["best"] is not None
@@ -173,12 +173,12 @@ def draw_posterior(
             values, weights = low[k] + wide[k] * posterior.places[:, k], posterior.weights
             panel.hist(values, 40, range=(low[k], low[k] + wide[k]), weights=weights, color=BLUE, histtype="stepfilled")
             panel.axvline(best[k], color=RED)
-            panel.set(xlabel=heading(name), xlim=study.bounds[k], yticks=[], ylabel="likelihood")
+            panel.set(xlabel=axis_heading(name), xlim=study.bounds[k], yticks=[], ylabel="likelihood")
         for panel, (i, j) in zip(panels[len(study.paths) :], pairs, strict=False):
             panel.plot(drawn[:, i], drawn[:, j], ".", ms=2, color=BLUE, alpha=0.25)
             panel.plot(points[:, i], points[:, j], "o", ms=4, mfc="white", mec=GREY)
             panel.plot(best[i], best[j], "+", ms=12, mew=2, color=RED)
-            panel.set(xlabel=heading(study.paths[i]), ylabel=heading(study.paths[j]))
+            panel.set(xlabel=axis_heading(study.paths[i]), ylabel=axis_heading(study.paths[j]))
             panel.set(xlim=study.bounds[i], ylim=study.bounds[j])
             _mark_ridge(panel, (study.paths[i], study.paths[j]), hidden or {})
         return save(figure, path)
@@ -195,7 +195,7 @@ def draw_samples(samples: xr.Dataset, parameters: Mapping[str, Mapping[str, Any]
             panel.axvspan(one["low"], one["high"], color="#dfe7f2", lw=0)
             panel.hist(samples[path].values, 40, color=BLUE, histtype="stepfilled")
             panel.axvline(one["best"], color=RED)
-            panel.set(xlabel=heading(path), yticks=[], ylabel="likelihood")
+            panel.set(xlabel=axis_heading(path), yticks=[], ylabel="likelihood")
         return figure
 
 
@@ -230,7 +230,7 @@ def draw_targets(study: Calibration, model: Model, posterior: Posterior, path: P
                     edges = (mean[:, 0] + sign * BAND * sd[:, 0] for sign in (-1, 1))
                     panel.fill_between(x, *edges, color=GREY, alpha=0.25, lw=0)
                 panel.axvline(low[column] + wide[column] * posterior.best[column], color=RED, lw=1)
-                panel.set(xlabel=heading(study.paths[column]), xlim=study.bounds[column])
+                panel.set(xlabel=axis_heading(study.paths[column]), xlim=study.bounds[column])
             row[0].set_ylabel(target.name)
         return save(figure, path)
 

@@ -14,7 +14,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from lammps_jump.case.base import Strict
-from lammps_jump.dump.tables import LARGEST, table_of
+from lammps_jump.dump.find import LARGEST, table_of
 from lammps_jump.errors import CaseError, DumpError
 from lammps_jump.files import read_file
 from lammps_jump.foreign import number_of

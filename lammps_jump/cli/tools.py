@@ -171,7 +171,7 @@ def foretold(
         raise CaseError("--pilot runs starts for a number; name it with --of, such as --of jump.y2")
     if pilot and any(runs.known.scatter_of(case, path) is None for path in of):
         lj.sweep(case, members=pilot, collect=list(of))
-    resolved, setting, _ = runs.engine.choose_setting(case)
+    resolved, setting, _ = engines.choose_setting(case)
     time = runs.known.time_of(resolved, setting)
     return time, [runs.known.power_of(case, path, share, time) for path in of]
 

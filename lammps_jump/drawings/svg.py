@@ -19,7 +19,7 @@ from lammps_jump.errors import CaseError
 from lammps_jump.foreign import foreign
 from lammps_jump.quoting import echoed, shortened
 
-from .affine import NUMBER, NUMBERS, Affine, numbers, transform, view_box
+from .attributes import NUMBER, NUMBERS, Affine, Styles, numbers, style_of, transform, view_box
 from .strokes import (
     MOST_KINDS,
     MOST_PARTS,
@@ -32,7 +32,6 @@ from .strokes import (
     pieces_of_cubic,
     sampled,
 )
-from .styles import Styles, style_of
 
 INCH = 0.0254
 """Metres of an inch (1959)."""

@@ -12,8 +12,8 @@ from lammps_jump.errors import DumpError
 from lammps_jump.scene.scene import Scene
 
 from .find import read_forces
+from .formats import CUT_OFF, PASSED_OVER
 from .frame import Frame
-from .source import CUT_OFF, PASSED_OVER
 
 NEAR = 0.01
 """Part of a time step by which a time may differ from that of its step: it is printed with 15 digits."""

@@ -19,9 +19,8 @@ from typing import Any, overload
 from lammps_jump.errors import DumpError
 from lammps_jump.files import open_to_read, read_start
 
-from .formats import walk
+from .formats import DAMAGE, PASSED_OVER, NoFrame, walk
 from .frame import DumpFile, Frame, FrameHeader
-from .source import DAMAGE, PASSED_OVER, NoFrame
 
 
 class Dump(DumpFile):

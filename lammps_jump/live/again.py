@@ -27,7 +27,7 @@ from lammps_jump.files import END_FILE
 from lammps_jump.runs.results import player_of
 from lammps_jump.runs.summary import read_summary
 
-from .words import WORD
+from .prepare import WORD
 
 DIGITS = {"text": 10, "gz": 10, "binary": 17}
 """Significant digits of a number in a dump."""

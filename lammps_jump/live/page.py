@@ -46,8 +46,7 @@ from lammps_jump.runs.results import flow_of
 from lammps_jump.scene.walls import Interval, Wall, parts_of
 
 from .again import Recorded, RunAgain, recorded_run, run_again
-from .prepare import LiveFlow, LiveStart
-from .words import WORD
+from .prepare import WORD, LiveFlow, LiveStart
 
 HERE = Path(__file__).parent
 DRAWING = ("frames.js", "discs.js", "view.js", "pointer.js", "curves.js")

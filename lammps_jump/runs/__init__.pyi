@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
+
 from . import crate as crate
-from . import engine as engine
 from . import folder as folder
 from . import known as known
 from . import results as results

@@ -30,8 +30,7 @@ from lammps_jump.identity import analysis_key
 from lammps_jump.provenance import usable_cores
 from lammps_jump.quoting import typed
 
-from .folder import case_text, own_files
-from .state import OUTPUTS, outputs_of, without
+from .folder import OUTPUTS, case_text, outputs_of, own_files, without
 from .summary import compose, write_summary
 
 if TYPE_CHECKING:

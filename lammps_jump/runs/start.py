@@ -15,6 +15,7 @@ from lammps_jump import engines, runs
 from lammps_jump.analysis import quantities
 from lammps_jump.case.case import ReadCase
 from lammps_jump.engines import Checkpoint, Job, ProgressCallback, RunResult, Setting
+from lammps_jump.engines.choice import choose_setting, with_header
 from lammps_jump.errors import CaseError, RunError, SetupError
 from lammps_jump.files import RANKS_FILE, SUMMARY_FILE
 from lammps_jump.folders import MARKER_FILE, clear, locked, read_marker, require_unlocked
@@ -22,9 +23,17 @@ from lammps_jump.quoting import typed
 from lammps_jump.script.job import Site, write_job
 
 from .conclude import Ahead, Conclusion, signals_end
-from .engine import choose_setting, with_header
-from .folder import require_case, result_of, run_folder, write_folder
-from .state import difference, has_output, left_to_do, marker_of, resumable
+from .folder import (
+    difference,
+    has_output,
+    left_to_do,
+    marker_of,
+    require_case,
+    result_of,
+    resumable,
+    run_folder,
+    write_folder,
+)
 from .summary import read_summary
 
 log = logging.getLogger(__name__)

@@ -25,6 +25,7 @@ from lammps_jump.case.inflow import RowsInflow
 from lammps_jump.case.text import nearest
 from lammps_jump.dump.frame import Frame
 from lammps_jump.engines import Job, Setting
+from lammps_jump.engines.choice import choose_setting, with_header
 from lammps_jump.engines.interrupts import counted_interrupts
 from lammps_jump.engines.native import EnginePart, take_frame
 from lammps_jump.errors import CaseError, NearestNames, RunError, RunInterrupted, SetupError
@@ -36,10 +37,8 @@ from lammps_jump.scene.scene import InletRow, Scene
 from lammps_jump.scene.tracks import BEGIN, TableMotion
 
 from .conclude import Ahead, Conclusion
-from .engine import choose_setting, with_header
-from .folder import case_text, run_folder, write_folder
+from .folder import case_text, left_to_do, marker_of, resumable, run_folder, write_folder
 from .start import files_at_risk
-from .state import left_to_do, marker_of, resumable
 from .summary import read_summary
 
 STANDS_THERE = {"kind": "table", "points": [[0.0, 0.0, 0.0, 0.0]]}

@@ -30,14 +30,13 @@ from lammps_jump import dump
 from lammps_jump.analysis.quantities import QUANTITIES, result_files
 from lammps_jump.case.case import ReadCase
 from lammps_jump.engines import RunResult, Setting
+from lammps_jump.engines.choice import program_of
 from lammps_jump.errors import DumpError
 from lammps_jump.files import MOST_TEXT, SUMMARY_FILE, plain, read_file, read_json, write_json
 from lammps_jump.folders import read_marker, standing
 from lammps_jump.identity import run_key, shown_key
 from lammps_jump.provenance import versions
 from lammps_jump.quoting import echoed, shortened, typed
-
-from .engine import program_of
 
 if TYPE_CHECKING:
     import xarray as xr

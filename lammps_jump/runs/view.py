@@ -42,7 +42,7 @@ def case_html(name: str, scene: Scene) -> str:
     values = scene.coefficients
     units = {key: number.unit for key, number in numbers_of(values).items()}
     rows = "".join(f"<tr><td>{key}</td><td>{getattr(values, key):z.4g} {units[key]}</td></tr>" for key in COEFFICIENTS)
-    drawing = draw.sketch.svg_text(draw.sketch.scene_drawing(scene))
+    drawing = draw.svg_text(draw.scene_drawing(scene))
     return f"<p><b>{html.escape(name)}</b>: {html.escape(scene.description)}</p><table>{rows}</table>{drawing}"
 
 
@@ -58,7 +58,7 @@ def number_table(results: Sequence[object]) -> str:
     return f"<table>{''.join(cells)}</table>"
 
 
-def drawing_of(case: ReadCase, widest: float = draw.sketch.WIDEST) -> draw.sketch.Drawing:
+def drawing_of(case: ReadCase, widest: float = draw.WIDEST) -> draw.Drawing:
     """Drawing of a case before it is run, at most so many pixels wide.
 
     Raises
@@ -69,12 +69,12 @@ def drawing_of(case: ReadCase, widest: float = draw.sketch.WIDEST) -> draw.sketc
     found, asked = case.check(), case.fields
     columns = [item for item in asked.initial if item.kind == "column"]
     regions = [
-        draw.sketch.NamedRegion("column" if len(columns) == 1 else f"column {number}", item.x, item.y)
+        draw.NamedRegion("column" if len(columns) == 1 else f"column {number}", item.x, item.y)
         for number, item in enumerate(columns, start=1)
     ]
     expected = found.numbers.get("belanger_y2") if asked.analysis.jump else None
     sequent = expected if isinstance(expected, float) else None
-    return draw.sketch.scene_drawing(found.scene, regions, sequent=sequent, widest=widest)
+    return draw.scene_drawing(found.scene, regions, sequent=sequent, widest=widest)
 
 
 def write_preview(case: ReadCase, folder: str | Path = ".") -> tuple[Path, Path]:
@@ -93,7 +93,7 @@ def write_preview(case: ReadCase, folder: str | Path = ".") -> tuple[Path, Path]
     picture, path = folder / f"{name}.preview.png", folder / f"{name}.preview.html"
     with writes(folder):
         folder.mkdir(parents=True, exist_ok=True)
-    draw.save(draw.sketch.figure(drawing_of(case)), picture)
+    draw.save(draw.figure(drawing_of(case)), picture)
     page, data = report.page, base64.b64encode(read_file(picture, MOST_PICTURE)).decode()
     caption = "At the start, to scale" + ("; dashed shapes and red arrows: how walls move" if scene.moves else "")
     first: list[report.Block] = [

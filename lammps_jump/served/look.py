@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from lammps_jump import drawings, engines, live, runs
-from lammps_jump.analysis.draw.sketch import svg
+from lammps_jump.analysis.draw import svg
 from lammps_jump.case.case import ReadCase
 from lammps_jump.case.packing import disc_sizes, discs_at_start
 from lammps_jump.case.text import CaseSource, PathKey, dotted_path

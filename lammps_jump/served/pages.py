@@ -23,12 +23,10 @@ from lammps_jump.folders import read_marker
 from lammps_jump.quoting import typed
 from lammps_jump.runs.folder import default_folder, require_case
 
-from .assets import HERE, asset, html
-from .bounded import OutOfDate, PageWork, prepare
-from .children import Children, ServedChild
+from .children import Children, OutOfDate, PageWork, ServedChild, prepare
 from .look import MOST_DRAWN, DroppedFile, flow_page, look, with_drawing, with_shape
 from .run_pages import MOST_NAME, LivePages, RunPages, StudyView, number_in
-from .server import Pages, Refused, Reply, answer
+from .server import HERE, Pages, Refused, Reply, answer, asset, page_of
 
 LOOK_SECONDS, DRAWING_SECONDS = 20.0, 60.0
 """Seconds after which a look at a text, or a drawing that was dropped, is left."""
@@ -110,7 +108,7 @@ class StudyPages(Opened):
     def get(self, path: str, query: Mapping[str, str]) -> Reply | None:
         """The page, and how far the study is."""
         if path == "":
-            return html(HERE / "study.html")
+            return page_of(HERE / "study.html")
         return answer(self.study.state()) if path == "state" else super().get(path, query)
 
 
@@ -127,7 +125,7 @@ class CasePages(Opened):
     def get(self, path: str, query: Mapping[str, str]) -> Reply | None:
         """The page, and the text as it is now."""
         if path == "":
-            return html(HERE / "case.html")
+            return page_of(HERE / "case.html")
         if path == "file":
             found = self.file.read()
             same = found.key == query.get("key")

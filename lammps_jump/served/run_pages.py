@@ -18,15 +18,13 @@ from lammps_jump.errors import SetupError
 from lammps_jump.files import MOST_TEXT, read_file
 from lammps_jump.quoting import typed
 from lammps_jump.sweeps.members import Member, MemberState, failure_message, state_of
+from lammps_jump.sweeps.study import axis_heading, axis_unit, axis_words
 from lammps_jump.sweeps.study_folder import StudyResults
-from lammps_jump.sweeps.words import heading, unit, words
 from lammps_jump.units import shown
 
-from .assets import KINDS, run_page
-from .bounded import Bounded, OutOfDate, PageWork
-from .children import Children
+from .children import Bounded, Children, OutOfDate, PageWork
 from .look import flow_of_run
-from .server import FOREIGN, LIVE, Refused, Reply, answer
+from .server import FOREIGN, KINDS, LIVE, Refused, Reply, answer, run_page
 from .watched import Watched
 
 REPORT = "report.html"
@@ -245,8 +243,8 @@ class StudyView:
 
 def _axis(name: str, values: Sequence[Any]) -> dict[str, Any]:
     """An axis with its values, and as the slider of a static page shows them."""
-    told = [shown(value, unit(name)) for value in values]
-    return {"name": heading(name), "values": list(values), "label": words(name), "shown": told}
+    told = [shown(value, axis_unit(name)) for value in values]
+    return {"name": axis_heading(name), "values": list(values), "label": axis_words(name), "shown": told}
 
 
 def _over(states: list[MemberState]) -> list[str]:

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The server: what it refuses, and how an answer is sent. What is served it asks of its pages."""
+"""The server: what it refuses, how an answer is sent, and files of pages, by their names alone.
+
+What is served it asks of its pages. Files are styles and scripts of this folder and of the report.
+"""
 
 from __future__ import annotations
 
@@ -16,12 +19,16 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from functools import partial
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
 from threading import Lock
 from typing import Any, NamedTuple, Protocol
 from urllib.parse import parse_qs
 
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from lammps_jump.analysis.report import page
 from lammps_jump.errors import JumpError
-from lammps_jump.files import plain
+from lammps_jump.files import MOST_TEXT, plain, read_file
 from lammps_jump.foreign import foreign, reason
 
 HOME = "127.0.0.1"
@@ -353,3 +360,49 @@ class Handler(BaseHTTPRequestHandler):
         if not isinstance(asked, dict):
             raise Refused(400, "a JSON object is expected")
         return self.server.pages.post(path, asked)
+
+
+KINDS = {
+    ".html": "text/html; charset=utf-8",
+    ".css": "text/css; charset=utf-8",
+    ".js": "text/javascript; charset=utf-8",
+}
+HERE, REPORT = Path(__file__).parent, Path(page.__file__).parent
+ASSETS = {
+    **{
+        name: HERE / name
+        for name in (
+            "open.css",
+            "ask.js",
+            "case.js",
+            "text.js",
+            "places.js",
+            "drop.js",
+            "flow.js",
+            "live.js",
+            "run.js",
+            "study.js",
+            "axes.js",
+        )
+    },
+    **{name: REPORT / name for name in ("page.css", *page.SCRIPTS)},
+}
+"""Nothing else is read for an address."""
+
+
+def asset(name: str) -> Reply | None:
+    """A file of `ASSETS`; None for another name."""
+    path = ASSETS.get(name)
+    return None if path is None else page_of(path)
+
+
+def page_of(path: Path) -> Reply:
+    """A file of this program."""
+    return Reply(read_file(path, MOST_TEXT), KINDS[path.suffix])
+
+
+def run_page() -> Reply:
+    """The page of a run: the player of the report, empty."""
+    loader = FileSystemLoader([HERE, REPORT])
+    template = Environment(loader=loader, autoescape=True, undefined=StrictUndefined).get_template("run.html.j2")
+    return Reply(template.render().encode(), KINDS[".html"])

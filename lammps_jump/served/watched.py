@@ -36,8 +36,7 @@ from lammps_jump.files import DUMP_NAMES, plain
 from lammps_jump.folders import holder
 from lammps_jump.foreign import reason
 from lammps_jump.quoting import shortened
-from lammps_jump.runs.folder import require_case
-from lammps_jump.runs.state import has_output
+from lammps_jump.runs.folder import has_output, require_case
 from lammps_jump.runs.summary import read_summary
 from lammps_jump.scene.scene import Scene
 

@@ -26,8 +26,20 @@ from lammps_jump.sweeps import Pool, Results, Store, SweepProgress, all_versions
 from lammps_jump.sweeps.table import mean_of as mean_of
 from lammps_jump.units import shown
 
-from .folder import LAW_FILE, held_folder, load_module, source_of
-from .points import FAILED, Found, Piece, failures_of, forget, found_of, measure, pieces_of
+from .points import (
+    FAILED,
+    LAW_FILE,
+    Found,
+    Piece,
+    failures_of,
+    forget,
+    found_of,
+    held_folder,
+    load_module,
+    measure,
+    pieces_of,
+    source_of,
+)
 from .points import Point as Point
 
 LOOKED_UP, SECOND_HAND, DERIVED, MEASURED = "looked up", "second hand", "derived here", "measured by us"

@@ -39,10 +39,20 @@ from .crossing import Crossed, CrossingSearch, all_on_one_side, normal, scatter_
 from .members import failure_message, run_members
 from .page import write_study_page
 from .pool import Pool
-from .study import MOST_MEMBERS, MOST_RUNS, ZIP, Study, case_in, collected, read_study
+from .study import (
+    MOST_MEMBERS,
+    MOST_RUNS,
+    ZIP,
+    Study,
+    axis_heading,
+    axis_unit,
+    axis_words,
+    case_in,
+    collected,
+    read_study,
+)
 from .sweep import Board, Sweep, SweepProgress, held_study, prepare
 from .table import number_at
-from .words import heading, unit, words
 
 ANSWER, PAGE, POINTS = "find.json", "find.html", "points"
 BUDGET, MEMBERS = 30, 3
@@ -439,7 +449,8 @@ def write_answer(wanted: Wanted, folder: Path, ran: Searched) -> dict[str, Any]:
         "path": wanted.path, "range": list(wanted.room), "until": wanted.until, "value": answer.value if held else None,
         "low": answer.low if held else None, "high": answer.high if held else None, "held": held,
         "holds": ("above" if above else "below") if held else None, "reason": reason,
-        "unit": unit(wanted.path), "size": _size(wanted, answer), "verdict": sentence_of(wanted, tried, answer, reason),
+        "unit": axis_unit(wanted.path), "size": _size(wanted, answer),
+        "verdict": sentence_of(wanted, tried, answer, reason),
         "notes": [short] if short else [], "runs": sum(map(len, tried.values())), "failed": len(failures),
         "failures": failures, "members": wanted.members, "budget": wanted.budget, "seed": wanted.seed,
         "share": wanted.share,
@@ -486,7 +497,7 @@ def sentence_of(wanted: Wanted, tried: Mapping[float, np.ndarray], answer: Cross
         return f"No value of {_named(wanted.path)} with {wanted.asked}{wanted.where} was found: {reason}."
     above = (wanted.sign == ">=") == answer.rises
     side, more = "above" if above else "below", f" But {reason}." if reason else ""
-    ranged = _ranged(wanted, *answer[:3], unit(wanted.path))
+    ranged = _ranged(wanted, *answer[:3], axis_unit(wanted.path))
     told = f"{wanted.asked} holds{wanted.where} for {_named(wanted.path)} {side} {ranged}."
     if size := _size(wanted, answer):
         wider = answer.value > wanted.across if above else answer.value < wanted.across
@@ -510,7 +521,7 @@ def _sureness(wanted: Wanted, tried: Mapping[float, np.ndarray]) -> str:
 
 def _named(path: str) -> str:
     """Words of a path, and the path where they are others."""
-    return words(path) if words(path) == path else f"the {words(path)} ({path})"
+    return axis_words(path) if axis_words(path) == path else f"the {axis_words(path)} ({path})"
 
 
 def _ranged(wanted: Wanted, value: float, low: float, high: float, its: str) -> str:
@@ -542,7 +553,7 @@ def _draw(wanted: Wanted, tried: Mapping[float, np.ndarray], answer: Crossed, fo
             panel.axvspan(answer.low, answer.high, color=BLUE, alpha=0.2, lw=0, label="95 %")
             panel.axvline(answer.value, color=RED, lw=1.2, label="answer")
         panel.set(
-            xlabel=heading(wanted.path),
+            xlabel=axis_heading(wanted.path),
             ylabel=asked_for,
             xlim=wanted.room,
         )
@@ -554,7 +565,7 @@ def _sections(wanted: Wanted, data: Mapping[str, Any], drawn: Path) -> list[Sect
     held = data["held"]
     span = f"95 %: {_brief(wanted, data['low'])} to {_brief(wanted, data['high'])}" if held else ""
     value = _brief(wanted, data["value"]) if held else ABSENT
-    boxes = [NumberBox(words(wanted.path), value, unit(wanted.path), "", span)]
+    boxes = [NumberBox(axis_words(wanted.path), value, axis_unit(wanted.path), "", span)]
     if size := data["size"]:
         across = f"95 %: {_brief(wanted, size['low'])} to {_brief(wanted, size['high'])}"
         boxes.append(NumberBox(size["what"], _brief(wanted, size["value"]), "m", "", across))
@@ -573,5 +584,5 @@ def _sections(wanted: Wanted, data: Mapping[str, Any], drawn: Path) -> list[Sect
         Text(f"{wanted.path} = {f['value']:zg}, seed {f['seed']}: {f['message']}", "small") for f in data["failures"]
     ]
     about = f"{data['runs']} runs, {data['members']} starts of each value, of at most {data['budget']}."
-    table = Table(rows, (heading(wanted.path), f"{wanted.key}, mean", "starts"))
+    table = Table(rows, (axis_heading(wanted.path), f"{wanted.key}, mean", "starts"))
     return [Section("", blocks), Section("Runs", [table, Text(about, "small"), *failed])]

@@ -12,16 +12,16 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 from lammps_jump.engines.accuracy import with_accuracy
+from lammps_jump.engines.choice import choose_setting, program_of
 from lammps_jump.engines.result import Progress
 from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import DumpError, JumpError, ResumeError, SetupError
 from lammps_jump.files import DUMP_NAMES
 from lammps_jump.folders import clear, holder, read_marker, require_no_link, require_unlocked
 from lammps_jump.identity import analysis_key, member_key, run_key, short_hash
-from lammps_jump.runs.engine import choose_setting, program_of
+from lammps_jump.runs.folder import has_output
 from lammps_jump.runs.run import Case
 from lammps_jump.runs.run import run as run_case
-from lammps_jump.runs.state import has_output
 from lammps_jump.runs.summary import read_summary
 
 from . import worker

@@ -38,10 +38,9 @@ from lammps_jump.units import shown, two_digits
 
 from . import rating
 from .players import by_member, by_point
-from .study import Axis, Collected, Study
+from .study import Axis, Collected, Study, axis_heading, axis_unit, axis_words
 from .study_folder import StudyResults
 from .table import DISAGREE, flat, records, statistics
-from .words import heading, unit, words
 
 MOST_NAMED = 6
 """Points that a sentence names."""
@@ -56,7 +55,7 @@ def summary_frame(found: StudyResults) -> pd.DataFrame:
     rows = []
     frame = flat(found.table, study)
     for (_, numbers), point in zip(frame.iterrows(), study.points, strict=True):
-        row = {heading(path): shown(value) for path, value in point.items()}
+        row = {axis_heading(path): shown(value) for path, value in point.items()}
         for item in study.collect:
             mean, high = (item.scale * numbers[name] for name in (item.path, f"{item.path}_high"))
             row[item.heading] = f"{shown(mean, error=high - mean)} (n = {numbers[f'{item.path}_n']})"
@@ -76,7 +75,7 @@ def figures_of(found: StudyResults) -> Iterator[tuple[str, str, Figure]]:
     study = found.study
     axes = [axis for axis in study.axes if found.table[axis.name].dtype.kind in "if" and len(axis.values) > 1]
     for axis in axes:
-        caption = f"Against the {words(axis.name)}; band: interval over members"
+        caption = f"Against the {axis_words(axis.name)}; band: interval over members"
         yield f"sweep_{axis.name}", caption, draw_lines(found.table, study, axis)
     if len(axes) == len(study.axes) == 2:
         yield "sweep_map", "Means over both axes", draw_map(found.table, study, axes)
@@ -135,7 +134,8 @@ def draw_lines(table: xr.Dataset, study: Study, axis: Axis) -> Figure:
             shown_lines = np.unique(np.linspace(0, len(labels) - 1, min(len(labels), MOST_LINES)).astype(int))
             for place, line in enumerate(shown_lines):
                 said = (
-                    f"{heading(name)} {table[name].values[i]}" for name, i in zip(others, labels[line], strict=True)
+                    f"{axis_heading(name)} {table[name].values[i]}"
+                    for name, i in zip(others, labels[line], strict=True)
                 )
                 cells = dict(zip(whole["statistic"].values, lines[:, line].T, strict=True))
                 colour, dash = COLOURS[place % len(COLOURS)], DASHES[place % len(DASHES)]
@@ -153,8 +153,8 @@ def draw_lines(table: xr.Dataset, study: Study, axis: Axis) -> Figure:
 
 def name_axis(panel: Any, path: str) -> None:
     """Put the words of a path at the axis along x, and the path itself below in small."""
-    panel.set_xlabel(heading(path))
-    if heading(path) != path:
+    panel.set_xlabel(axis_heading(path))
+    if axis_heading(path) != path:
         place = {"xycoords": panel.xaxis.label, "ha": "center", "va": "top", "fontsize": 6, "color": GREY}
         panel.annotate(path, (0.5, -0.1), **place)
 
@@ -169,7 +169,7 @@ def draw_map(table: xr.Dataset, study: Study, axes: list[Axis]) -> Figure:
             panel.set_xticks(range(len(x.values)), [f"{value:zg}" for value in x.values])
             panel.set_yticks(range(len(y.values)), [f"{value:zg}" for value in y.values])
             name_axis(panel, x.name)
-            panel.set_ylabel(heading(y.name))
+            panel.set_ylabel(axis_heading(y.name))
             panel.grid(visible=False)
             bar = colour_bar(figure, image, item.heading, ax=panel)
             if item.level is not None:
@@ -244,7 +244,9 @@ def doubts(found: StudyResults) -> list[str]:
 def point_name(study: Study, index: int) -> str:
     """Values of a point in words."""
     point = study.points[index].items()
-    return ", ".join(f"{words(path)} = {shown(value, unit(path))}" for path, value in point) or study.case.name
+    return (
+        ", ".join(f"{axis_words(path)} = {shown(value, axis_unit(path))}" for path, value in point) or study.case.name
+    )
 
 
 def interval(found: StudyResults) -> str:
@@ -264,7 +266,7 @@ def verdict_of(found: StudyResults) -> str:
 def sections(found: StudyResults) -> list[Section]:
     """The parts of the page."""
     study, boxes = found.study, tiles(found.rows) if not found.study.axes else []
-    varied = f" Varied: {', '.join(words(axis.name) for axis in study.axes)}." if study.axes else ""
+    varied = f" Varied: {', '.join(axis_words(axis.name) for axis in study.axes)}." if study.axes else ""
     frame = summary_frame(found)
     if boxes:
         paths = {path for row in found.rows for path in (row.path, row.held)} | {"jump.belanger_deviation"}

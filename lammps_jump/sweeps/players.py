@@ -23,9 +23,9 @@ from lammps_jump.files import PLAYER
 from lammps_jump.runs.results import flow_of, packed
 from lammps_jump.runs.run import Run
 from lammps_jump.runs.summary import results_in
+from lammps_jump.sweeps.study import axis_unit, axis_words
 from lammps_jump.sweeps.study_folder import StudyResults
 from lammps_jump.sweeps.table import flat
-from lammps_jump.sweeps.words import unit, words
 from lammps_jump.units import shown
 
 LARGEST = 10_000_000
@@ -106,7 +106,10 @@ def by_point(found: StudyResults) -> list[PlayerChoice | Text]:
     if not points:
         return []
     first = len(points) // 2
-    axes = [Slider(words(axis.name), [shown(value, unit(axis.name)) for value in axis.values]) for axis in study.axes]
+    axes = [
+        Slider(axis_words(axis.name), [shown(value, axis_unit(axis.name)) for value in axis.values])
+        for axis in study.axes
+    ]
     grid = list(np.ndindex(*(len(axis.values) for axis in study.axes)))
     names = [
         ", ".join(f"{axis.label} {axis.values[i]}" for axis, i in zip(axes, grid[p.number], strict=True))

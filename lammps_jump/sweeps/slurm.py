@@ -11,10 +11,10 @@ from collections.abc import Sequence
 from math import ceil
 from pathlib import Path
 
+from lammps_jump.engines.choice import choose_setting
 from lammps_jump.engines.interrupts import terminate_as_interrupt
 from lammps_jump.errors import CaseError, JumpError, RunError, RunInterrupted, SetupError
 from lammps_jump.files import ARRAY_FILE, write_text
-from lammps_jump.runs.engine import choose_setting
 from lammps_jump.script.job import Site, head, needs, run_and_requeue, seconds_of
 
 from .members import failure_message, run_member, state_of

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A study: a case, axes of values, members of each point, and what is collected of every run."""
+"""A study: a case, axes of values and their words, members of each point, and what is collected of every run."""
 
 from __future__ import annotations
 
@@ -19,13 +19,14 @@ from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.analysis.report.page import heading
 from lammps_jump.case.base import Strict
 from lammps_jump.case.case import ReadCase
-from lammps_jump.case.field_words import explain
+from lammps_jump.case.field_words import explain, fields_at, label_of, unit_of
+from lammps_jump.case.fields import CaseFields
 from lammps_jump.case.text import CaseSource, nearest, parse_source, read_source, read_text
 from lammps_jump.errors import CaseError, FieldError
 from lammps_jump.files import plain
 from lammps_jump.quoting import echoed, shortened, typed
 from lammps_jump.runs.run import Case
-from lammps_jump.units import in_kilo, numbers_of, parse_accuracy
+from lammps_jump.units import POWERS, in_kilo, numbers_of, parse_accuracy
 
 ZIP = "zip"
 MOST_RUNS = 100_000
@@ -374,3 +375,29 @@ def _pair(option: str, text: str, sign: str, example: str) -> tuple[str, str]:
             f"{option} {shortened(text)}: expected a path, {sign} and a value, for example {option} {example}"
         )
     return path, value
+
+
+NAMED = {"walls": "wall", "bodies": "body"}
+"""Lists whose items have names, and what an item without one is called."""
+
+
+def axis_words(path: str) -> str:
+    """Label of a field, in a few axis_words; the path where it has none."""
+    group, _, rest = path.partition(".")
+    label = label_of(fields_at(CaseFields, path.split(".")))
+    if not label:
+        return path
+    if group not in NAMED:
+        return path if path[-1].isdigit() else label  # the end of what?
+    name = rest.partition(".")[0]
+    return f"{label} of the {f'{NAMED[group]} {name}' if name.isdigit() else name.replace('_', ' ')}"
+
+
+def axis_unit(path: str) -> str:
+    """Its SI axis_unit, empty where there is none."""
+    return unit_of(fields_at(CaseFields, path.split("."))).replace("degree", "°")
+
+
+def axis_heading(path: str) -> str:
+    """Words and axis_unit, for a table or an axis."""
+    return f"{axis_words(path)} [{axis_unit(path).translate(POWERS)}]" if axis_unit(path) else axis_words(path)

@@ -9,8 +9,7 @@ from made_up import flow_context
 from number_text import numbers_in
 
 from lammps_jump.analysis.report import frames
-from lammps_jump.analysis.report.coder import encode
-from lammps_jump.analysis.report.frames import FramePacker, Packed
+from lammps_jump.analysis.report.frames import FramePacker, Packed, encode
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.scene.walls import Plane
 

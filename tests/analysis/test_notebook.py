@@ -33,16 +33,16 @@ def test_reports_tell_no_frame_their_time(run):
 
 
 def test_without_anywidget_a_run_shows_pictures(run, monkeypatch):
-    from lammps_jump.analysis.report import widget
+    from lammps_jump.analysis.report import player
 
-    monkeypatch.setattr(widget.importlib.util, "find_spec", lambda name: None)
+    monkeypatch.setattr(player.importlib.util, "find_spec", lambda name: None)
     assert run._repr_mimebundle_() == {}
     assert "<img alt=" in run._repr_html_()
-    widget._widget_class.cache_clear()
+    player._widget_class.cache_clear()
     monkeypatch.setitem(sys.modules, "anywidget", None)
     with pytest.raises(SetupError, match=r"pip install 'lammps-jump\[notebook\]'"):
         run.widget()
-    widget._widget_class.cache_clear()
+    player._widget_class.cache_clear()
 
 
 def test_a_run_without_frames_has_nothing_to_play(run, monkeypatch):

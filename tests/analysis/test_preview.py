@@ -11,11 +11,10 @@ import yaml
 from made_up import call
 
 import lammps_jump as lj
-from lammps_jump.analysis.draw.sketch.drawing import ROOM, Area, Label, place_labels
-from lammps_jump.analysis.draw.sketch.picture import figure
-from lammps_jump.analysis.draw.sketch.preview import NamedRegion, scene_drawing
-from lammps_jump.analysis.draw.sketch.svg import svg_text
-from lammps_jump.analysis.draw.style import drawing, save
+from lammps_jump.analysis.draw.drawing import ROOM, Area, Label, place_labels
+from lammps_jump.analysis.draw.preview import NamedRegion, scene_drawing
+from lammps_jump.analysis.draw.style import drawing, figure, save
+from lammps_jump.analysis.draw.svg import svg_text
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.motion import Motion, MovingWall, gate

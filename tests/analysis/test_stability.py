@@ -24,7 +24,7 @@ from lammps_jump.analysis.devices.stability import (
 )
 from lammps_jump.analysis.tables import rows_of
 from lammps_jump.dump.find import ForceHistory
-from lammps_jump.physics.stability import bearing_pressures, eccentricity
+from lammps_jump.physics.bodies import bearing_pressures, eccentricity
 from lammps_jump.scene.motion import MovingWall
 from lammps_jump.scene.scene import Weighed
 from lammps_jump.scene.walls import Block, Circle, Plane, Polygon

@@ -21,7 +21,7 @@ from lammps_jump.core import CORE
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.engines.native.image import image_of
 from lammps_jump.engines.plugin import PLUGIN, PRODUCTS
-from lammps_jump.engines.plugin.wheel import make_wheel
+from lammps_jump.engines.plugin.make import make_wheel
 
 ROOT = Path(__file__).parents[2]
 ELSEWHERE = [target for target in PLATFORMS if target.zig]

@@ -16,7 +16,7 @@ from lammps_jump.analysis.contacts import close_pairs
 from lammps_jump.analysis.draw.painter import View, blank, paint_discs
 from lammps_jump.analysis.grains.layers import add_discs
 from lammps_jump.analysis.profiles import FrameDiscs, OpenEnds, bin_discs, connected, surface_of
-from lammps_jump.analysis.report.coder import encode
+from lammps_jump.analysis.report.frames import encode
 from lammps_jump.analysis.report.handed_on import holds_frames
 from lammps_jump.dump import formats
 

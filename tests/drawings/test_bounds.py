@@ -16,7 +16,7 @@ from made_up import call
 
 import lammps_jump
 from lammps_jump import foreign
-from lammps_jump.drawings import dxf, entries, read_drawing, styles, survey, svg
+from lammps_jump.drawings import attributes, dxf, entries, read_drawing, survey, svg
 from lammps_jump.errors import CaseError
 
 PAGE = '<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="100mm" viewBox="0 0 100 100">{}</svg>'
@@ -58,7 +58,7 @@ def calls(monkeypatch):
             monkeypatch.setattr(kind, name, counted)
 
     watch(svg._SvgReader, "take", "_path")
-    watch(styles.Styles, "given")
+    watch(attributes.Styles, "given")
     watch(dxf._DxfReader, "take", "_copies")
     return found
 
@@ -277,8 +277,8 @@ def test_letters_of_copies_have_a_bound(put, monkeypatch):
 
 
 def test_rules_of_a_style_sheet_have_a_bound(put, monkeypatch):
-    assert styles.MOST_TRIED == 3_000_000
-    monkeypatch.setattr(styles, "MOST_TRIED", 1000)
+    assert attributes.MOST_TRIED == 3_000_000
+    monkeypatch.setattr(attributes, "MOST_TRIED", 1000)
     rules = f"<style>{50 * '.a {fill: red}'}</style>"
     assert read_drawing(put(rules + 19 * '<path class="a a a" d="M0 0L1 1"/>'))
     refused(put(rules + 21 * '<path class="a" d="M0 0L1 1"/>'), "more than 1,000 are to be held against them")
@@ -297,7 +297,7 @@ def test_rules_of_a_style_sheet_have_a_bound(put, monkeypatch):
     ],
 )
 def test_rules_and_comments_of_a_style_sheet(text, rules, body):
-    assert list(styles._rules(text)) == rules and styles._uncommented(text) == body
+    assert list(attributes._rules(text)) == rules and attributes._uncommented(text) == body
 
 
 @pytest.mark.parametrize("text", [f"{3000 * '1'}!", f"1{3000 * ' '}!", f"{101 * '1'}"])

@@ -12,8 +12,8 @@ from made_up import INPUTS
 from lammps_jump.case import load_case
 from lammps_jump.engines import interrupts
 from lammps_jump.engines.native import NativeSimulation, run_native
-from lammps_jump.engines.native.cells import CellSimulation
 from lammps_jump.engines.native.events import OpenBoundaries, PourState
+from lammps_jump.engines.native.simulation import CellSimulation
 from lammps_jump.engines.native.state import load_state, save_state
 from lammps_jump.errors import CaseError, RunError
 from lammps_jump.physics.inlet import Hydrograph, entries_of_rows

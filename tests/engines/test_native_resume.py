@@ -22,6 +22,7 @@ from lammps_jump.cli import run as cli
 from lammps_jump.cli.app import main
 from lammps_jump.cli.progress import ProgressLine
 from lammps_jump.dump.read import open_dump
+from lammps_jump.engines import choice
 from lammps_jump.engines.checkpoint import CHECKPOINT_FILE, read_checkpoint, sum_of
 from lammps_jump.engines.interrupts import SIGNALS, counted_interrupts, terminate_as_interrupt
 from lammps_jump.engines.native import run_native
@@ -30,7 +31,6 @@ from lammps_jump.engines.native.state import load_state, save_state
 from lammps_jump.engines.result import Progress, interruption
 from lammps_jump.errors import CaseError, ResumeError, RunInterrupted, SetupError
 from lammps_jump.identity import scene_key
-from lammps_jump.runs import engine
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.scene import Pour
 from lammps_jump.scene.walls import Box
@@ -209,7 +209,7 @@ def stopped(tmp_path_factory):
     folder = tmp_path_factory.mktemp("stopped") / "run"
     with pytest.MonkeyPatch.context() as patch:
         without_analysis(patch)
-        patch.setattr(engine, "choose", choose_to_stop_at(2500))
+        patch.setattr(choice, "choose", choose_to_stop_at(2500))
         with pytest.raises(RunInterrupted, match=r"lammps-jump run .* --resume"):
             job(folder)
     return folder

@@ -12,7 +12,7 @@ from lammps_jump.dump.read import open_dump
 from lammps_jump.engines.checkpoint import read_checkpoint
 from lammps_jump.engines.native import NativeSimulation, run_native
 from lammps_jump.engines.native.bound import Core
-from lammps_jump.engines.native.cells import CellSimulation
+from lammps_jump.engines.native.simulation import CellSimulation
 from lammps_jump.engines.native.state import load_state, save_state
 from lammps_jump.errors import RunError
 from lammps_jump.physics.contact import extrapolated_restitution, lagged_restitution

@@ -10,7 +10,6 @@ from made_up import INPUTS, call
 
 from lammps_jump.case import load_case
 from lammps_jump.engines.native import NativeSimulation
-from lammps_jump.engines.native.cells import CellSimulation
 from lammps_jump.engines.native.ledger import (
     BEGAN,
     CARRIED,
@@ -22,6 +21,7 @@ from lammps_jump.engines.native.ledger import (
     MASS_RIGHT,
     WALLS,
 )
+from lammps_jump.engines.native.simulation import CellSimulation
 from lammps_jump.errors import CaseError
 from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.scene import InletRow, Stations

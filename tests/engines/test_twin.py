@@ -15,7 +15,7 @@ from laws import LAWS
 from lammps_jump.core.library import INTEGER, INTEGERS, REAL, REALS, function
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.engines.native.bound import Core
-from lammps_jump.engines.native.cells import CellSimulation
+from lammps_jump.engines.native.simulation import CellSimulation
 from lammps_jump.engines.twin import Twin
 from lammps_jump.scene import Block, Box, Motion, MovingWall, Plane, handmade_scene
 from lammps_jump.scene.chains import Chain, circle, lay, records_of

@@ -20,9 +20,8 @@ from made_up import disc_frame
 from mutants import LONGEST, mutant
 
 from lammps_jump.dump.contacts import ContactFile, ContactWriter
-from lammps_jump.dump.find import read_forces
+from lammps_jump.dump.find import read_forces, table_of
 from lammps_jump.dump.read import open_dump
-from lammps_jump.dump.tables import table_of
 from lammps_jump.dump.tail import DumpTail, GrowingDump
 from lammps_jump.dump.walls import PoseFile, read_bodies
 from lammps_jump.dump.write import DumpWriter

@@ -26,9 +26,8 @@ from lammps_jump.calibration.study import parse_vary, read_calibration
 from lammps_jump.calibration.targets import measured_of, parse_target
 from lammps_jump.drawings import doubts, entries, read_drawing, yaml_text
 from lammps_jump.dump.exports import write_netcdf
-from lammps_jump.dump.find import forces_of
+from lammps_jump.dump.find import forces_of, table_of
 from lammps_jump.dump.read import open_dump
-from lammps_jump.dump.tables import table_of
 from lammps_jump.dump.walls import PoseFile
 from lammps_jump.errors import CaseError, JumpError
 from lammps_jump.files import POSES_HEADER, plain, write_json

@@ -16,11 +16,12 @@ from made_up import INPUTS, call, choose_to_stop_at, without_analysis
 import lammps_jump as lj
 from lammps_jump.analysis import Force, Front, Jump
 from lammps_jump.cli.run import print_summary
+from lammps_jump.engines import choice
 from lammps_jump.engines.checkpoint import CHECKPOINT_FILE, sum_of
 from lammps_jump.errors import DumpError, JumpError, ResumeError, RunInterrupted
 from lammps_jump.files import plain
 from lammps_jump.physics.jump import inflow_theory
-from lammps_jump.runs import engine, start
+from lammps_jump.runs import start
 from lammps_jump.runs.summary import read_summary, write_summary
 from lammps_jump.units import as_summary
 
@@ -42,7 +43,7 @@ def stopped(request, tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("stopped") / "run"
     setting = {"engine": "native"} if request.param == "native" else {"kernel": "stock"}
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(engine, "choose", choose_to_stop_at(STEP))
+        patch.setattr(choice, "choose", choose_to_stop_at(STEP))
         with pytest.raises(RunInterrupted):
             lj.load_case(INPUTS / "dam_break.yaml", CHANGES).run(folder, **setting)
     return folder

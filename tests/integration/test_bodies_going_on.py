@@ -12,13 +12,13 @@ import yaml
 from made_up import call, choose_to_stop_at, plugin_or_skip, reseal
 
 import lammps_jump as lj
-from lammps_jump.analysis.draw.sketch.preview import scene_drawing
+from lammps_jump.analysis.draw.preview import scene_drawing
 from lammps_jump.case import earlier
 from lammps_jump.dump.ended import read_ended
 from lammps_jump.dump.find import read_dump
+from lammps_jump.engines import choice
 from lammps_jump.errors import CaseError, DumpError, RunInterrupted
 from lammps_jump.files import BODIES, END_FILE, POSES, read_arrays, write_arrays
-from lammps_jump.runs import engine
 from lammps_jump.scene.meeting import corner_names
 
 D = 0.1
@@ -183,7 +183,7 @@ def test_ranks_agree_and_a_stopped_run_goes_on(first, place):
     assert two.summary["ranks"] == 2
     assert numbers(walls_of(one)) == pytest.approx(numbers(walls_of(two)), abs=1e-9 * D)
     with pytest.MonkeyPatch.context() as patch, pytest.raises(RunInterrupted):
-        patch.setattr(engine, "choose", choose_to_stop_at(1000))
+        patch.setattr(choice, "choose", choose_to_stop_at(1000))
         case.run(place / "part")
     on = case.run(place / "part", resume=True)
     assert numbers(walls_of(one)) == pytest.approx(numbers(walls_of(on)), abs=1e-9 * D)
@@ -197,7 +197,7 @@ def test_a_run_that_goes_on_is_resumed_and_stays_whole(first, tmp_path):
     case = lj.load_case(path, {"run.duration": 0.1})
     whole = case.run(tmp_path / "whole")
     with pytest.MonkeyPatch.context() as patch, pytest.raises(RunInterrupted):
-        patch.setattr(engine, "choose", choose_to_stop_at(500))
+        patch.setattr(choice, "choose", choose_to_stop_at(500))
         case.run(tmp_path / "part")
     shutil.rmtree(tmp_path / "first")
     earlier.KNOWN.clear()

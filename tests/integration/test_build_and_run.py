@@ -19,13 +19,13 @@ from lammps_jump.case import load_case, parse_case
 from lammps_jump.cli.run import build
 from lammps_jump.cli.run import run as run_built
 from lammps_jump.dump.read import open_dump
+from lammps_jump.engines.choice import choose_setting
 from lammps_jump.engines.lammps.drive import plugin_arguments
 from lammps_jump.engines.lammps.loader import program
 from lammps_jump.engines.launch import Setting, run
 from lammps_jump.errors import RunError, RunInterrupted
 from lammps_jump.files import SCENE_FILE
 from lammps_jump.runs import results, start
-from lammps_jump.runs.engine import choose_setting
 
 pytestmark = pytest.mark.lammps
 

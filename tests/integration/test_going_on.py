@@ -15,9 +15,9 @@ import lammps_jump as lj
 from lammps_jump.case import earlier
 from lammps_jump.dump.ended import read_ended, write_ended
 from lammps_jump.dump.find import read_dump
+from lammps_jump.engines import choice
 from lammps_jump.errors import CaseError, RunInterrupted
 from lammps_jump.files import END_FILE
-from lammps_jump.runs import engine
 
 D = 0.1
 BED = {
@@ -244,7 +244,7 @@ def test_a_run_stays_whole_without_the_other_one(bed, tmp_path, monkeypatch):
     shutil.copytree(bed.folder, tmp_path / "bed")
     case = lj.load_case(case_file(tmp_path))
     with monkeypatch.context() as patch, pytest.raises(RunInterrupted):
-        patch.setattr(engine, "choose", choose_to_stop_at(1000))
+        patch.setattr(choice, "choose", choose_to_stop_at(1000))
         case.run(tmp_path / "next")
     shutil.rmtree(tmp_path / "bed")
     shutil.move(tmp_path / "next", tmp_path / "elsewhere")
@@ -303,7 +303,7 @@ def test_without_its_end_state_a_run_gives_its_last_frame(bed, tmp_path):
 def test_a_run_that_was_stopped_says_so(place, tmp_path, monkeypatch):
     """The begun run tells it too, from its own copy."""
     with monkeypatch.context() as patch, pytest.raises(RunInterrupted):
-        patch.setattr(engine, "choose", choose_to_stop_at(1000))
+        patch.setattr(choice, "choose", choose_to_stop_at(1000))
         lj.load_case(BED).run(tmp_path / "bed")
     short = {"run.duration": 0.02, "run.output_interval": 0.02}
     run = lj.load_case(case_file(tmp_path)).replace(short).run(tmp_path / "on")

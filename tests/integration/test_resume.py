@@ -17,13 +17,13 @@ from made_up import choose_to_stop_at, run_case, without_analysis
 from lammps_jump.case import load_case
 from lammps_jump.dump.find import read_forces
 from lammps_jump.dump.read import open_dump
+from lammps_jump.engines import choice
 from lammps_jump.engines.checkpoint import CHECKPOINT_FILE, PREVIOUS_FILE, read_checkpoint
 from lammps_jump.engines.lammps.loader import program
 from lammps_jump.engines.lammps.log import read_log
 from lammps_jump.engines.launch import Setting, run
 from lammps_jump.engines.plugin import plugin_path
 from lammps_jump.errors import ResumeError, RunError, RunInterrupted, SetupError
-from lammps_jump.runs import engine
 from lammps_jump.scene.motion import gate
 from lammps_jump.scene.scene import Pour
 from lammps_jump.scene.walls import Plane
@@ -298,7 +298,7 @@ def test_whole_job(tmp_path, monkeypatch):
     folder = tmp_path / "run"
     without_analysis(monkeypatch)
     with monkeypatch.context() as patch:
-        patch.setattr(engine, "choose", choose_to_stop_at(1500))
+        patch.setattr(choice, "choose", choose_to_stop_at(1500))
         with pytest.raises(RunInterrupted, match="--resume"):
             run_case(case, folder, changes)
     first = json.loads((tmp_path / "run/summary.json").read_text())

@@ -10,7 +10,7 @@ import pytest
 from made_up import engine_setting
 
 from lammps_jump.analysis.devices import tailgate
-from lammps_jump.analysis.draw.sketch.preview import scene_drawing
+from lammps_jump.analysis.draw.preview import scene_drawing
 from lammps_jump.analysis.flow import from_scene
 from lammps_jump.analysis.passes import Gathered
 from lammps_jump.case import load_case

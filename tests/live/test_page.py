@@ -21,7 +21,7 @@ from lammps_jump.folders import Marker, write_marker
 from lammps_jump.live import from_times, live_page, prepare, run_again
 from lammps_jump.live.again import RunAgain
 from lammps_jump.live.page import MADE, require_place
-from lammps_jump.live.words import WORD
+from lammps_jump.live.prepare import WORD
 
 pytestmark = pytest.mark.usefixtures("compiled_core")
 JUMP = INPUTS / "quick_jump.yaml"

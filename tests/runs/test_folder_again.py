@@ -16,8 +16,7 @@ from lammps_jump.case import load_case
 from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import RunInterrupted
 from lammps_jump.runs import start
-from lammps_jump.runs.folder import write_folder
-from lammps_jump.runs.state import marker_of
+from lammps_jump.runs.folder import marker_of, write_folder
 
 pytestmark = pytest.mark.usefixtures("blank_pictures")
 

@@ -19,9 +19,8 @@ from lammps_jump.engines.lammps.log import read_log
 from lammps_jump.files import text_of
 from lammps_jump.folders import MARKER_FILE, Marker, clear, read_marker, write_marker
 from lammps_jump.runs import start
-from lammps_jump.runs.folder import default_folder
+from lammps_jump.runs.folder import default_folder, is_analysed
 from lammps_jump.runs.results import flow_of, packed
-from lammps_jump.runs.state import is_analysed
 
 pytestmark = pytest.mark.usefixtures("blank_pictures")
 
@@ -328,7 +327,7 @@ def test_another_run_is_refused_with_what_differs(case, folder):
 
 
 def test_another_version_is_another_run(case, folder, monkeypatch):
-    monkeypatch.setattr("lammps_jump.runs.engine.__version__", "9.9")
+    monkeypatch.setattr("lammps_jump.engines.choice.__version__", "9.9")
     with pytest.raises(lj.SetupError, match=r"lammps_jump is .* there, 9\.9 here"):
         case.run(folder)
 

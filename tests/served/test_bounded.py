@@ -10,18 +10,18 @@ import pytest
 
 from lammps_jump.case.text import read_text
 from lammps_jump.errors import CaseError, SetupError
-from lammps_jump.served import bounded
-from lammps_jump.served.bounded import Bounded, OutOfDate, PageWork
+from lammps_jump.served import children
+from lammps_jump.served.children import Bounded, OutOfDate, PageWork
 
 
 @pytest.fixture(scope="module", autouse=True)
 def light():
     """Processes that load little, for these tests alone."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(bounded, "LOADED", "lammps_jump.served.bounded")
-        patch.setattr(bounded, "_spare", [])
+        patch.setattr(children, "LOADED", "lammps_jump.served.children")
+        patch.setattr(children, "_spare", [])
         yield
-        bounded._end_spare()
+        children._end_spare()
 
 
 def asked(call, *given, seconds=600, page=""):

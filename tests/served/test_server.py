@@ -441,7 +441,7 @@ def made_request(random, server):
 @pytest.mark.fault("requests to a page")
 def test_requests_of_any_kind_are_answered_and_nothing_is_written(server, case, tried, monkeypatch, capfd):
     """What is sent is cut off there, so that half a body ends; no answer is without a status, and none is a defect."""
-    monkeypatch.setattr("lammps_jump.served.bounded.Bounded.run", lambda self, work: work.call())
+    monkeypatch.setattr("lammps_jump.served.children.Bounded.run", lambda self, work: work.call())
     monkeypatch.setattr("lammps_jump.served.children.Children.start", lambda *_: pytest.fail("a run begins"))
     random, number, before = Random(7), many(150, 3000), {one: one.read_bytes() for one in case.parent.iterdir()}
     for _ in range(number):

@@ -9,7 +9,7 @@ from made_up import INPUTS, call, files
 from lammps_jump.errors import SetupError
 from lammps_jump.files import STUDY_FILES, study_files
 from lammps_jump.folders import locked, read_marker
-from lammps_jump.studies.folder import held_folder
+from lammps_jump.studies.points import held_folder
 
 COMMANDS = sorted({*STUDY_FILES, "fluid", "sensitivity", "stress"})
 OF_A_CASE = {"bench", "fluid", "cross-validate"}

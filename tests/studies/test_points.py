@@ -8,8 +8,8 @@ from made_up import BOX, Here
 
 from lammps_jump import load_case
 from lammps_jump.errors import CaseError, RunError, SetupError
-from lammps_jump.studies import folder as studies_folder
 from lammps_jump.studies import points as points_study
+from lammps_jump.studies import points as studies_folder
 from lammps_jump.studies.points import FAILED, Point, PointStudy, pieces_of, run_study, study_named
 
 calls = []

@@ -5,8 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from lammps_jump.studies.folder import TREE
-from lammps_jump.studies.points import FAILED, load_module, study_named
+from lammps_jump.studies.points import FAILED, TREE, load_module, study_named
 
 stress_limits, stress_scenes, stress = (load_module(TREE / "stress", name) for name in ("limits", "scenes", "study"))
 NATIVE = ("native velocity_verlet", "native leapfrog_extrapolated")

@@ -13,7 +13,7 @@ from lammps_jump.case import parse_case
 from lammps_jump.cli.app import main
 from lammps_jump.errors import CaseError, SetupError
 from lammps_jump.files import plain
-from lammps_jump.studies import folder, points, validation
+from lammps_jump.studies import points, validation
 from lammps_jump.studies.validation import LOOKED_UP, Row, around, explained, mean_of
 from lammps_jump.sweeps.members import Member, drop_dumps
 
@@ -146,7 +146,7 @@ def test_laws_are_listed_and_what_is_not_there_is_named(laws, tmp_path, monkeypa
     with pytest.raises(CaseError, match="holds no law"):
         validation.laws_folder(tmp_path)
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(folder, "TREE", tmp_path / "site" / "validation")
+    monkeypatch.setattr(points, "TREE", tmp_path / "site" / "validation")
     with pytest.raises(SetupError, match="validation/ of the source of lammps-jump"):
         validation.laws_folder()
     assert command(monkeypatch) == 2
@@ -159,7 +159,7 @@ def test_no_law_of_the_current_folder_is_run(tmp_path, monkeypatch, tree):
         (place / "validation" / "x").mkdir(parents=True)
         (place / "validation" / "x" / "law.py").write_text("open('PWNED', 'w')")
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(folder, "TREE", tmp_path / ("none" if tree == "no tree" else "site") / "validation")
+    monkeypatch.setattr(points, "TREE", tmp_path / ("none" if tree == "no tree" else "site") / "validation")
     with pytest.raises(SetupError, match="validation/ of the source of lammps-jump"):
         validation.listing()
     assert not (tmp_path / "PWNED").exists()

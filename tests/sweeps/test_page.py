@@ -13,13 +13,13 @@ from made_up import INPUTS, STUDY, call
 
 import lammps_jump as lj
 from lammps_jump.analysis.draw.style import drawing
-from lammps_jump.analysis.report.coder import LETTERS
+from lammps_jump.analysis.report.frames import LETTERS
 from lammps_jump.analysis.report.handed_on import read_player
 from lammps_jump.analysis.report.page import Player, PlayerChoice, Section, render
 from lammps_jump.case import load_case
 from lammps_jump.sweeps import Sweep, held_study, open_sweep, page, prepare, read_study, slurm
 from lammps_jump.sweeps.players import by_member, by_point
-from lammps_jump.sweeps.words import heading, words
+from lammps_jump.sweeps.study import axis_heading, axis_words
 
 pytestmark = pytest.mark.usefixtures("kept_workers")
 
@@ -187,9 +187,14 @@ def test_axes_have_words_and_units_and_forces_are_in_kilonewtons(tmp_path):
         page.name_axis(axes, "walls.sill.y.1")
         assert axes.get_xlabel() == "height of the sill [m]" and axes.texts[0].get_text() == "walls.sill.y.1"
         assert axes.texts[0].get_fontsize() < axes.xaxis.label.get_fontsize()
-    assert heading("probes.interval") == "probes.interval [s]" and words("probes.interval") == "probes.interval"
-    assert heading("run.nonsense") == "run.nonsense" and heading("domain.x.1") == "domain.x.1 [m]"
-    assert heading("slope") == "slope [°]" and heading("walls.0.friction") == "friction coefficient of the wall 0"
+    assert (
+        axis_heading("probes.interval") == "probes.interval [s]" and axis_words("probes.interval") == "probes.interval"
+    )
+    assert axis_heading("run.nonsense") == "run.nonsense" and axis_heading("domain.x.1") == "domain.x.1 [m]"
+    assert (
+        axis_heading("slope") == "slope [°]"
+        and axis_heading("walls.0.friction") == "friction coefficient of the wall 0"
+    )
 
 
 def test_an_interval_wider_than_the_mean_is_told(tmp_path):

@@ -7,7 +7,7 @@ import numpy as np
 
 from lammps_jump import Run, load_case
 from lammps_jump.studies.bench import collision_scene, measure_collisions
-from lammps_jump.studies.folder import TREE
+from lammps_jump.studies.points import TREE
 
 
 def box(run: Run) -> dict:

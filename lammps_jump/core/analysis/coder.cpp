@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// The range coder of report/coder.py, which says how it works, and the check of frames that it packed.
+// The range coder of report/frames.py, which says how it works, and the check of frames that it packed.
 
 #include <algorithm>
 #include <cstdlib>

@@ -36,8 +36,7 @@ from lammps_jump.provenance import versions
 from lammps_jump.scene.scene import Scene
 
 from .bound import Core
-from .cells import CellSimulation
-from .simulation import NativeSimulation
+from .simulation import CellSimulation, NativeSimulation
 from .state import ended_of, fingerprint, load_state, save_state
 
 

@@ -19,13 +19,12 @@ import numpy as np
 from lammps_jump.core.library import VERSION
 from lammps_jump.scene.scene import Scene
 
-from .alone import SceneEvents
 from .arrays import State
 from .bound import Core, jump_events, jump_state
-from .constants import DEFAULT_SKIN, Memories, constants_of, lists_of
 from .discs import DiscArrays
-from .events import OpenBoundaries, Tailgates, Windows
+from .events import OpenBoundaries, SceneEvents, Tailgates, Windows
 from .ledger import EnergyBalance, StationLedger
+from .simulation import DEFAULT_SKIN, Memories, constants_of, lists_of
 from .walls import Walls
 
 if TYPE_CHECKING:

@@ -10,27 +10,29 @@ Start: forces at step 0 see v_0, and v_(-1/2) = v_0 - dt F_0 / (2 m), so that th
 v_(n-1/2) = v_(n-3/2) = its entry velocity, feels the forces of that step, and gets its last half kick. Where discs are
 not equal it enters with the largest diameter, and gets its own behind a step (`Scene.size_steps`): the first half of
 that step's kick is that of the largest disc, the second half has the same force on the new mass (LAMMPS' `fix set`).
+
+Constants of the loops come first. `CellSimulation`, last, has the contact search of the thesis.
 """
 
 from __future__ import annotations
 
-from math import inf
+from math import ceil, inf
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 
 from lammps_jump.core.columns import RunEnd, SumsOnWallColumns, WorkColumns
 from lammps_jump.errors import CaseError, RunError
+from lammps_jump.physics.law import Slots
 from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.scene.motion import PUSHED_THERE
 from lammps_jump.scene.scene import Scene
 
-from .alone import SceneEvents
-from .arrays import CHECK_OVERLAP, LIST_STALE, Grid, Loops, Pairs, State
+from .arrays import CHECK_OVERLAP, LIST_STALE, Constants, Grid, Lists, Loops, Memory, Pairs, State, StepConstants
 from .bound import Core, jump_events, jump_state
-from .constants import DEFAULT_SKIN, Memories, constants_of, lists_of
 from .discs import ROUND, DiscArrays, starting
-from .events import Event, EventList, OpenBoundaries, Tailgates, WindowForce, Windows
+from .events import Event, EventList, OpenBoundaries, SceneEvents, Tailgates, WindowForce, Windows
 from .ledger import (
     EnergyBalance,
     EnergyNow,
@@ -41,11 +43,62 @@ from .ledger import (
     free_energy,
     half_kicks,
     half_work,
+    inertia,
     shares_of,
     spin,
     velocities,
 )
 from .walls import Walls
+
+DEFAULT_SKIN = 0.3
+"""Skin of the neighbour list over the diameter where the scene gives none."""
+
+
+class Memories:
+    """Memory of the contacts of a scene, as the loops take it: one object as long as nothing of it changes."""
+
+    def __init__(self, scene: Scene):
+        self._scene = scene
+        self._held: Memory | None = None
+
+    def of(self, discs: Any, walls: Any, full: np.ndarray, time_step: float) -> Memory | None:
+        """The memory of discs beside walls; None where contacts have none.
+
+        `full` takes the id of a disc that has no slot left; springs go on by a time step (s), or stay as they are with
+        0.
+        """
+        if self._scene.springs is None:
+            return None
+        d, held = discs, self._held
+        if held is None or held.chain is not walls.chain or held.slots.partner is not d.partner:
+            slots = Slots(d.partner, d.sigma, d.spring, d.roll, d.touched)
+            held = Memory(slots, d.ids, walls.chain, walls.around, full, time_step)
+        if held.time_step != time_step:
+            held = held._replace(time_step=time_step)
+        self._held = held
+        return held
+
+
+def constants_of(scene: Scene, skin: float) -> Constants:
+    """Constants of a scene, with a neighbour list of this skin (m)."""
+    return Constants(scene.largest, scene.law_numbers(), motion_of(scene, skin))
+
+
+def motion_of(scene: Scene, skin: float) -> StepConstants:
+    """Constants of the motion, with a neighbour list of this skin (m)."""
+    square = 1.0 if scene.sizes is None else scene.radius * scene.radius
+    mass = scene.mass / square
+    weight = mass * scene.gravity[0], mass * scene.gravity[1]
+    return StepConstants(scene.time_step, mass, inertia(scene) / square**2, *weight, (0.5 * skin) ** 2)
+
+
+def lists_of(scene: Scene, skin: float, *, inside: bool) -> Lists:
+    """Arguments of lists of this skin (m); where `inside` is true, loops make them within `Loops.advance`."""
+    domain, ends = (*scene.domain[0], *scene.domain[1]), [wall.extent[0] for wall, _ in scene.walls if scene.period]
+    return Lists(
+        domain, skin, scene.largest, inside, np.zeros(2), scene.period or 0.0, np.zeros(1), np.reshape(ends, (-1, 2))
+    )
+
 
 KNOWN = {
     "integrator": ("velocity_verlet", "leapfrog_extrapolated"),
@@ -473,3 +526,70 @@ class NativeSimulation:
         moves = self.walls.moves is not None
         found = self.books.balance(self.energy(), self._half_work(), fallen(self.scene, self.discs), walls_move=moves)
         return found | self.stations.heads(self.step)
+
+
+class CellSimulation(NativeSimulation):
+    """A scene stepped with cell lists made anew every step, and every disc tried against every wall.
+
+    Same forces as `NativeSimulation`; only the order in which they are summed differs.
+
+    Parameters
+    ----------
+    scene : Scene
+    cell_size : float, optional
+        Width of the square cells, m; 2 d by default, as the thesis has it.
+    ledger : bool
+    loops : Loops, optional
+        As of `NativeSimulation`.
+    """
+
+    def __init__(
+        self, scene: Scene, *, cell_size: float | None = None, ledger: bool = True, loops: Loops | None = None
+    ):
+        self.cell_size = 2.0 * scene.diameter if cell_size is None else float(cell_size)
+        if not (0.1 * scene.diameter <= self.cell_size < float("inf")):
+            raise CaseError(
+                f"cell size {self.cell_size:zg} m: use at least a tenth of the disc diameter "
+                f"({0.1 * scene.diameter:zg} m); the thesis used two diameters"
+            )
+        (x_low, x_high), (y_low, y_high) = scene.domain
+        inverse = 1.0 / self.cell_size
+        columns = int((x_high - x_low) * inverse) + 1
+        rows = int((y_high - y_low) * inverse) + 1
+        first = np.zeros(columns * rows + 2, np.int64)
+        self._grid = Grid(x_low, y_low, inverse, columns, rows, first, np.zeros(1, np.int64))
+        self._slots = (ceil(scene.largest * inverse) + 1) ** 2
+        self._owner = np.empty(0, np.int32)
+        self._neighbours = np.empty(256, np.int32)
+        super().__init__(scene, ledger=ledger, loops=loops)
+        motion = self._constants.motion._replace(reach2=float("inf"))
+        self._constants = self._constants._replace(motion=motion)
+
+    def listed_pairs(self) -> Pairs:
+        """The list that stands."""
+        assert self._grid is not None  # `__init__` has made it
+        return Pairs(int(self._grid.used[0]), self._owner, self._first, self._neighbours)
+
+    def _rebuild(self) -> None:
+        started = perf_counter()
+        d = self.discs
+        self._require_inside()
+        if self._owner.size < self._slots * d.room:
+            self._owner = np.empty(self._slots * d.room, np.int32)
+            self._first = np.zeros(self._slots * d.room + 1, np.int64)
+        while self.loops.cell_pairs(self._state()) < 0:
+            self._neighbours = np.empty(2 * self._neighbours.size, np.int32)
+        self._list_walls()
+        self.rebuilds += 1
+        self.rebuild_seconds += perf_counter() - started
+
+    def _drift(self, stop: int) -> None:
+        super()._drift(stop)
+        if self._between.next_after(stop - 1) == stop:
+            self._rebuild()
+
+    def _list_newcomers(self) -> None:
+        self._rebuild()
+
+    def _list_walls(self) -> None:
+        self.walls.list_all(self.discs.n)

@@ -24,7 +24,7 @@ from lammps_jump.scene import Block, Box, InletRow, MovingWall, Outlet, Plane, S
 from lammps_jump.scene.scene import Fixed
 from lammps_jump.scene.walls import Wall
 from lammps_jump.script.stock import lacking
-from lammps_jump.studies.folder import held_folder
+from lammps_jump.studies.points import held_folder
 from lammps_jump.studies.runs import KERNELS
 from lammps_jump.sweeps import JITTER, Pool, Results, Say, Start, all_versions, run_starts
 

@@ -23,7 +23,7 @@ from lammps_jump.errors import CaseError
 from lammps_jump.files import write_json, write_text
 from lammps_jump.provenance import usable_cores
 from lammps_jump.runs.run import Case
-from lammps_jump.studies.folder import held_folder
+from lammps_jump.studies.points import held_folder
 from lammps_jump.sweeps import Pool, Say, Store
 from lammps_jump.sweeps.table import mean_of
 

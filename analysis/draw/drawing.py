@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """A drawing to scale, described: shapes in metres by what they are, and labels that have found their places.
 
-`picture.figure` draws it with matplotlib, `svg.svg_text` as text of a page. Neither knows what is drawn.
+`style.figure` draws it with matplotlib, `svg.svg_text` as text of a page. Neither knows what is drawn.
 
 Places for the labels of a drawing: none lies on another one.
 """
