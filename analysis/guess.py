@@ -28,7 +28,7 @@ PACKED, CLOSE, AROUND = 20, 0.15, 1.5
 """So many discs are packed where half of them have their third neighbour within 1.5 times the closest distance, which
 may lie 15 % above a diameter that is given."""
 GRAVITY = {"cgs": 981.0}
-"""Where none is given, by the units that a dump names; 9.81 m/s^2 of others."""
+"""Gravity where none is given, by the units that a dump names; 9.81 m/s^2 of others."""
 OF_CGS = (0.8, 20.0)
 """Densities of solids and water in g/cm3: a dump whose masses tell one is hardly in kg and m."""
 LOOSE = 1.03

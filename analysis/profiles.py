@@ -168,7 +168,7 @@ VARIABLES = {
     "count": ("1", "number of discs, those astride an edge in parts"),
 }
 CARRIED = ("discharge", "momentum_flux", "energy_flux")
-"""What discs carry: not known in a frame and bin where the velocity of none of them is."""
+"""Fluxes that discs carry: not known in a frame and bin where the velocity of none of them is."""
 LINES_PER_DIAMETER = 8
 REACH = 2.0
 """Centres up to this many diameters apart are neighbours: a whole disc would fit between two that are not."""

@@ -39,15 +39,15 @@ CONTACTS_FILE = "contacts.bin"
 SCENE_FILE = "scene.image"
 """Law, walls and events of a scene as the core has them, for the compiled styles of LAMMPS."""
 CURVES = "curves.json"
-"""What the page draws, by the name of the figure."""
+"""Curves that the page draws, by the name of the figure."""
 PLAYER = "player.json"
 """Header and packed frames of a member, for the page of its study."""
 BINARY_PART = "dump.resume.lammpsbin"
 """Binary dump of a part that goes on: LAMMPS appends to text and gzip dumps only."""
 POSES, POSES_HEADER = "walls.csv", "time,wall,x,y,angle"
-"""Where walls are that the discs push, a row a wall and frame, and its first line."""
+"""Places of walls that the discs push, a row a wall and frame, and its first line."""
 BODIES, BODIES_HEADER = "bodies.csv", "time,body,x,y,angle,vx,vy,spin,fx,fy,moment"
-"""Where bodies are, how fast, and the force of the discs on them, against time; and its first line."""
+"""Places and velocities of bodies, and the force of the discs on them, against time; and its first line."""
 PRESSURE_FILE = "pressure.npz"
 """Forces on stretches of outlines against time, as the native engine sums them."""
 SUMMARY_FILE = "summary.json"
@@ -90,7 +90,7 @@ RUN_FILES = (
     "start-[0-9a-f]*.npz",
     RANKS_FILE,
 )
-"""What the engines read and write in a run folder (names and patterns)."""
+"""Files that the engines read and write in a run folder (names and patterns)."""
 CRATE = "ro-crate-metadata.json"
 EXPORTS = {
     "csv": ("profiles.csv", "profiles_mean.csv"),
@@ -111,15 +111,15 @@ RESULT_FILES = (
     CRATE,
     *(name for names in EXPORTS.values() for name in names),
 )
-"""What is made of them, tables and figures of the analyses besides (`lammps_jump.analysis.quantities`)."""
+"""Files that are made of them, tables and figures of the analyses besides (`lammps_jump.analysis.quantities`)."""
 TABLE, FIGURE = re.compile(r"[a-z][a-z0-9_]*\.csv"), re.compile(rf"figures/[a-z0-9_]+\.({'|'.join(PICTURES)})")
-"""What tables and figures of the analyses are called."""
+"""Names of tables and figures of the analyses."""
 ARRAY_FILE = "sweep.slurm"
 SWEEP_FILES = (
     "study.yaml", "points.json", "summary.json", "table.csv", "table.nc", "sweep.html", ARRAY_FILE, CRATE,
     *(f"figures/sweep_*.{ending}" for ending in PICTURES),
 )  # fmt: skip
-"""What the folder of a study holds beside ``runs/`` (names and patterns)."""
+"""Files that the folder of a study holds beside ``runs/`` (names and patterns)."""
 _BENCHMARKS = ("bench", "cells", "skips", "speed", "overhead", "collision", "page")
 STUDY_FILES = {
     "bench": (*(f"{name}.{end}" for name in _BENCHMARKS for end in ("json", "md")), "bench_*.png", "cells.png"),
@@ -137,10 +137,10 @@ STUDY_FILES = {
     "cross-validate": ("cross_validation.json", "cross_validation.html", "figures/*.png"),
     "validate": ("validation.json", "report.html", "figures/*.png"),
 }
-"""What the folder of a study holds beside run folders, by the command that makes it (names and patterns), where that
-is not as of `study_files`."""
+"""Files that the folder of a study holds beside run folders, by the command that makes it (names and patterns), where
+that is not as of `study_files`."""
 COMPARED_FILES = ("compared.json", "compared.md", "compared.png")
-"""What the folder of curves against measured ones holds."""
+"""Files that the folder of curves against measured ones holds."""
 FORCES_HEADER = "time,structure,fx,fy,moment"
 """First line of ``forces.csv`` where all walls stand."""
 
@@ -162,7 +162,7 @@ MOST_ARRAYS = 200
 LONGEST_ENTRY, LONGEST_END = 300, 66_000
 """Bytes of an array in the table of contents of a zip file, and of the end of that file; both are less."""
 ZIP_END, ZIP_END_64, NOT_HERE = b"PK\5\6", b"PK\6\6", (1 << 32) - 1
-"""Where the ends of a zip file begin, and what the first says where the second tells (APPNOTE.TXT 4.3.14, 4.3.16)."""
+"""Marks of the ends of a zip file, and what the first says where the second tells (APPNOTE.TXT 4.3.14, 4.3.16)."""
 ENCRYPTED = 1
 """Flag of an encrypted entry of a zip file."""
 MOST_TEXT = 2_000_000_000

@@ -45,7 +45,7 @@ HOLDS = {
     "sweep": "a study",
     "comparison": "curves of a run against measured ones",
 }
-"""What a folder holds, by the kind of its marker; other kinds are commands."""
+"""Content of a folder, by the kind of its marker; other kinds are commands."""
 COMMAND = re.compile("[a-z][a-z-]{1,30}")
 ENGINE_PATIENCE = 300
 """Tenths of a second that the engine of a killed run gets to save its state."""

@@ -19,7 +19,7 @@ LONGEST_NAME = 64
 JOINERS = "\u200c\u200d"
 """Characters without a shape that some scripts and pictographs need."""
 IN_COMMENT = str.maketrans({"&": "+", "$": "S", '"': "`", "'": "`"})
-"""What continues a line, begins a variable or opens a quotation in LAMMPS."""
+"""Characters that continue a line, begin a variable or open a quotation in LAMMPS."""
 
 
 def one_line(text: str) -> str:

@@ -268,7 +268,7 @@ def to_si(value: Any, unit: str) -> Any:
 
 
 _FIELD_UNITS: dict[str, FieldUnit] = {}
-"""What a number in a unit is, of the types below."""
+"""Quantity of a number in a unit, of the types below."""
 BOUNDS = {"ge": "minimum", "gt": "exclusiveMinimum", "le": "maximum", "lt": "exclusiveMaximum"}
 """Bounds as pydantic calls them, and as a JSON schema does."""
 

@@ -36,7 +36,7 @@ ROUNDS = 4
 FIELDS = ("mass", "discharge", "momentum", "energy", "flux", "power", "thrust", "elastic", "elastic_flux", "dashpots")
 """Sums over the discs and contacts of a bin, over its width and the density."""
 ODD = ("discharge", "flux", "power", "elastic_flux")
-"""Those that change their sign with the direction of x."""
+"""Sums that change their sign with the direction of x."""
 
 
 _contact_fields = entry(
@@ -230,7 +230,7 @@ lost        what dashpots and friction take: every contact between the stations,
 left over   elastic energy stored and carried away, and the error of its integration
 frames      the same from the frames, where nothing rubs; elastic energy is in carried and stored there
 """
-"""What the numbers of its section mean."""
+"""Meaning of the numbers of its section."""
 ROWS = {
     "carried": "Carried by discs, in less out [m]",
     "contacts": "Handed on by contacts, in less out [m]",

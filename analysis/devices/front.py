@@ -477,7 +477,7 @@ Ritter        front of water in an endless reservoir, a + 2 √(g H) t, until it
 T, Z, n²      n t √(g/a), front/a, H/a of the column of base a and height H at the start
 dZ/dT         slope of the bulk front over T, from Martin & Moyce's table beside it where that has the same n²
 """
-"""What its numbers mean where it is compared with water."""
+"""Meaning of its numbers where it is compared with water."""
 
 
 def _goes(wanted: HeadlineNumber, summary: Mapping[str, Any]) -> bool:

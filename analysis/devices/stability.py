@@ -555,7 +555,7 @@ ABOUT = (
     "means over the windows of the record, and the weight. A moving body may have factors above 1: friction stops it. "
     "Forces over a shorter time have higher peaks: compare what has one averaging time."
 )
-"""What is said below the tables."""
+"""Text below the tables."""
 
 
 def _reason(name: str, one: Stability) -> str:

@@ -61,7 +61,7 @@ class Tailgate(Estimates):
     )
     at_limit: bool = False
     holds: str = "depth"
-    """What it holds: `depth` or `front`."""
+    """Quantity that it holds: `depth` or `front`."""
     target: float = number("m", "asked for: mass depth, or place x of the front", default=nan)
     held: float = estimate(
         "m",

@@ -31,7 +31,7 @@ HEIGHTS = {
     "domain": 0.0, "outside": 0.5, "outlet": 1.5, "discs": 2.0, "pour": 2.0, "ghost": 2.5, "solid": 3.0, "sheet": 3.0,
     "band": 3.0, "edge": 3.0, "mark": 4.0, "level": 4.0, "arrow": 5.0, "leader": 7.0, "label": 8.0,
 }  # fmt: skip
-"""What is drawn, and above what: the larger covers the smaller."""
+"""Heights of what is drawn: the larger covers the smaller."""
 
 
 class Area(NamedTuple):

@@ -35,7 +35,7 @@ from .painter import View, blank, disc_speeds, paint_arrow, paint_frame, paint_w
 from .style import STYLE, colour_bar, style
 
 NO_FFMPEG = "the animation is a GIF file: MP4 files need ffmpeg, which pip install 'lammps-jump[movie]' brings"
-"""What to tell users where a GIF took the place of an MP4."""
+"""Note to users where a GIF took the place of an MP4."""
 CLOCK = 230
 """Pixels of time and count of discs."""
 ABOVE, LEFT = 34, 62

@@ -69,7 +69,7 @@ LOOKS: dict[str, dict[str, Any]] = {
     "faint": {"color": "#c9c9c9", "lw": 0.6},
     "dots": {"color": GREY, "ls": "none", "marker": ".", "ms": 2, "alpha": 0.5},
 }
-"""How matplotlib draws the looks of a `chart.Trace`."""
+"""Settings by which matplotlib draws the looks of a `chart.Trace`."""
 
 
 def style() -> AbstractContextManager[None]:

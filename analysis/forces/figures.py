@@ -101,7 +101,7 @@ STANDS = (
     "A toe is an end of the base, as long as the body stands on it, turned by less than 15 degrees. What the weight "
     "holds is that of the body as it was released: it becomes less as the body turns over the toe."
 )
-"""What is said below the moments about toes."""
+"""Text below the moments about toes."""
 
 
 def _moments(structures: Mapping[str, Force]) -> Table:

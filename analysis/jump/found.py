@@ -54,7 +54,7 @@ MADE_OF = {
     "local.momentum_upstream": ("local.froude",), "local.momentum_downstream": ("local.y2",),
     "local.momentum_residual": ("local.momentum_upstream", "local.momentum_downstream"),
 }  # fmt: skip
-"""What a number is made of. What is made of a number that one run cannot tell is one of these itself."""
+"""Numbers that a number is made of. One that is made of a number that one run cannot tell is one of these itself."""
 
 
 def inherited(untold: Sequence[str], made_of: Mapping[str, Sequence[str]]) -> tuple[str, ...]:

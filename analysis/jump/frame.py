@@ -28,8 +28,8 @@ TOE_SHARE, END_SHARE = 0.05, 0.95
 UPSTREAM_ZONE, DOWNSTREAM_ZONE = 5.0, 1.5
 """Longest stretches over which the states are averaged, in units of the depth there."""
 UPSTREAM_GAP, DOWNSTREAM_GAP = 5.0, 0.25
-"""What is left free between them and the toe or the end, in the same units: the stream slows down and thickens over the
-last five depths before the toe (measured; docs/measuring.md)."""
+"""Length that is left free between them and the toe or the end, in the same units: the stream slows down and thickens
+over the last five depths before the toe (measured; docs/measuring.md)."""
 LEAST_ZONE = 0.2
 """Shortest of these stretches, as a share of the longest; the upstream gap gives way to it."""
 SMOOTHED = 0.25

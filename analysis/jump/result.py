@@ -32,7 +32,7 @@ Stretches = tuple[tuple[float, float], tuple[float, float]]
 
 FIELDS = ["mass_depth", "surface_depth", "discharge", "momentum_flux", "energy_flux", "packing", "surface_velocity"]
 ODD = ("discharge", "energy_flux", "surface_velocity", "bed")
-"""Those that change their sign with the direction of x."""
+"""Variables that change their sign with the direction of x."""
 STILL = 0.02
 """Below this share of sqrt(g s) the discs of a bin count as standing."""
 SURE, MARGINAL = 0.9, 0.1

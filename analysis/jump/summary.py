@@ -27,9 +27,9 @@ DEVELOPED_SHARE = 0.7
 DELIVERED, ASKED, BEFORE = "delivered inflow", "inflow asked for", "stream before the toe"
 """Streams that the depth behind a jump is held against."""
 FRICTION, SLOPE = "friction", "slope"
-"""What Bélanger's relation leaves out."""
+"""Forces that Bélanger's relation leaves out."""
 TAIL, BEHIND = "tail water", "depth behind the end"
-"""What is held against them."""
+"""Depths that are held against them."""
 
 
 def inflow_theory(flow: Flow) -> theory.Inflow | None:

@@ -67,7 +67,7 @@ SAID: Mapping[str, Said] = {
     "afloat": _afloat,
     "left": lambda body: "has left",
 }
-"""What the title says of each state."""
+"""Words of the title for each state."""
 EVENTS = {"slides_at": "slides from {:z.1f} s on", "tips_at": "tips at {:z.1f} s", "falls_at": "falls at {:z.1f} s"}
 STATES = {"lies": "lies from {:z.1f} s on", "leans": "leans from {:z.1f} s on", "left": "leaves at {:z.1f} s"}
 

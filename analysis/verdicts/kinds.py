@@ -145,7 +145,7 @@ A_JUMP = {
 """Verdicts on flows that have a jump, in words."""
 WITH = {(): "", ("friction",): " with friction", ("slope",): " on a slope",
         ("friction", "slope"): " with friction on a slope"}  # fmt: skip
-"""What Bélanger's relation leaves out, behind a verdict."""
+"""Words for what Bélanger's relation leaves out, behind a verdict."""
 AT_SILL = "jump at the sill"
 """Verdict on a rise that goes on up to the sill or fall: nothing behind it can be compared."""
 DISCS = (-0.2, 0.0)

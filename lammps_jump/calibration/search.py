@@ -32,7 +32,7 @@ from .study import SPARE, Calibration
 
 POINTS, ROUNDS_FILE = "points", "rounds.json"
 OVER, LIKELY, CHECK = "ranges", "posterior", "best"
-"""What the points of a round are: over the ranges, where the posterior is, the best."""
+"""Kinds of the points of a round: over the ranges, where the posterior is, the best."""
 EACH = 8
 """Points over the ranges for each varied number, where the budget has room."""
 SHARE = 0.6

@@ -34,7 +34,7 @@ from .fields import CaseFields
 from .text import CaseSource, PathKey, Runs, StartState, parse_source, read_text
 
 NOUNS = {"free": "body", "load": "lid", "hold": "tailgate"}
-"""What walls are called, by how they move."""
+"""Names of walls, by how they move."""
 SAME = 1e-9
 """Difference of outlines that is round-off, over the size of a wall."""
 LEAST_TURN = 1e-3

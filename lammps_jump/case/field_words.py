@@ -312,7 +312,7 @@ def kinds(word: str) -> list[str]:
 
 
 UNKNOWN = ("extra_forbidden", "unexpected_keyword_argument")
-"""What pydantic calls a key that a model or a dataclass does not have."""
+"""Names by which pydantic calls a key that a model or a dataclass does not have."""
 
 CLOSE = 0.75
 """Likeness of spelling from which a word is taken for a misspelt one, before words of the same meaning elsewhere."""

@@ -30,7 +30,7 @@ TOP_ROW = 8 / 7
 PLACES = 2000
 """Places along x where the ground is looked for."""
 ASIDE = 3.0
-"""How far beside all that a case names discs may fall, in diameters."""
+"""Distance that discs may fall beside all that a case names, in diameters."""
 
 
 class Expected(NamedTuple):

@@ -54,7 +54,7 @@ from .speeds import curve_doubts, heap_doubts
 from .text import Runs
 
 INTEGRATORS = {"lammps": "velocity_verlet"} | dict.fromkeys(("native", "twin"), "leapfrog_extrapolated")
-"""What ``run.integrator: auto`` means, by engine."""
+"""Meaning of ``run.integrator: auto``, by engine."""
 POUR_RASTER = 100
 """Steps at whose multiples poured discs get their own diameter. To set diameters is free at every 100 steps; at every 8
 it takes 30 % of a run with stock styles (measured)."""

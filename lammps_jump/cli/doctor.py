@@ -12,7 +12,7 @@ from lammps_jump.engines.plugin.product import PRODUCTS
 from lammps_jump.errors import JumpError
 
 OPTIONAL = {"animations": "imageio_ffmpeg", "MDAnalysis bridge": "MDAnalysis"}
-"""What works only with a further module."""
+"""Parts that work only with a further module."""
 
 
 def examine() -> tuple[str, bool]:

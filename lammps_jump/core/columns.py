@@ -81,9 +81,9 @@ class WallLoadsColumns(Columns):
     ALL = slice(3, 6)
     """Of discs and of bodies."""
     DASHPOTS = slice(6, 9)
-    """What dashpots take of it."""
+    """Part of it that dashpots take."""
     FRICTION = slice(9, 12)
-    """What friction takes of it."""
+    """Part of it that friction takes."""
 
 
 class SumsOnWallColumns(Columns):

@@ -96,7 +96,7 @@ TRANSFORMS: dict[str, tuple[tuple[int, ...], Callable[[Sequence[float]], Affine]
     "skewX": ((1,), lambda v: Affine(c=tan(radians(v[0])))),
     "skewY": ((1,), lambda v: Affine(b=tan(radians(v[0])))),
 }
-"""How many numbers each has, and what they mean (SVG 1.1, 7.6)."""
+"""Counts of the numbers that each has, and what they mean (SVG 1.1, 7.6)."""
 
 
 class ViewBox(NamedTuple):
@@ -133,7 +133,7 @@ def view_box(text: str | None) -> ViewBox | None:
 
 
 PLACES = {"x", "y", "width", "height", "cx", "cy", "r", "rx", "ry", "transform"}
-"""What a style may say in place of an attribute, of where something is."""
+"""Places that a style may give in place of an attribute."""
 INHERITED = ("visibility", "fill", "stroke")
 SEEN = {*INHERITED, "display", "opacity", "clip-path", "mask", *PLACES}
 """Properties that are looked at."""

@@ -63,7 +63,7 @@ MOST_TURNS = 40
 MOST_BULGE = 1e6
 """Largest bulge; that of a whole circle is infinite."""
 BETWEEN = (0.25, 0.5, 0.75)
-"""Where a piece of a spline is held against its chord."""
+"""Places at which a piece of a spline is held against its chord."""
 MOST_DEGREE = 10
 """Degree of a spline."""
 MOST_FITTED = 10_000

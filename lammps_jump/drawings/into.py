@@ -33,7 +33,7 @@ DRAWN = {
 }
 """List of the case, and kind, of what can be drawn in its picture."""
 MOST_TRIES = 5
-"""How often walls are added anew to a case that another program has changed meanwhile."""
+"""Times that walls are added anew, at most, to a case that another program has changed meanwhile."""
 
 
 def write_into(path: Path, found: Sequence[Entry]) -> None:

@@ -30,9 +30,9 @@ WORDS = {
     ".dxf": "DXF drawing", ".svg": "SVG drawing", ".geojson": "GeoJSON", ".json": "GeoJSON",
     ".csv": "table of a survey", ".txt": "table of a survey",
 }  # fmt: skip
-"""What a file is called, by its ending."""
+"""Name of a file, by its ending."""
 TOLERANCE = 1e-3
-"""How far straight pieces may lie from the curve that they stand for, m."""
+"""Distance that straight pieces may lie from the curve that they stand for, m."""
 
 
 def read_drawing(

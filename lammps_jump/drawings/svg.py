@@ -64,7 +64,7 @@ NOT_DRAWN = {
     "defs", "symbol", "marker", "mask", "clipPath", "pattern", "linearGradient", "radialGradient", "meshgradient",
     "hatch", "style", "script", "metadata", "title", "desc", "filter", "font", "font-face", "view", "cursor",
 }  # fmt: skip
-"""What draws nothing by itself."""
+"""Elements that draw nothing by themselves."""
 
 
 def read_svg(data: bytes, file: str, measure: Measure) -> LayeredDrawing:

@@ -32,7 +32,7 @@ LIST = ("list_start", "list_discs", "list_owner", "list_shift")
 BITS = ("x0", "y0", "ux", "uy", "uomega", "fx", "fy", "torque")
 """Columns of a disc that decide bits: its place when the list was made (m), velocities, force."""
 ALL_BITS = ("x0", "y0", "fx", "fy")
-"""Those that every scene has."""
+"""Columns that every scene has."""
 KINDS = {
     "list_start": np.int64, "list_discs": np.int32, "list_owner": np.int32, "list_shift": float, "skin": float,
     "period": float, "fixed": float, "fixed_diameters": float,
@@ -186,7 +186,7 @@ AT_END, STOPPED, AT_FRAME, NO_END = (
     "the nearest frame",
     "the last frame of its dump: it has no end.npz",
 )
-"""Which state of a run it is, in words."""
+"""State of a run that it is, in words."""
 MOST_IDS = 1 << 40
 """Ids are below; what stands for a fixed disc is above (`lammps_jump.case.earlier`)."""
 DENSITIES = 1e-3, 1e6

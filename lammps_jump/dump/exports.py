@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 BINARY = 'version="1.0" byte_order="LittleEndian" header_type="UInt64"'
-"""How VTK files with arrays say what is in them."""
+"""Head by which VTK files with arrays say what is in them."""
 
 THREADS = "KMP_DUPLICATE_LIB_OK"
 """Lets two OpenMP libraries into one process; a choice of the caller's."""

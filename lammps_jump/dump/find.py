@@ -214,7 +214,7 @@ MOST_ROWS = 2_000_000
 LARGEST = 1e100
 """Size of a number: squares of larger ones do not end."""
 WORDS = {"": nan, "True": 1.0, "False": 0.0}
-"""What stands for a number in the tables of a run."""
+"""Words for a number in the tables of a run."""
 
 
 @dataclass(frozen=True)

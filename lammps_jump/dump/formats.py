@@ -29,9 +29,9 @@ from .frame import BUFFER, LARGEST_FRAME, TEXT_COLUMNS, UNPACKED, DumpFile, Fram
 CHUNK = 1 << 17
 """Bytes that are read at once: gzip makes room for as many each time."""
 DAMAGE = (EOFError, zlib.error, gzip.BadGzipFile)
-"""What reading a gzip file raises that is damaged or cut short."""
+"""Errors of reading a gzip file that is damaged or cut short."""
 CUT_OFF, PASSED_OVER = "is cut off", "passed over"
-"""What a warning says of a torn frame, and of a line or a frame that a dump should not hold."""
+"""Words of a warning for a torn frame, and of a line or a frame that a dump should not hold."""
 
 
 class NoFrame(DumpError):

@@ -261,7 +261,7 @@ def read_bodies(path: Path) -> dict[str, BodyHistory]:
 
 
 KINDS = ("free", "load", "hold")
-"""How such walls move: bodies, lids and tailgates."""
+"""Motions of such walls: bodies, lids and tailgates."""
 UNKNOWN = ("half", "before", "force", "listed", "area", "since")
 """Numbers of `PUSHED` that may be unknown."""
 STATE = ("place", "speed", "half", "before", "force", "listed")

@@ -54,7 +54,7 @@ log = logging.getLogger(__name__)
 CHECKPOINT_FILE = "checkpoint.json"
 PREVIOUS_FILE = "checkpoint_previous.json"
 ANEW = "the same command with --force in place of --resume starts a new run"
-"""What to do where a run cannot go on."""
+"""Remedy where a run cannot go on."""
 STATE_FILES = ("checkpoint-[0-9]*.npz", "checkpoint-[0-9]*.restart")
 """Patterns of the engines' own files."""
 _NAMES = map(re.escape, ("log.lammps", "forces.csv", CONTACTS_FILE, POSES, BODIES, BINARY_PART, *DUMP_NAMES.values()))

@@ -35,7 +35,7 @@ from .result import Progress, ProgressCallback, RunResult, interruption
 from .setting import Job, Setting
 
 KILLED = "Killed (signal 9)"
-"""What mpiexec says of a rank that was killed."""
+"""Words of mpiexec for a rank that was killed."""
 
 
 def run(

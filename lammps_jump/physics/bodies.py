@@ -23,7 +23,7 @@ SHAPES = {"spheres": (3, pi / 6), "cylinders": (2, pi / 4), "discs": (2, 1.0)}
 SAME = 0.02
 """Largest spread of m/d^p for masses that go with that power of the diameter, as a share."""
 FITS = 0.05
-"""How far the density of the masses may lie off one that is given, as a share."""
+"""Deviation that the density of the masses may have from one that is given, as a share."""
 MATERIALS = (400.0, 12000.0)
 """Densities of what bodies are made of, from light wood to lead, kg/m^3."""
 

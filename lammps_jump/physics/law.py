@@ -164,7 +164,7 @@ def contact_force(
 
 
 FULL = -1
-"""What `slot_of` returns where a disc has no slot left."""
+"""Number that `slot_of` returns where a disc has no slot left."""
 
 
 class Slots(NamedTuple):

@@ -194,7 +194,7 @@ def result_of_files(scene: Scene, folder: Path, setting: Setting, *, write: bool
 
 ToDo = Literal["run", "analyse", "nothing"]
 OUTPUTS = (*DUMP_NAMES.values(), "forces.csv", PRESSURE_FILE, CONTACTS_FILE, "log.lammps", END_FILE)
-"""What an engine leaves of a run."""
+"""Files that an engine leaves of a run."""
 FEWEST = 3
 """Differences that a message names."""
 

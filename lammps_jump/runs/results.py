@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 log = logging.getLogger(__name__)
 
 OF_A_DUMP = tuple(name for name, one in quantities.LISTED.items() if one.bare)
-"""What the analysis of a bare dump looks for where no option names anything."""
+"""Quantities that the analysis of a bare dump looks for where no option names anything."""
 
 
 @dataclass(frozen=True)

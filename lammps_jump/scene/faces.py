@@ -62,7 +62,7 @@ SAME_TURN = SMOOTH_TURN * (1 + 1e-6)
 TIE = 1e-9
 """Radii by which a face behind must be nearer than one in front: round-off parts the two faces of a sheet."""
 NOWHERE, INSIDE, BEGIN, END = range(4)
-"""Where the foot of a candidate lies; `NOWHERE`: no candidate."""
+"""Place of the foot of a candidate; `NOWHERE`: no candidate."""
 Disc = tuple[float, float, float]
 """Place and radius of a disc, m."""
 

@@ -72,7 +72,7 @@ class Kind:
     __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(extra="forbid", serialize_by_alias=True)
     turns: ClassVar[bool] = False
     eased: ClassVar[bool] = True
-    """Whether changes of velocity take time unless the case says otherwise; a motion that was measured is not eased."""
+    """Says whether changes of velocity take time unless the case asks for others; a measured motion is not eased."""
     about: Annotated[
         units.Point | None,
         Field(

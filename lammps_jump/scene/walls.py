@@ -101,9 +101,9 @@ class Wall(_Own):
     kind: str
     name: str
     hollow: ClassVar[bool] = False
-    """Whether the discs are inside the outline."""
+    """Says whether the discs are inside the outline."""
     deep: ClassVar[bool] = False
-    """Whether discs behind a face are pushed back from any depth, and not from their radius alone."""
+    """Says whether discs behind a face are pushed back from any depth, and not from their radius alone."""
     parts: tuple[str, ...] = ()
     """Endings behind the name that scripts use for parts of the wall; no other wall may have such a name."""
 

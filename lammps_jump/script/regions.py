@@ -38,7 +38,7 @@ MOST_TRACK = 200
 ROUNDING = 1e-4
 """Radius of the circle at a convex vertex, in diameters: trajectories are off by 1.2 times as much."""
 OVERHANG = 16 * np.finfo(float).eps
-"""What that circle is larger, and what faces are shorter at a concave vertex, as a share of coordinates: round-off.
+"""Excess of that circle, and length that faces lack at a concave vertex, as a share of coordinates: round-off.
 
 A disc feels face and circle at once over a way of some 1e-5 d beside the joint, which grows with the root of this."""
 THICKNESS = 1.5
@@ -302,7 +302,7 @@ def clock(scene: Scene) -> list[str]:
 
 
 LOOK_BACK = "variable        back equal 1"
-"""What stands before a ``run 0`` that looks at the walls of the step before."""
+"""Line before a ``run 0`` that looks at the walls of the step before."""
 
 
 def first_forces(scene: Scene, kernel: str) -> list[str]:

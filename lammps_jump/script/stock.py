@@ -102,7 +102,7 @@ def half_depth(scene: Scene) -> float:
 
 
 SIZE = "diameter v_diameter mass v_mass"
-"""What a disc gets from `size_variables`."""
+"""Settings that a disc gets from `size_variables`."""
 
 
 def size_variables(scene: Scene) -> list[str]:

@@ -124,7 +124,7 @@ class Children:
 
 
 LOADED = "lammps_jump.served.look"
-"""What the process loads before there is work."""
+"""Module that the process loads before there is work."""
 
 _spare: list[Worker] = []
 """Processes without work."""

@@ -205,7 +205,7 @@ EXACT = {"energy deviation": 0.0}
 
 Value = float | list[float] | None
 Measures = dict[str, Value]
-"""What was measured in one run: numbers and curves by name."""
+"""Measurements of one run: numbers and curves by name."""
 
 
 class QuantityError(NamedTuple):

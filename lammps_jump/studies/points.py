@@ -133,7 +133,7 @@ FAILED = "failed"
 """Key of a measurement that there is not, with the reason."""
 Measure = Callable[..., object]
 Found = Mapping[str, Sequence[Mapping[str, Any]]]
-"""What was measured: by the name of a point, what the measuring function returned for each of its starts."""
+"""Measurements: by the name of a point, what the measuring function returned for each of its starts."""
 
 
 @dataclass(frozen=True)

@@ -44,7 +44,7 @@ from .points import Point as Point
 
 LOOKED_UP, SECOND_HAND, DERIVED, MEASURED = "looked up", "second hand", "derived here", "measured by us"
 KINDS = (LOOKED_UP, SECOND_HAND, DERIVED, MEASURED)
-"""Where a published value comes from: read at its source, quoted by another text, derived in our documents, measured
+"""Sources of a published value: read at its source, quoted by another text, derived in our documents, measured
 with this program before."""
 Verdict = Literal["met", "near", "not met", "fit"]
 

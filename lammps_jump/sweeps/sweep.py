@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 log = logging.getLogger(__name__)
 LOADED_ASIDE = ("lammps_jump.sweeps.page", "scipy.special")
-"""What the page of a study needs."""
+"""Modules that the page of a study needs."""
 
 
 @dataclass(frozen=True)

@@ -97,7 +97,7 @@ class Saver(CheckpointWriter):
 HALF_STEP = "checkpoint-{step}.npz"
 END, SAVE = "end", "save"
 SAVED = ("id", "whole", "half")
-"""What lies beside a restart file."""
+"""Columns that lie beside a restart file."""
 SLOTS = ("partner", "sigma", "spring", "roll")
 """Order of the numbers that fix `MOTION` of the plugin keeps for a disc."""
 MOTION, STEP_HOOK = "motion", "step_hook"

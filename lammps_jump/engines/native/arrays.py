@@ -302,16 +302,16 @@ ContactVelocities = tuple[np.ndarray, np.ndarray, np.ndarray | None]
 
 
 DONE, LIST_STALE, CHECK_OVERLAP = range(3)
-"""What `Loops.advance` leaves to its caller: forces alone, a list that is too old, or to look for deep overlaps."""
+"""Tasks that `Loops.advance` leaves to its caller: forces alone, a list that is too old, or a look for deep overlaps."""
 LISTED, NO_ROOM = -1, -2
-"""What `Loops.list_pairs` returns in place of a disc outside the domain."""
+"""Numbers that `Loops.list_pairs` returns in place of a disc outside the domain."""
 
 
 class Loops(Protocol):
     """The loops under `NativeSimulation`: those of the core, or of the twin."""
 
     runs_alone: bool
-    """Whether they step a scene with all that happens at its steps: `Core.run`."""
+    """Says whether they step a scene with all that happens at its steps: `Core.run`."""
 
     @property
     def threads(self) -> int:

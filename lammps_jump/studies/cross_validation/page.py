@@ -35,7 +35,7 @@ DEPTH = "mass_depth profile"
 
 
 Laws = dict[str, tuple[str, Comparison]]
-"""What each choice of law changes, in words and in numbers, by its label."""
+"""Changes by each choice of law, in words and in numbers, by its label."""
 
 
 def draw_all(chart: Chart, found: Comparison, choices: Laws, folder: Path) -> dict[str, Path]:

@@ -45,7 +45,7 @@ JUMP_NUMBERS = {
     "speed": "shock speed", "y1": "depth before the jump", "y2": "sequent depth",
     "froude": "Froude number in the shock's frame", "toe": "jump toe at the end", "length": "jump length",
 }  # fmt: skip
-"""What is compared of a `Jump`, and its name here."""
+"""Numbers of a `Jump` that are compared, and their names here."""
 
 
 @dataclass(frozen=True)

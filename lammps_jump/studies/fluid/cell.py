@@ -277,7 +277,7 @@ FOLLOW = 0.02
 """Of a sheared box: rate at which it grows at twice its pressure, over the rate of shear. It then follows its pressure
 within a strain of 1, and slower than sound crosses it (measured)."""
 HASTE, STEADY = 50.0, 0.02
-"""How much faster a loose box closes than a closed one follows its pressure, and what a steady one may miss of it."""
+"""Factor by which a loose box closes faster than a closed one follows its pressure, and what a steady one may miss."""
 CLOSING = 1000
 """Parts of 20 sqrt(m/k) in which a loose box closes."""
 AGITATED = 1e-3
