@@ -84,8 +84,8 @@ class FindFields(Strict):
 
 
 @dataclass(frozen=True)
-class Wanted:
-    """Number that is looked for and what is asked, read and checked.
+class RootProblem:
+    """Root-finding problem: the number that is varied, and the value that a result is to come to; read and checked.
 
     Attributes
     ----------
@@ -215,7 +215,7 @@ def parse_condition(text: str) -> Condition:
     )
 
 
-def read_find(source: str | Path | Mapping[str, object] | ReadCase, **given: Any) -> Wanted:
+def read_find(source: str | Path | Mapping[str, object] | ReadCase, **given: Any) -> RootProblem:
     """Read and check what is to be found.
 
     Parameters
@@ -258,7 +258,7 @@ def read_find(source: str | Path | Mapping[str, object] | ReadCase, **given: Any
     if one.share is not None and one.members < 2:
         raise CaseError("--share: how starts scatter is needed, so that --members must be 2 or more")
     how = one.members, one.budget, one.seed, one.share
-    return Wanted(case, path, (low, high), until.key, until.sign, number, *how, unit)
+    return RootProblem(case, path, (low, high), until.key, until.sign, number, *how, unit)
 
 
 def _require_fractions(case: Case, path: str, room: tuple[float, float]) -> None:
@@ -342,18 +342,18 @@ def find(
     RunInterrupted
         Ctrl-C or SIGTERM; the same call goes on.
     """
-    wanted = read_find(case, vary=vary, until=until, budget=budget, **more)
-    stem = Path(case).stem if isinstance(case, str | Path) else wanted.case.name
+    problem = read_find(case, vary=vary, until=until, budget=budget, **more)
+    stem = Path(case).stem if isinstance(case, str | Path) else problem.case.name
     own = isinstance(case, str | Path) and Path(case).is_dir()
     folder = Path(out) if out is not None else Path(str(case)) if own else Path("runs") / f"{stem}_find"
-    ranks = wanted.case.fields.engine.ranks
+    ranks = problem.case.fields.engine.ranks
     most = jobs or max(1, usable_cores() // (ranks if isinstance(ranks, int) else 1))
-    wanted.study(wanted.room).case.scene()  # what cannot be run is refused before the folder is made
-    with run_folder(folder, Marker("find", STUDY_FILES["find"], {})), Pool(min(most, wanted.members)) as pool:
-        write_text(folder / "study.yaml", wanted.to_yaml())
-        found = _searched(wanted, folder, pool, progress)
+    problem.study(problem.room).case.scene()  # what cannot be run is refused before the folder is made
+    with run_folder(folder, Marker("find", STUDY_FILES["find"], {})), Pool(min(most, problem.members)) as pool:
+        write_text(folder / "study.yaml", problem.to_yaml())
+        found = _searched(problem, folder, pool, progress)
         pool.close()
-        return write_answer(wanted, folder, found)
+        return write_answer(problem, folder, found)
 
 
 def runs_of_search(folder: Path) -> Path | None:
@@ -370,27 +370,27 @@ class Searched(NamedTuple):
     waters: list[Mapping[str, Any]]
 
 
-def search_for(wanted: Wanted, tried: Mapping[float, np.ndarray]) -> CrossingSearch:
+def search_for(problem: RootProblem, tried: Mapping[float, np.ndarray]) -> CrossingSearch:
     """The search, given what has been tried: with a share of the starts its number goes with their scatter."""
-    number = wanted.number_for(scatter_of(tried).value)
-    return CrossingSearch(number, wanted.room, max(3, wanted.budget // wanted.members))
+    number = problem.number_for(scatter_of(tried).value)
+    return CrossingSearch(number, problem.room, max(3, problem.budget // problem.members))
 
 
-def _searched(wanted: Wanted, folder: Path, pool: Pool, progress: Callable[[SweepProgress], None]) -> Searched:
+def _searched(problem: RootProblem, folder: Path, pool: Pool, progress: Callable[[SweepProgress], None]) -> Searched:
     """Run what is needed, place by place."""
     tried: dict[float, np.ndarray] = {}
     failures: list[dict[str, Any]] = []
     waters: list[Mapping[str, Any]] = []
-    while (place := search_for(wanted, tried).next_place(tried)) is not None:
-        if len(tried) == 3 and (_none_has_it(tried) or all_on_one_side(tried, search_for(wanted, tried).number)):
+    while (place := search_for(problem, tried).next_place(tried)) is not None:
+        if len(tried) == 3 and (_none_has_it(tried) or all_on_one_side(tried, search_for(problem, tried).number)):
             break  # both ends and the middle have no number, or are surely on one side
-        place = wanted.rounded(place)
+        place = problem.rounded(place)
         if place in tried:
             break  # no more digits
-        found = Sweep(wanted.study([*tried, place]), folder / POINTS)
+        found = Sweep(problem.study([*tried, place]), folder / POINTS)
         with held_study(found.folder):
             prepare(found)
-            board = Board(found, False, lambda now: progress(replace(now, total=wanted.budget)))
+            board = Board(found, False, lambda now: progress(replace(now, total=problem.budget)))
             states = found.states
             run_members(found.members, states, found.folder, pool, ended=board.ended, news=board.heard)
         here = [member for member in found.members if member.point == len(tried)]
@@ -399,11 +399,11 @@ def _searched(wanted: Wanted, folder: Path, pool: Pool, progress: Callable[[Swee
             state = states[member.key]
             done = state.stage == "done"
             summary = read_summary(member.folder(found.folder)) if done else {}
-            value = number_at(summary, wanted.key)
+            value = number_at(summary, problem.key)
             waters.append({name: summary.get(name) for name in ("inflow", "overtopping")})
             values.append(value)
             if not isfinite(value):
-                why = _why_absent(summary, wanted.key) if done else failure_message(state) or state.stage
+                why = _why_absent(summary, problem.key) if done else failure_message(state) or state.stage
                 failures.append({"value": place, "seed": member.seed, "message": why})
         tried[place] = np.array(values)
     return Searched(tried, failures, waters)
@@ -420,98 +420,99 @@ def _none_has_it(tried: Mapping[float, np.ndarray]) -> bool:
     return not any(np.isfinite(values).any() for values in tried.values())
 
 
-def answer_of(wanted: Wanted, tried: Mapping[float, np.ndarray]) -> Crossed:
+def answer_of(problem: RootProblem, tried: Mapping[float, np.ndarray]) -> Crossed:
     """The answer by what was tried; for a share of the starts its range holds what is not known of their scatter."""
     scatter = scatter_of(tried)
-    searches = [search_for(wanted, tried)]
-    if wanted.share is not None:
+    searches = [search_for(problem, tried)]
+    if problem.share is not None:
         most = searches[0].most
-        ends = (wanted.number_for(end) for end in (scatter.low, scatter.high))
-        searches += [CrossingSearch(end, wanted.room, most) for end in ends]
+        ends = (problem.number_for(end) for end in (scatter.low, scatter.high))
+        searches += [CrossingSearch(end, problem.room, most) for end in ends]
     best, *others = [one.answer(tried) for one in searches]
     if not isfinite(best.value):
         return best
     lows = [one.low if isfinite(one.value) else best.low for one in others]
     highs = [one.high if isfinite(one.value) else best.high for one in others]
     if any(not isfinite(one.value) for one in others):  # with more scatter no place of the range holds
-        lows, highs = [*lows, wanted.room[0]], [*highs, wanted.room[1]]
+        lows, highs = [*lows, problem.room[0]], [*highs, problem.room[1]]
     return best._replace(low=min([best.low, *lows]), high=max([best.high, *highs]))
 
 
-def write_answer(wanted: Wanted, folder: Path, ran: Searched) -> dict[str, Any]:
+def write_answer(problem: RootProblem, folder: Path, ran: Searched) -> dict[str, Any]:
     """Write ``find.json``, the figure and the page; what the first holds."""
     tried, failures = ran.tried, ran.failures
-    answer = answer_of(wanted, tried)
-    held, reason = isfinite(answer.value), _why_not(wanted, ran, answer)
-    above = (wanted.sign == ">=") == answer.rises
+    answer = answer_of(problem, tried)
+    held, reason = isfinite(answer.value), _why_not(problem, ran, answer)
+    above = (problem.sign == ">=") == answer.rises
     short = shortfall(ran.waters)
     data = plain({
-        "path": wanted.path, "range": list(wanted.room), "until": wanted.until, "value": answer.value if held else None,
-        "low": answer.low if held else None, "high": answer.high if held else None, "held": held,
+        "path": problem.path, "range": list(problem.room), "until": problem.until,
+        "value": answer.value if held else None, "low": answer.low if held else None,
+        "high": answer.high if held else None, "held": held,
         "holds": ("above" if above else "below") if held else None, "reason": reason,
-        "unit": axis_unit(wanted.path), "size": _size(wanted, answer),
-        "verdict": sentence_of(wanted, tried, answer, reason),
+        "unit": axis_unit(problem.path), "size": _size(problem, answer),
+        "verdict": sentence_of(problem, tried, answer, reason),
         "notes": [short] if short else [], "runs": sum(map(len, tried.values())), "failed": len(failures),
-        "failures": failures, "members": wanted.members, "budget": wanted.budget, "seed": wanted.seed,
-        "share": wanted.share,
+        "failures": failures, "members": problem.members, "budget": problem.budget, "seed": problem.seed,
+        "share": problem.share,
         "points": [{"value": place, "found": values.tolist()} for place, values in tried.items()],
-        "name": wanted.case.name, "description": wanted.case.fields.description, "versions": versions(),
+        "name": problem.case.name, "description": problem.case.fields.description, "versions": versions(),
     })  # fmt: skip
     write_json(folder / ANSWER, data, indent=2)
-    drawn = _draw(wanted, tried, answer, folder)
-    write_study_page(folder / PAGE, "find", wanted.case, data["verdict"], _sections(wanted, data, drawn))
+    drawn = _draw(problem, tried, answer, folder)
+    write_study_page(folder / PAGE, "find", problem.case, data["verdict"], _sections(problem, data, drawn))
     found: dict[str, Any] = read_json(folder / ANSWER)
     return found
 
 
-def _why_not(wanted: Wanted, ran: Searched, answer: Crossed) -> str | None:
+def _why_not(problem: RootProblem, ran: Searched, answer: Crossed) -> str | None:
     """Why there is no answer, or what to know of it; None where there is nothing to say."""
     tried = ran.tried
     known = [values[np.isfinite(values)].mean() for values in tried.values() if np.isfinite(values).any()]
-    low, high = (f"{end:zg}" for end in wanted.room)
+    low, high = (f"{end:zg}" for end in problem.room)
     if not known:
         first = ran.failures[0]
-        return f"no run has {wanted.key}; at {first['value']:zg}, seed {first['seed']}: {first['message']}"
+        return f"no run has {problem.key}; at {first['value']:zg}, seed {first['seed']}: {first['message']}"
     if not isfinite(answer.value):
-        told = f"{wanted.key} goes from {min(known):z.4g} to {max(known):z.4g} there"
+        told = f"{problem.key} goes from {min(known):z.4g} to {max(known):z.4g} there"
         return f"the range from {low} to {high} does not hold it: {told}"
-    wide = wanted.room[1] - wanted.room[0]
+    wide = problem.room[1] - problem.room[0]
     at_ends = [
-        end for end, here in zip(wanted.room, (answer.low, answer.high), strict=True) if abs(here - end) < 1e-9 * wide
+        end for end, here in zip(problem.room, (answer.low, answer.high), strict=True) if abs(here - end) < 1e-9 * wide
     ]
     return f"its 95 % range ends at an end of the range, {at_ends[0]:zg}: give a wider one" if at_ends else None
 
 
-def _size(wanted: Wanted, answer: Crossed) -> dict[str, Any] | None:
+def _size(problem: RootProblem, answer: Crossed) -> dict[str, Any] | None:
     """Size of the block whose edge is the answer, with its range; None where the answer is no edge of one."""
-    other, found = wanted.across, EDGE.fullmatch(wanted.path)
+    other, found = problem.across, EDGE.fullmatch(problem.path)
     if found is None or not isfinite(other) or not isfinite(answer.value):
         return None
     low, high = sorted(abs(end - other) for end in (answer.low, answer.high))
     return {"what": SIZES[found[3]], "value": abs(answer.value - other), "low": low, "high": high}
 
 
-def sentence_of(wanted: Wanted, tried: Mapping[float, np.ndarray], answer: Crossed, reason: str | None) -> str:
+def sentence_of(problem: RootProblem, tried: Mapping[float, np.ndarray], answer: Crossed, reason: str | None) -> str:
     """The answer in words: the value with its unit, the size that it makes, and how sure it is that a start holds."""
     if not isfinite(answer.value):
-        return f"No value of {_named(wanted.path)} with {wanted.asked}{wanted.where} was found: {reason}."
-    above = (wanted.sign == ">=") == answer.rises
+        return f"No value of {_named(problem.path)} with {problem.asked}{problem.where} was found: {reason}."
+    above = (problem.sign == ">=") == answer.rises
     side, more = "above" if above else "below", f" But {reason}." if reason else ""
-    ranged = _ranged(wanted, *answer[:3], axis_unit(wanted.path))
-    told = f"{wanted.asked} holds{wanted.where} for {_named(wanted.path)} {side} {ranged}."
-    if size := _size(wanted, answer):
-        wider = answer.value > wanted.across if above else answer.value < wanted.across
-        ranged = _ranged(wanted, size["value"], size["low"], size["high"], "m")
+    ranged = _ranged(problem, *answer[:3], axis_unit(problem.path))
+    told = f"{problem.asked} holds{problem.where} for {_named(problem.path)} {side} {ranged}."
+    if size := _size(problem, answer):
+        wider = answer.value > problem.across if above else answer.value < problem.across
+        ranged = _ranged(problem, size["value"], size["low"], size["high"], "m")
         told += f" That is a {size['what']} {'above' if wider else 'below'} {ranged}."
-    return f"{told}{_sureness(wanted, tried)}{more}"
+    return f"{told}{_sureness(problem, tried)}{more}"
 
 
-def _sureness(wanted: Wanted, tried: Mapping[float, np.ndarray]) -> str:
+def _sureness(problem: RootProblem, tried: Mapping[float, np.ndarray]) -> str:
     """Sentence on what the answer means for one start; empty where starts do not differ."""
     scatter = scatter_of(tried)
-    if wanted.members < 2:
+    if problem.members < 2:
         return " Each value has one start; how starts differ is not known (--members 3)."
-    if wanted.share is not None or not scatter.value > 0:
+    if problem.share is not None or not scatter.value > 0:
         return ""
     return (
         " This is of the mean over starts: at that value about half of the starts may miss it. "
@@ -524,51 +525,51 @@ def _named(path: str) -> str:
     return axis_words(path) if axis_words(path) == path else f"the {axis_words(path)} ({path})"
 
 
-def _ranged(wanted: Wanted, value: float, low: float, high: float, its: str) -> str:
+def _ranged(problem: RootProblem, value: float, low: float, high: float, its: str) -> str:
     """A value and its 95 % range, with their unit."""
     behind = f" {its.translate(POWERS)}" if its else ""
-    return f"{_brief(wanted, value)}{behind} (95 %: {_brief(wanted, low)} to {_brief(wanted, high)}{behind})"
+    return f"{_brief(problem, value)}{behind} (95 %: {_brief(problem, low)} to {_brief(problem, high)}{behind})"
 
 
-def _brief(wanted: Wanted, value: float) -> str:
+def _brief(problem: RootProblem, value: float) -> str:
     """A place with four digits of the range."""
-    return f"{round(value, 3 - floor(log10(wanted.room[1] - wanted.room[0]))):zg}"
+    return f"{round(value, 3 - floor(log10(problem.room[1] - problem.room[0]))):zg}"
 
 
-def _draw(wanted: Wanted, tried: Mapping[float, np.ndarray], answer: Crossed, folder: Path) -> Path:
+def _draw(problem: RootProblem, tried: Mapping[float, np.ndarray], answer: Crossed, folder: Path) -> Path:
     """Draw the values of all runs over the varied number, with the answer."""
     place = folder / "figures"
-    asked_for = f"{wanted.key} [{wanted.unit.translate(POWERS)}]" if wanted.unit else wanted.key
+    asked_for = f"{problem.key} [{problem.unit.translate(POWERS)}]" if problem.unit else problem.key
     require_no_link(place)
     place.mkdir(exist_ok=True)
     with drawing(6.4, 4.0, 1, 1) as (figure, panel):
         x = np.concatenate([np.full(len(values), at) for at, values in tried.items()])
         y = np.concatenate(list(tried.values()))
         panel.plot(x, y, "o", ms=4, mfc="white", color=BLACK, label="runs")
-        panel.axhline(wanted.number, color=GREY, lw=1, ls="--", label=wanted.asked)
-        if wanted.share is not None:
-            number = search_for(wanted, tried).number
+        panel.axhline(problem.number, color=GREY, lw=1, ls="--", label=problem.asked)
+        if problem.share is not None:
+            number = search_for(problem, tried).number
             panel.axhline(number, color=GREY, lw=1, ls=":", label="mean that this asks for")
         if isfinite(answer.value):
             panel.axvspan(answer.low, answer.high, color=BLUE, alpha=0.2, lw=0, label="95 %")
             panel.axvline(answer.value, color=RED, lw=1.2, label="answer")
         panel.set(
-            xlabel=axis_heading(wanted.path),
+            xlabel=axis_heading(problem.path),
             ylabel=asked_for,
-            xlim=wanted.room,
+            xlim=problem.room,
         )
         panel.legend()
         return save(figure, place / "find.png")
 
 
-def _sections(wanted: Wanted, data: Mapping[str, Any], drawn: Path) -> list[Section]:
+def _sections(problem: RootProblem, data: Mapping[str, Any], drawn: Path) -> list[Section]:
     held = data["held"]
-    span = f"95 %: {_brief(wanted, data['low'])} to {_brief(wanted, data['high'])}" if held else ""
-    value = _brief(wanted, data["value"]) if held else ABSENT
-    boxes = [NumberBox(axis_words(wanted.path), value, axis_unit(wanted.path), "", span)]
+    span = f"95 %: {_brief(problem, data['low'])} to {_brief(problem, data['high'])}" if held else ""
+    value = _brief(problem, data["value"]) if held else ABSENT
+    boxes = [NumberBox(axis_words(problem.path), value, axis_unit(problem.path), "", span)]
     if size := data["size"]:
-        across = f"95 %: {_brief(wanted, size['low'])} to {_brief(wanted, size['high'])}"
-        boxes.append(NumberBox(size["what"], _brief(wanted, size["value"]), "m", "", across))
+        across = f"95 %: {_brief(problem, size['low'])} to {_brief(problem, size['high'])}"
+        boxes.append(NumberBox(size["what"], _brief(problem, size["value"]), "m", "", across))
     rows = [
         [one["value"], shown(known.mean()) if known.size else ABSENT, ", ".join(shown(v) for v in one["found"])]
         for one in sorted(data["points"], key=lambda one: one["value"])
@@ -581,8 +582,8 @@ def _sections(wanted: Wanted, data: Mapping[str, Any], drawn: Path) -> list[Sect
         picture(drawn, "All runs, and the answer"),
     ]
     failed = [
-        Text(f"{wanted.path} = {f['value']:zg}, seed {f['seed']}: {f['message']}", "small") for f in data["failures"]
+        Text(f"{problem.path} = {f['value']:zg}, seed {f['seed']}: {f['message']}", "small") for f in data["failures"]
     ]
     about = f"{data['runs']} runs, {data['members']} starts of each value, of at most {data['budget']}."
-    table = Table(rows, (axis_heading(wanted.path), f"{wanted.key}, mean", "starts"))
+    table = Table(rows, (axis_heading(problem.path), f"{problem.key}, mean", "starts"))
     return [Section("", blocks), Section("Runs", [table, Text(about, "small"), *failed])]

@@ -13,8 +13,8 @@ from lammps_jump.analysis.budgets.inflow import shortfall
 from lammps_jump.errors import CaseError
 from lammps_jump.sweeps.crossing import Crossed
 from lammps_jump.sweeps.find import (
+    RootProblem,
     Searched,
-    Wanted,
     answer_of,
     parse_condition,
     read_find,
@@ -160,11 +160,11 @@ def sill(right):
 )  # fmt: skip
 def test_an_edge_is_told_with_its_unit_and_as_a_width(path, text):
     """Where starts scatter, half of them may miss what the mean holds, and the sentence says so."""
-    wanted = Wanted(lj.load_case(sill(1.8)), path, (1.0, 2.0), "energy.initial", ">=", 3.0, 3, 30)
+    problem = RootProblem(lj.load_case(sill(1.8)), path, (1.0, 2.0), "energy.initial", ">=", 3.0, 3, 30)
     tried = {1.2: np.array([2.0, 2.2, 2.1]), 1.8: np.array([4.0, 4.1, 3.8])}
-    said = sentence_of(wanted, tried, Crossed(1.5, 1.4, 1.6, rises=True), None)
+    said = sentence_of(problem, tried, Crossed(1.5, 1.4, 1.6, rises=True), None)
     assert text in said and "about half of the starts may miss it. --share 95%" in said
-    alike = sentence_of(wanted, dict.fromkeys(tried, np.array([2.0, 2.0])), Crossed(1.5, 1.4, 1.6), None)
+    alike = sentence_of(problem, dict.fromkeys(tried, np.array([2.0, 2.0])), Crossed(1.5, 1.4, 1.6), None)
     assert "half of the starts" not in alike
 
 
@@ -176,13 +176,13 @@ def test_a_width_is_answered_by_the_edges_of_the_block():
 @pytest.mark.parametrize("sign", [">=", "<="])
 def test_a_share_of_the_starts_is_found_with_its_range(sign):
     """Starts scatter by s about x: 95 % are above 1.2 where x is 1.2 + 1.645 s. Of 40 searches 35 or more hold it."""
-    wanted = Wanted(lj.load_case(QUICK), "discs.density", (0.2, 2.2), ENERGY, sign, 1.2, 4, 40, 1, 0.95)
+    problem = RootProblem(lj.load_case(QUICK), "discs.density", (0.2, 2.2), ENERGY, sign, 1.2, 4, 40, 1, 0.95)
     s, held = 0.2, 0
     for seed in range(40):
         rng, tried = np.random.default_rng(seed), {}
-        while (place := search_for(wanted, tried).next_place(tried)) is not None:
+        while (place := search_for(problem, tried).next_place(tried)) is not None:
             tried[place] = place + s * rng.standard_normal(4)
-        found = answer_of(wanted, tried)
+        found = answer_of(problem, tried)
         held += found.low <= 1.2 + (1 if sign == ">=" else -1) * 1.6449 * s <= found.high
     assert held >= 35, f"{held} of 40"
 

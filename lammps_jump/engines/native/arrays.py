@@ -302,7 +302,7 @@ ContactVelocities = tuple[np.ndarray, np.ndarray, np.ndarray | None]
 
 
 DONE, LIST_STALE, CHECK_OVERLAP = range(3)
-"""Tasks that `Loops.advance` leaves to its caller: forces alone, a list that is too old, or a look for deep overlaps."""
+"""Tasks that `Loops.advance` leaves to its caller: forces alone, a list that is too old, or a look for overlaps."""
 LISTED, NO_ROOM = -1, -2
 """Numbers that `Loops.list_pairs` returns in place of a disc outside the domain."""
 
