@@ -24,9 +24,8 @@ from lammps_jump.engines.lammps.loader import load_lammps
 from lammps_jump.engines.launch import write_script
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.engines.plugin import plugin_path
-from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.chains import Chain
-from lammps_jump.scene.scene import Scene
+from lammps_jump.scene.scene import Scene, handmade_scene
 from lammps_jump.scene.walls import Wall
 
 MOST = 1.10

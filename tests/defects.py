@@ -151,7 +151,7 @@ DEFECTS = [
            "engines/test_native_resume.py engines/test_interrupts.py"),
     Defect("sign", STOCK, "gravity", "*scene.gravity", "*(-g for g in scene.gravity)", "golden"),
     Defect("axis", STOCK, "outlets.extent", '"x', '"y', "golden"),
-    Defect("off by one", "lammps_jump/engines/lammps/log.py", "read_log", "previous[1]", "summary.discs",
+    Defect("off by one", "lammps_jump/engines/lammps/outputs.py", "read_log", "previous[1]", "summary.discs",
            "runs/test_while_running.py"),
     Defect("factor", CORE_LAW, "force", "0.75 *", "0.5 *", PLUGIN_TESTS),
     Defect("sign", CORE_CONTACT, "contact_force", "ny -", "ny +", PLUGIN_TESTS),

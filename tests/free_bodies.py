@@ -10,9 +10,8 @@ from lammps_jump.dump.walls import BodyHistory
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.physics.bodies import section_of_circle, section_of_polygon
 from lammps_jump.scene.bodies import Free
-from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.motion import Motion, MovingWall
-from lammps_jump.scene.scene import Scene
+from lammps_jump.scene.scene import Scene, handmade_scene
 from lammps_jump.scene.walls import Block, Box, Circle, Line, Plane, Polygon, Wall
 
 DENSITY = 1000.0

@@ -10,7 +10,7 @@ import numpy as np
 
 from lammps_jump.engines.native import WithoutDiscs
 from lammps_jump.files import SCENE_FILE
-from lammps_jump.scene.build import handmade_scene
+from lammps_jump.scene.scene import handmade_scene
 from lammps_jump.scene.walls import Plane
 from lammps_jump.script.plugin import contact_law, motion_and_walls
 from lammps_jump.script.walls import JOIN

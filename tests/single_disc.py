@@ -5,8 +5,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.chains import Chain
+from lammps_jump.scene.scene import handmade_scene
 from lammps_jump.scene.walls import Wall
 
 R, K = 0.5, 100.0

@@ -47,9 +47,9 @@ from lammps_jump.errors import CaseError, SetupError
 from lammps_jump.folders import Marker, read_marker, require_ours
 from lammps_jump.physics.slip import FRICTION_LAWS
 from lammps_jump.runs.results import analyse, flow_of, packer_for
-from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.chains import Chain
 from lammps_jump.scene.motion import Motion, MovingWall
+from lammps_jump.scene.scene import handmade_scene
 from lammps_jump.scene.tracks import Kind, VelocityChange
 from lammps_jump.scene.walls import KINDS, Block, Wall, WallName
 from lammps_jump.script.stock import lacking

@@ -27,8 +27,7 @@ from lammps_jump.analysis.report.page import (
 from lammps_jump.folders import require_no_link
 from lammps_jump.quoting import typed
 from lammps_jump.runs.run import Run
-from lammps_jump.sweeps.page import repeating, write_study_page
-from lammps_jump.sweeps.players import LARGEST, player_of
+from lammps_jump.sweeps.page import LARGEST, player_of, repeating, write_study_page
 from lammps_jump.sweeps.study import axis_heading, axis_unit
 from lammps_jump.units import ABSENT, shown
 

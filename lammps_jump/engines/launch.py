@@ -17,6 +17,7 @@ from typing import Any
 from lammps_jump import script
 from lammps_jump.compiling.cache import open_to_others
 from lammps_jump.core.library import core
+from lammps_jump.engines.lammps.outputs import SteppingOutcome, conclude, read_log
 from lammps_jump.files import SCENE_FILE, delete, write_bytes, write_text
 from lammps_jump.folders import writable
 from lammps_jump.quoting import typed
@@ -29,8 +30,6 @@ from .checkpoint import Checkpoint, last_saved
 from .child import Child, child_for
 from .interrupts import handled_by
 from .lammps.drive import make_ready
-from .lammps.finish import SteppingOutcome, conclude
-from .lammps.log import read_log
 from .result import Progress, ProgressCallback, RunResult, interruption
 from .setting import Job, Setting
 

@@ -1,5 +1,5 @@
 "use strict";
-// A finished run, computed again from its start and held against what was stored of it: see again.py.
+// A finished run, computed again from its start and held against what was stored of it: see page.py.
 
 // Milliseconds of computing between two words of progress.
 const TOLD_EVERY = 250;

@@ -18,8 +18,7 @@ from lammps_jump.dump.find import read_dump
 from lammps_jump.engines import RunResult, Setting
 from lammps_jump.engines.checkpoint import ANEW, Checkpoint, has_checkpoint, read_checkpoint
 from lammps_jump.engines.choice import program_of
-from lammps_jump.engines.lammps.finish import gather_forces
-from lammps_jump.engines.lammps.log import read_log
+from lammps_jump.engines.lammps.outputs import gather_forces, read_log
 from lammps_jump.errors import CaseError, DumpError, ResumeError, SetupError
 from lammps_jump.files import (
     CONTACTS_FILE,

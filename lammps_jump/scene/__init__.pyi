@@ -1,5 +1,4 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-from .build import handmade_scene as handmade_scene
 from .chains import Chain as Chain
 from .motion import Motion as Motion
 from .motion import MovingWall as MovingWall
@@ -11,6 +10,7 @@ from .scene import Outlet as Outlet
 from .scene import Pour as Pour
 from .scene import Scene as Scene
 from .scene import Stations as Stations
+from .scene import handmade_scene as handmade_scene
 from .sizes import Sizes as Sizes
 from .walls import Block as Block
 from .walls import Box as Box

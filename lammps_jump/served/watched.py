@@ -30,7 +30,7 @@ from lammps_jump.dump.find import ForceHistory, forces_of, read_forces
 from lammps_jump.dump.frame import Frame, make_frame
 from lammps_jump.dump.tail import DumpTail
 from lammps_jump.engines.checkpoint import has_checkpoint
-from lammps_jump.engines.lammps.finish import forces_text
+from lammps_jump.engines.lammps.outputs import forces_text
 from lammps_jump.errors import DumpError, JumpError
 from lammps_jump.files import DUMP_NAMES, plain
 from lammps_jump.folders import holder

@@ -31,9 +31,8 @@ from lammps_jump.analysis.tables import main_numbers
 from lammps_jump.case import load_case
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.engines.native.engine import take_frame
-from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.motion import Motion, MovingWall
-from lammps_jump.scene.scene import Stations
+from lammps_jump.scene.scene import Stations, handmade_scene
 from lammps_jump.scene.sizes import Sizes
 from lammps_jump.scene.tracks import Held, Loaded, Oscillate
 from lammps_jump.scene.walls import Block, Plane

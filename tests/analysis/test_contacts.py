@@ -24,9 +24,9 @@ from lammps_jump.analysis.flow import from_scene
 from lammps_jump.core.columns import PushedColumns
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.physics.contact import WallLaw
-from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.chains import Chain
 from lammps_jump.scene.motion import Motion, MovingWall
+from lammps_jump.scene.scene import handmade_scene
 from lammps_jump.scene.sizes import Sizes
 from lammps_jump.scene.tracks import Rotate, Translate
 from lammps_jump.scene.walls import Block, Plane, Wall

@@ -24,8 +24,8 @@ from lammps_jump.analysis.flow import from_scene
 from lammps_jump.dump.find import ForceHistory
 from lammps_jump.engines.native.engine import take_frame
 from lammps_jump.engines.native.simulation import NativeSimulation
-from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.motion import Motion, MovingWall
+from lammps_jump.scene.scene import handmade_scene
 from lammps_jump.scene.tracks import Oscillate
 from lammps_jump.scene.walls import Block, Box, Plane
 

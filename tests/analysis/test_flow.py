@@ -13,9 +13,8 @@ from lammps_jump.dump.frame import make_frame
 from lammps_jump.dump.read import open_dump
 from lammps_jump.dump.write import DumpWriter
 from lammps_jump.errors import DumpError
-from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.motion import gate
-from lammps_jump.scene.scene import InletRow, Outlet
+from lammps_jump.scene.scene import InletRow, Outlet, handmade_scene
 from lammps_jump.scene.sizes import Sizes
 from lammps_jump.scene.walls import Block, Box, Plane
 

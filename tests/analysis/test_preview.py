@@ -16,9 +16,8 @@ from lammps_jump.analysis.draw.preview import NamedRegion, scene_drawing
 from lammps_jump.analysis.draw.style import drawing, figure, save
 from lammps_jump.analysis.draw.svg import svg_text
 from lammps_jump.errors import DumpError
-from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.motion import Motion, MovingWall, gate
-from lammps_jump.scene.scene import InletRow, Outlet
+from lammps_jump.scene.scene import InletRow, Outlet, handmade_scene
 from lammps_jump.scene.shapes import ArcTo
 from lammps_jump.scene.tracks import Loaded, Oscillate, Rotate
 from lammps_jump.scene.walls import Block, Circle, Line, Plane, Polygon

@@ -12,7 +12,7 @@ from lammps_jump.case import load_case, parse_case
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.errors import CaseError
 from lammps_jump.scene import Block, Plane
-from lammps_jump.scene.build import handmade_scene
+from lammps_jump.scene.scene import handmade_scene
 from lammps_jump.scene.shapes import flush, over_each_other
 from lammps_jump.scene.walls import Line, Polygon
 

@@ -7,7 +7,7 @@ from math import sqrt
 import pytest
 
 from lammps_jump.case import load_case
-from lammps_jump.engines.lammps.log import explain
+from lammps_jump.engines.lammps.outputs import explain
 from lammps_jump.errors import CaseError
 
 BASE = {

@@ -24,7 +24,7 @@ from lammps_jump.core import CORE
 from lammps_jump.engines.choice import choose
 from lammps_jump.engines.plugin import PLUGIN, availability, plugin_path
 from lammps_jump.errors import SetupError
-from lammps_jump.scene.build import handmade_scene
+from lammps_jump.scene.scene import handmade_scene
 
 COMPILER = """#!/bin/sh
 if [ "$1" = "--version" ]; then echo "make-believe c++ {version}"; exit 0; fi

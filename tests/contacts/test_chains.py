@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from single_disc import Drawn, K, R, energy, one_disc
 
-from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.chains import Chain, circle
+from lammps_jump.scene.scene import handmade_scene
 
 
 def test_a_plane_in_four_hundred_unequal_pieces_is_one_segment(started):

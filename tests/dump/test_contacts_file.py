@@ -17,8 +17,8 @@ from lammps_jump.engines.native.ledger import spin, velocities
 from lammps_jump.engines.native.simulation import NativeSimulation
 from lammps_jump.errors import DumpError
 from lammps_jump.files import CONTACTS_FILE
-from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.motion import gate
+from lammps_jump.scene.scene import handmade_scene
 from lammps_jump.scene.sizes import Sizes
 from lammps_jump.scene.walls import Box, Plane
 

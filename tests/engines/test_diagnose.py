@@ -6,7 +6,7 @@ import pytest
 from made_up import BOX
 
 import lammps_jump as lj
-from lammps_jump.engines.lammps.log import explain
+from lammps_jump.engines.lammps.outputs import explain
 from lammps_jump.files import POSES, POSES_HEADER
 
 ERROR = "ERROR: Fix halt condition for fix-id guard_overlap met on step {}"

@@ -13,8 +13,7 @@ from lammps_jump.core.library import copied, require_core
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.engines.native.bound import Core
 from lammps_jump.engines.native.state import load_state, save_state
-from lammps_jump.scene.build import handmade_scene
-from lammps_jump.scene.scene import InletRow
+from lammps_jump.scene.scene import InletRow, handmade_scene
 from lammps_jump.scene.walls import Plane
 
 pytestmark = pytest.mark.usefixtures("compiled_core")

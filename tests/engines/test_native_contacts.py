@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from lammps_jump.engines.native import NativeSimulation
-from lammps_jump.scene.build import handmade_scene
+from lammps_jump.scene.scene import handmade_scene
 from lammps_jump.scene.walls import Block, Plane
 
 D = 0.2

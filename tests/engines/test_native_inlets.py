@@ -17,9 +17,8 @@ from lammps_jump.engines.native.simulation import CellSimulation
 from lammps_jump.engines.native.state import load_state, save_state
 from lammps_jump.errors import CaseError, RunError
 from lammps_jump.physics.inlet import Hydrograph, entries_of_rows
-from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.motion import Motion, MovingWall, Pose, gate
-from lammps_jump.scene.scene import InletRow, Outlet, Pour, Scene
+from lammps_jump.scene.scene import InletRow, Outlet, Pour, Scene, handmade_scene
 from lammps_jump.scene.tracks import Loaded
 from lammps_jump.scene.walls import Block, Box, Plane
 

@@ -8,9 +8,8 @@ import pytest
 
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.engines.native.ledger import half_work
-from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.motion import gate
-from lammps_jump.scene.scene import InletRow, Outlet
+from lammps_jump.scene.scene import InletRow, Outlet, handmade_scene
 from lammps_jump.scene.walls import Box, Plane
 
 D = 0.2

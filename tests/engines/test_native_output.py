@@ -14,8 +14,7 @@ from made_up import native_frames
 
 from lammps_jump.engines.native import NativeSimulation, run_native
 from lammps_jump.errors import CaseError
-from lammps_jump.scene.build import handmade_scene
-from lammps_jump.scene.scene import InletRow
+from lammps_jump.scene.scene import InletRow, handmade_scene
 from lammps_jump.scene.walls import Plane
 
 D = 0.2

@@ -31,8 +31,7 @@ from lammps_jump.engines.native.state import load_state, save_state
 from lammps_jump.engines.result import Progress, interruption
 from lammps_jump.errors import CaseError, ResumeError, RunInterrupted, SetupError
 from lammps_jump.identity import scene_key
-from lammps_jump.scene.build import handmade_scene
-from lammps_jump.scene.scene import Pour
+from lammps_jump.scene.scene import Pour, handmade_scene
 from lammps_jump.scene.walls import Box
 
 INPUTS = Path(__file__).parents[2] / "inputs"

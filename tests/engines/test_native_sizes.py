@@ -16,8 +16,7 @@ from lammps_jump.engines.native.simulation import CellSimulation
 from lammps_jump.engines.native.state import load_state, save_state
 from lammps_jump.errors import RunError
 from lammps_jump.physics.contact import extrapolated_restitution, lagged_restitution
-from lammps_jump.scene.build import handmade_scene
-from lammps_jump.scene.scene import InletRow, Outlet, Pour
+from lammps_jump.scene.scene import InletRow, Outlet, Pour, handmade_scene
 from lammps_jump.scene.sizes import Sizes
 from lammps_jump.scene.walls import Block, Box, Plane
 

@@ -11,8 +11,7 @@ from lammps_jump.engines.native.discs import DiscArrays
 from lammps_jump.engines.native.simulation import NativeSimulation
 from lammps_jump.engines.native.state import load_state, save_state
 from lammps_jump.errors import ResumeError
-from lammps_jump.scene.build import handmade_scene
-from lammps_jump.scene.scene import InletRow, Outlet
+from lammps_jump.scene.scene import InletRow, Outlet, handmade_scene
 from lammps_jump.scene.walls import Plane
 
 S = 3

@@ -6,7 +6,7 @@ import pytest
 
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.physics.contact import damping_ratio, stable_fraction
-from lammps_jump.scene.build import handmade_scene
+from lammps_jump.scene.scene import handmade_scene
 from lammps_jump.scene.walls import Box
 
 D = 0.2

@@ -23,8 +23,7 @@ from lammps_jump.engines.native.ledger import (
 )
 from lammps_jump.engines.native.simulation import CellSimulation
 from lammps_jump.errors import CaseError
-from lammps_jump.scene.build import handmade_scene
-from lammps_jump.scene.scene import InletRow, Stations
+from lammps_jump.scene.scene import InletRow, Stations, handmade_scene
 from lammps_jump.scene.sizes import Sizes
 from lammps_jump.scene.walls import Plane
 

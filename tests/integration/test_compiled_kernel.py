@@ -24,8 +24,7 @@ from lammps_jump.engines.child import close_idle
 from lammps_jump.engines.launch import write_script
 from lammps_jump.engines.plugin import plugin_path
 from lammps_jump.physics.slip import Springs
-from lammps_jump.scene.build import handmade_scene
-from lammps_jump.scene.scene import InletRow, Outlet
+from lammps_jump.scene.scene import InletRow, Outlet, handmade_scene
 from lammps_jump.scene.sizes import Sizes
 from lammps_jump.scene.walls import Block, Plane
 from lammps_jump.studies.runs import run_frames

@@ -15,7 +15,7 @@ from made_up import INPUTS
 from lammps_jump.case import load_case
 from lammps_jump.dump.read import open_dump
 from lammps_jump.engines.lammps.loader import program
-from lammps_jump.engines.lammps.log import read_log
+from lammps_jump.engines.lammps.outputs import read_log
 from lammps_jump.engines.launch import Setting
 from lammps_jump.engines.launch import run as run_scene
 

@@ -20,7 +20,7 @@ from lammps_jump.dump.read import open_dump
 from lammps_jump.engines import choice
 from lammps_jump.engines.checkpoint import CHECKPOINT_FILE, PREVIOUS_FILE, read_checkpoint
 from lammps_jump.engines.lammps.loader import program
-from lammps_jump.engines.lammps.log import read_log
+from lammps_jump.engines.lammps.outputs import read_log
 from lammps_jump.engines.launch import Setting, run
 from lammps_jump.engines.plugin import plugin_path
 from lammps_jump.errors import ResumeError, RunError, RunInterrupted, SetupError

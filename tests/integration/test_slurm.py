@@ -11,7 +11,7 @@ from made_up import INPUTS
 from one_node_slurm import missing, one_node_slurm, wait_for
 
 import lammps_jump as lj
-from lammps_jump.engines.lammps.log import read_log
+from lammps_jump.engines.lammps.outputs import read_log
 from lammps_jump.runs.start import build
 from lammps_jump.script.job import Site
 

@@ -14,8 +14,8 @@ from made_up import some_long
 from lammps_jump.dump.find import read_forces, write_forces
 from lammps_jump.dump.read import open_dump
 from lammps_jump.engines.checkpoint import read_checkpoint
-from lammps_jump.engines.lammps.finish import gather_forces
 from lammps_jump.engines.lammps.loader import load_lammps
+from lammps_jump.engines.lammps.outputs import gather_forces
 from lammps_jump.engines.launch import Setting, run
 from lammps_jump.engines.native.simulation import NativeSimulation
 from lammps_jump.physics.contact import WallLaw

@@ -19,8 +19,7 @@ from lammps_jump.engines.native.image import placed_image
 from lammps_jump.errors import CaseError, SetupError
 from lammps_jump.folders import Marker, write_marker
 from lammps_jump.live import from_times, live_page, prepare, run_again
-from lammps_jump.live.again import RunAgain
-from lammps_jump.live.page import MADE, require_place
+from lammps_jump.live.page import MADE, RunAgain, require_place
 from lammps_jump.live.prepare import WORD
 
 pytestmark = pytest.mark.usefixtures("compiled_core")

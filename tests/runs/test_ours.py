@@ -15,7 +15,7 @@ from lammps_jump.analysis.report.player import make_player
 from lammps_jump.analysis.report.run import write_report
 from lammps_jump.dump.exports import read_netcdf
 from lammps_jump.dump.find import read_forces
-from lammps_jump.engines.lammps.log import read_log
+from lammps_jump.engines.lammps.outputs import read_log
 from lammps_jump.files import text_of
 from lammps_jump.folders import MARKER_FILE, Marker, clear, read_marker, write_marker
 from lammps_jump.runs import start

@@ -21,7 +21,7 @@ from lammps_jump.dump.frame import make_frame
 from lammps_jump.dump.tail import DumpTail
 from lammps_jump.dump.write import DumpWriter
 from lammps_jump.engines.choice import choose_ranks
-from lammps_jump.engines.lammps.log import read_log
+from lammps_jump.engines.lammps.outputs import read_log
 from lammps_jump.engines.native import run_native
 from lammps_jump.engines.result import Progress
 from lammps_jump.errors import DumpError

@@ -15,7 +15,7 @@ from lammps_jump.analysis.forces.impulse import MomentumLedger
 from lammps_jump.analysis.profiles import bin_frames
 from lammps_jump.dump.check import force_troubles
 from lammps_jump.dump.find import ForceHistory, read_forces, with_groups
-from lammps_jump.engines.lammps.finish import gather_forces
+from lammps_jump.engines.lammps.outputs import gather_forces
 from lammps_jump.engines.native.engine import run_native, take_frame
 from lammps_jump.engines.native.simulation import NativeSimulation
 from lammps_jump.errors import CaseError

