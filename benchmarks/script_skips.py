@@ -16,13 +16,13 @@ from math import inf
 from pathlib import Path
 
 import numpy as np
-from taking_turns import main
+from taking_turns import in_turn, main
 
 from lammps_jump import Case
 from lammps_jump.analysis.tables import Column, markdown
 from lammps_jump.scene import Scene
 from lammps_jump.script import script_text
-from lammps_jump.studies.runs import KERNELS, in_turn, middle, run_frames
+from lammps_jump.studies.runs import KERNELS, middle, run_frames
 from lammps_jump.sweeps import Results, Say, Store, all_versions
 
 FULL_COLUMNS = "id type x y z vx vy vz fx fy fz omegax omegay omegaz radius mass"

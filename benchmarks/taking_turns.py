@@ -5,9 +5,9 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import lammps_jump as lj
 from lammps_jump.analysis.tables import paragraphs
@@ -15,13 +15,26 @@ from lammps_jump.errors import JumpError
 from lammps_jump.files import plain
 from lammps_jump.provenance import machine
 from lammps_jump.studies.points import held_folder
-from lammps_jump.studies.runs import in_turn
 from lammps_jump.sweeps import Results, Say, Store, all_versions
 
 Calls = Mapping[str, Callable[[], Any]]
 Measure = Callable[..., Results]
 Page = Callable[[Results, Path], list[str]]
+Item = TypeVar("Item")
+Found = TypeVar("Found")
 FOLDER = Path("runs") / "bench"
+
+
+def in_turn(items: Sequence[Item], rounds: int, make: Callable[[Item, int], Found]) -> dict[Item, list[Found]]:
+    """Return what `make(item, round)` finds: every item once before any again, forwards and backwards in turn.
+
+    Times of the items can so be compared on a busy machine.
+    """
+    found: dict[Item, list[Found]] = {item: [] for item in items}
+    for number in range(rounds):
+        for item in items if number % 2 == 0 else reversed(items):
+            found[item].append(make(item, number))
+    return found
 
 
 def timed_in_turn(

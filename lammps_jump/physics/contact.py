@@ -288,16 +288,6 @@ class Coefficients:
     largest_overlap: float = number("m", "largest overlap at the reference speed", label="largest overlap at v0, pair")
 
     @property
-    def damping_by_root_mass(self) -> float:
-        """Dashpot of any pair over the root of its effective mass: c = this sqrt(m_eff), this = 2 xi' sqrt(k)."""
-        return self.gamma_normal * sqrt(self.mass / 2)
-
-    @property
-    def damping_by_root_mass_wall(self) -> float:
-        """The same at walls, whose effective mass is the disc's."""
-        return self.gamma_normal_wall * sqrt(self.mass)
-
-    @property
     def tangential_ratio(self) -> float:
         """Tangential dashpot over the normal one, gamma_t/gamma_n of a pair; NaN without a normal one."""
         return self.gamma_tangential / self.gamma_normal if self.gamma_normal else nan

@@ -610,7 +610,7 @@ def handmade_scene(
     largest_overlap, impact_speed : float
         Over the diameter (1/n), and v0 (m/s), of thesis (3.20), for the stiffness of discs and walls.
     others
-        `stiffness_wall` (N/m; that of disc pairs unless given), further fields of the contact (see `OF_A_HANDMADE`) and of
+        `stiffness_wall` (N/m; that of disc pairs unless given), further fields of the contact (`OF_A_HANDMADE`) and of
         `Scene` (sizes, steps, inlets, outlets, probes …). Unless given, the domain extends to 100 m on all sides, and
         the overlap limit is twice the largest overlap.
     """

@@ -1,14 +1,13 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Scenes on any kernel: the kernels by name, one run of a scene without a case, and many runs in turn."""
+"""Scenes on any kernel: the kernels by name, and one run of a scene without a case."""
 
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable
 from math import inf
 from pathlib import Path
 from statistics import median
-from typing import TypeVar
 
 from lammps_jump.dump import Frame, read_dump
 from lammps_jump.engines import NATIVE_KERNELS, RunResult, Setting, plugin, run
@@ -21,9 +20,6 @@ KERNELS = {
     **{name: {"engine.name": name, "engine.kernel": "auto"} for name in NATIVE_KERNELS},
 }
 """Values of a case that select a kernel, by its name."""
-
-Item = TypeVar("Item")
-Found = TypeVar("Found")
 
 
 def execute(
@@ -89,18 +85,6 @@ def run_frames(
             raise RunError(f"{kernel}, {scene.name}: {result.message}")
         frames: Iterable[Frame] = read_dump(Path(folder)) if result.status == "complete" else ()
         return result, [frame.sorted() for frame in frames]
-
-
-def in_turn(items: Sequence[Item], rounds: int, make: Callable[[Item, int], Found]) -> dict[Item, list[Found]]:
-    """Return what `make(item, round)` finds: every item once before any again, forwards and backwards in turn.
-
-    Times of the items can so be compared on a busy machine.
-    """
-    found: dict[Item, list[Found]] = {item: [] for item in items}
-    for number in range(rounds):
-        for item in items if number % 2 == 0 else reversed(items):
-            found[item].append(make(item, number))
-    return found
 
 
 def middle(values: Iterable[float | None]) -> float | None:

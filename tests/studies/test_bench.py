@@ -8,6 +8,7 @@ import cell_search
 import numpy as np
 import pytest
 from made_up import INPUTS
+from taking_turns import in_turn
 
 from lammps_jump import load_case
 from lammps_jump.engines.native import NativeSimulation
@@ -26,7 +27,7 @@ from lammps_jump.studies.bench import (
     stable,
 )
 from lammps_jump.studies.cross_validation.trajectories import with_discs_of
-from lammps_jump.studies.runs import in_turn, middle
+from lammps_jump.studies.runs import middle
 from lammps_jump.sweeps.members import JITTER, started
 
 
