@@ -23,9 +23,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from lammps_jump.core.library import INTEGER, REAL, REALS, core, entry
+from lammps_jump.dump import Dump, Frame
 from lammps_jump.dump.exports import write_netcdf
-from lammps_jump.dump.frame import Frame
-from lammps_jump.dump.read import Dump
 from lammps_jump.errors import DumpError
 from lammps_jump.scene.walls import Interval, Wall
 

@@ -18,9 +18,7 @@ from lammps_jump.errors import DumpError
 from lammps_jump.physics import bodies
 from lammps_jump.physics.contact import Coefficients
 from lammps_jump.quoting import typed, visible
-from lammps_jump.scene.motion import MovingWall
-from lammps_jump.scene.scene import Scene
-from lammps_jump.scene.walls import Block, Interval, Plane
+from lammps_jump.scene import Block, Interval, MovingWall, Plane, Scene
 
 from .flow import Flow, radii_of
 

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from lammps_jump.dump.find import ForceHistory
+from lammps_jump.dump import Dump, ForceHistory
 from lammps_jump.dump.frame import Frame, make_frame, require_finite
-from lammps_jump.dump.read import Dump
 from lammps_jump.errors import DumpError
 
 from .contacts import ContactSeries

@@ -16,10 +16,9 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, NamedTuple, ParamSpec, TypeVar
 
+from lammps_jump.dump import Dump, open_dump, read_forces
 from lammps_jump.dump.contacts import ContactFile
 from lammps_jump.dump.exports import write_netcdf, write_table
-from lammps_jump.dump.find import read_forces
-from lammps_jump.dump.read import Dump, open_dump
 from lammps_jump.errors import DumpError, SetupError
 from lammps_jump.files import CONTACTS_FILE, CURVES, PRESSURE_FILE, plain, write_json
 

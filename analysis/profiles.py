@@ -25,9 +25,8 @@ import numpy as np
 from lammps_jump.core.library import BYTES, INTEGER, INTEGERS, REAL, REALS, core, entry, function
 from lammps_jump.dump.frame import Frame
 from lammps_jump.errors import DumpError
-from lammps_jump.scene.scene import Scene
+from lammps_jump.scene import Interval, Scene
 from lammps_jump.scene.schedule import MOST_BINS
-from lammps_jump.scene.walls import Interval
 
 from .flow import Flow
 from .statistics import LEAST_SAMPLES, block_average, known_mean

@@ -19,8 +19,7 @@ from lammps_jump.analysis.passes import Gathered, Tables
 from lammps_jump.analysis.quantity import HeadlineNumber, Quantity
 from lammps_jump.analysis.report.page import Section, Table, described, percent
 from lammps_jump.analysis.verdicts.kinds import part
-from lammps_jump.dump.find import ForceHistory
-from lammps_jump.dump.frame import Frame
+from lammps_jump.dump import ForceHistory, Frame
 from lammps_jump.units import known, number
 
 

@@ -13,8 +13,7 @@ import numpy as np
 from lammps_jump.analysis.budgets.inflow import Arrivals
 from lammps_jump.analysis.contacts import ContactCollector, wall_sums, walls_of
 from lammps_jump.analysis.flow import Flow
-from lammps_jump.dump.find import ForceHistory
-from lammps_jump.dump.frame import Frame
+from lammps_jump.dump import ForceHistory, Frame
 from lammps_jump.scene.scene import Scene
 from lammps_jump.units import number
 

@@ -16,8 +16,7 @@ import numpy as np
 
 from lammps_jump.case.discs import GradingCurve
 from lammps_jump.errors import CaseError, DumpError, JumpError
-from lammps_jump.sweeps import Pool, run_starts
-from lammps_jump.sweeps.members import Start, plan
+from lammps_jump.sweeps import Pool, Start, plan, run_starts
 
 from .model import Model, TargetPart
 from .study import Calibration

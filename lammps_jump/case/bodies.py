@@ -14,10 +14,9 @@ from lammps_jump import units
 from lammps_jump.errors import FieldError
 from lammps_jump.physics.bodies import BodySection, section_of_circle, section_of_polygon, tipping_speed
 from lammps_jump.physics.contact import WallLaw, damping_ratio, extrapolated_stable_h, lagged_stable_h, largest_overlap
+from lammps_jump.scene import Beginning, Motion, MovingWall
 from lammps_jump.scene.bodies import Free, corners_of, largest_radius, round_of
 from lammps_jump.scene.meeting import LARGEST_OVERLAP, stiffness_between, yielding
-from lammps_jump.scene.motion import Motion, MovingWall
-from lammps_jump.scene.scene import Beginning
 from lammps_jump.scene.shapes import open_ends
 from lammps_jump.scene.walls import Block, Circle, Polygon, Wall, WallName
 

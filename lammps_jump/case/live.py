@@ -13,8 +13,7 @@ from math import inf, isfinite
 import numpy as np
 
 from lammps_jump.errors import FieldError
-from lammps_jump.scene import Interval, MovingWall
-from lammps_jump.scene.walls import Wall
+from lammps_jump.scene import Interval, MovingWall, Wall
 
 from .fields import CaseFields, LiveSlider
 from .inflow import RowsInflow

@@ -10,8 +10,7 @@ from math import floor, hypot, pi, sqrt
 import numpy as np
 
 from lammps_jump.physics.contact import Coefficients
-from lammps_jump.scene.sizes import Sizes
-from lammps_jump.scene.walls import Interval
+from lammps_jump.scene import Interval, Sizes
 
 from .base import EarlierRun
 from .beds import bed_diameters, bed_positions

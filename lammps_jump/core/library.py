@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.ctypeslib import ndpointer
 
-from lammps_jump.compiling.build import library_path
-from lammps_jump.compiling.product import Product
+from lammps_jump.compiling import Product, library_path
 from lammps_jump.errors import SetupError
 
 from .columns import require_columns

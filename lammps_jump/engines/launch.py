@@ -22,8 +22,7 @@ from lammps_jump.files import SCENE_FILE, delete, write_bytes, write_text
 from lammps_jump.folders import writable
 from lammps_jump.quoting import typed
 from lammps_jump.scene.scene import Scene
-from lammps_jump.script import write_continuation
-from lammps_jump.script.assemble import continuation_text, script_text
+from lammps_jump.script import continuation_text, script_text, write_continuation
 
 from . import native
 from .checkpoint import Checkpoint, last_saved

@@ -44,9 +44,8 @@ from lammps_jump.core.columns import PlacedColumns, TrackRowColumns
 from lammps_jump.dump.ended import read_ended
 from lammps_jump.dump.find import forces_in, read_dump
 from lammps_jump.dump.frame import Frame, ten_indices
-from lammps_jump.engines.native import NativeSimulation
+from lammps_jump.engines.native import NativeSimulation, take_frame
 from lammps_jump.engines.native.bound import jump_events, jump_inlet, jump_state
-from lammps_jump.engines.native.engine import take_frame
 from lammps_jump.engines.native.image import image_of, narrowed
 from lammps_jump.errors import SetupError
 from lammps_jump.files import END_FILE, plain, read_start, text_of, write_text, writes

@@ -12,11 +12,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lammps_jump import folders
+from lammps_jump.analysis import Flow, from_dump, from_scene, pipeline, quantities
 from lammps_jump.analysis import draw as drawing
-from lammps_jump.analysis import pipeline, quantities
 from lammps_jump.analysis.budgets import depths
-from lammps_jump.analysis.flow import Flow, from_scene
-from lammps_jump.analysis.guess import from_dump
 from lammps_jump.analysis.passes import Gathered, Watcher, feed, with_velocities
 from lammps_jump.analysis.report import page, run
 from lammps_jump.analysis.report import run as report
@@ -25,11 +23,10 @@ from lammps_jump.analysis.report.player import make_player, member_packer, pack_
 from lammps_jump.case.case import ReadCase
 from lammps_jump.case.fields import Layers
 from lammps_jump.core.library import core
+from lammps_jump.dump import Dump, ForceHistory, find_dump, open_dump, read_dump, read_forces
+from lammps_jump.dump import export as write_exports
 from lammps_jump.dump.check import IdCheck
-from lammps_jump.dump.exports import export as write_exports
 from lammps_jump.dump.exports import load_netcdf
-from lammps_jump.dump.find import ForceHistory, find_dump, read_dump, read_forces
-from lammps_jump.dump.read import Dump, open_dump
 from lammps_jump.errors import CaseError, DumpError
 from lammps_jump.files import PLAYER, PRESSURE_FILE, SUMMARY_FILE, checksum, read_json, write_json, write_text, writes
 from lammps_jump.provenance import versions

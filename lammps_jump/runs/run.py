@@ -15,8 +15,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, TypedDict, Unpack, cast, overload
 
 from lammps_jump import runs
-from lammps_jump.analysis import report
-from lammps_jump.analysis.quantities import QUANTITIES
+from lammps_jump.analysis import QUANTITIES, report
 from lammps_jump.analysis.report.page import LivePage, show_page
 from lammps_jump.case.base import HOW_TO_CHANGE
 from lammps_jump.case.case import Changes, ReadCase

@@ -19,9 +19,7 @@ from lammps_jump.case.case import ReadCase
 from lammps_jump.dump import Dump, Frame, read_dump
 from lammps_jump.errors import DumpError, NearestNames
 from lammps_jump.files import read_file, write_text, writes
-from lammps_jump.scene.motion import MovingWall
-from lammps_jump.scene.scene import Scene
-from lammps_jump.scene.walls import Interval
+from lammps_jump.scene import Interval, MovingWall, Scene
 from lammps_jump.units import numbers_of, shown, sure_of
 
 from .folder import default_folder

@@ -25,10 +25,8 @@ from lammps_jump.analysis.profiles import Binner, add_means
 from lammps_jump.analysis.report.frames import FramePacker
 from lammps_jump.analysis.report.player import about_run
 from lammps_jump.case.case import ReadCase
-from lammps_jump.dump import FrameCheck
+from lammps_jump.dump import DumpTail, Frame, FrameCheck, make_frame
 from lammps_jump.dump.find import ForceHistory, forces_of, read_forces
-from lammps_jump.dump.frame import Frame, make_frame
-from lammps_jump.dump.tail import DumpTail
 from lammps_jump.engines.checkpoint import has_checkpoint
 from lammps_jump.engines.lammps.outputs import forces_text
 from lammps_jump.errors import DumpError, JumpError

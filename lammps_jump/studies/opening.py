@@ -11,8 +11,7 @@ from lammps_jump.errors import CaseError
 from lammps_jump.files import STUDY_FILES
 from lammps_jump.folders import read_marker
 from lammps_jump.runs.run import Case, Run, load_case, open_run
-from lammps_jump.sweeps.find import runs_of_search
-from lammps_jump.sweeps.sweep import Sweep
+from lammps_jump.sweeps import Sweep, runs_of_search
 
 CASE_ENDINGS = (".yaml", ".yml")
 

@@ -11,10 +11,9 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
+from lammps_jump.engines import Progress, Setting
 from lammps_jump.engines.accuracy import with_accuracy
 from lammps_jump.engines.choice import choose_setting, program_of
-from lammps_jump.engines.result import Progress
-from lammps_jump.engines.setting import Setting
 from lammps_jump.errors import DumpError, JumpError, ResumeError, SetupError
 from lammps_jump.files import DUMP_NAMES
 from lammps_jump.folders import clear, holder, read_marker, require_no_link, require_unlocked

@@ -17,10 +17,9 @@ from pydantic import AfterValidator, BeforeValidator, Field, ValidationError, mo
 
 from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.analysis.report.page import heading
+from lammps_jump.case import CaseFields, ReadCase
 from lammps_jump.case.base import Strict
-from lammps_jump.case.case import ReadCase
 from lammps_jump.case.field_words import explain, fields_at, label_of, unit_of
-from lammps_jump.case.fields import CaseFields
 from lammps_jump.case.text import CaseSource, nearest, parse_source, read_source, read_text
 from lammps_jump.errors import CaseError, FieldError
 from lammps_jump.files import plain

@@ -6,9 +6,8 @@ from __future__ import annotations
 from functools import partial
 from pathlib import Path
 
-from lammps_jump.compiling.build import availability as availability_of
-from lammps_jump.compiling.build import library_path
-from lammps_jump.compiling.product import Product, Wheel
+from lammps_jump.compiling import Product, Wheel, library_path
+from lammps_jump.compiling import availability as availability_of
 from lammps_jump.core.library import CORE
 from lammps_jump.system import library
 

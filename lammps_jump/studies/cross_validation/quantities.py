@@ -17,8 +17,7 @@ from numpy.typing import ArrayLike
 from scipy import stats
 
 from lammps_jump.analysis import Jump
-from lammps_jump.dump import ForceHistory, read_forces
-from lammps_jump.dump.find import TextTable
+from lammps_jump.dump import ForceHistory, TextTable, read_forces
 from lammps_jump.runs.summary import results_in
 from lammps_jump.scene import Scene
 from lammps_jump.sweeps import Results

@@ -20,9 +20,8 @@ from lammps_jump.files import plain, write_json
 from lammps_jump.physics.slip import FRICTION_LAWS, Rolling, Springs
 from lammps_jump.provenance import usable_cores
 from lammps_jump.runs.run import Case
-from lammps_jump.scene import Block, Box, InletRow, MovingWall, Outlet, Plane, Scene, Sizes, gate, handmade_scene
+from lammps_jump.scene import Block, Box, InletRow, MovingWall, Outlet, Plane, Scene, Sizes, Wall, gate, handmade_scene
 from lammps_jump.scene.scene import Fixed
-from lammps_jump.scene.walls import Wall
 from lammps_jump.script.stock import lacking
 from lammps_jump.studies.points import held_folder
 from lammps_jump.studies.runs import KERNELS

@@ -36,8 +36,7 @@ from lammps_jump.errors import RunError
 from lammps_jump.physics.contact import Coefficients, derive
 from lammps_jump.physics.law import Slots
 from lammps_jump.physics.slip import FRICTION_LAWS, slots_of
-from lammps_jump.scene.scene import Scene
-from lammps_jump.scene.sizes import Sizes
+from lammps_jump.scene import Scene, Sizes
 
 
 @dataclass(frozen=True)
