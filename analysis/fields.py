@@ -73,13 +73,7 @@ OF_MOTION = {*VELOCITY, "kinetic_xx", "kinetic_xy", "kinetic_yy", "pressure"}
 
 
 def compute_fields(
-    frame: Frame,
-    flow: Flow,
-    *,
-    x: Interval,
-    y: Interval,
-    spacing: float | None = None,
-    reach: float | None = None,
+    frame: Frame, flow: Flow, *, x: Interval, y: Interval, spacing: float | None = None, reach: float | None = None
 ) -> xr.Dataset:
     """Fields of one frame.
 

@@ -418,11 +418,7 @@ def add_means(dataset: xr.Dataset, window: tuple[float, float] | None = None) ->
             mean, error = _mean_velocity(dataset["discharge"].values[inside], dataset["mass_depth"].values[inside])
             told["long_name"] = "mean discharge over mean mass depth"
         means[f"{name}_mean"] = "x", mean, told
-        means[f"{name}_stderr"] = (
-            "x",
-            error,
-            told | {"long_name": f"standard error of the {told['long_name']}"},
-        )
+        means[f"{name}_stderr"] = ("x", error, told | {"long_name": f"standard error of the {told['long_name']}"})
     averaged = dataset.assign(means)
     averaged.attrs |= {
         "window_begin": float(window[0]),

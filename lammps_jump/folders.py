@@ -313,12 +313,7 @@ def holder(folder: Path) -> str:
 
 
 def _this_process() -> dict[str, str | int]:
-    return {
-        "pid": os.getpid(),
-        "started": started(os.getpid()),
-        "boot": boot(),
-        "host": os.uname().nodename,
-    }
+    return {"pid": os.getpid(), "started": started(os.getpid()), "boot": boot(), "host": os.uname().nodename}
 
 
 @contextmanager

@@ -277,8 +277,7 @@ def section(summary: Mapping[str, Any]) -> Section | None:
     if frames is None:
         text += " Frames give no budget here: there is no jump, a wall moves between them, or friction takes energy."
     return Section(
-        "Energy between stations",
-        [Table(rows, ("", "ledger, exact for this run", "from frames")), Text(text)],
+        "Energy between stations", [Table(rows, ("", "ledger, exact for this run", "from frames")), Text(text)]
     )
 
 

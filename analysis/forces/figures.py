@@ -254,11 +254,7 @@ oncoming      largest ρsu² + ρgs²/2 two bins in front
     needs=frozenset({"forces"}),
     analyse=analyse,
     files={"reflected_wave.csv": "front of the reflected wave against time"},
-    captions={
-        "forces": "Force on the structures",
-        "impulse": "Impulse",
-        "reflected_wave": "The reflected wave",
-    },
+    captions={"forces": "Force on the structures", "impulse": "Impulse", "reflected_wave": "The reflected wave"},
     tables=Forces.tables,
     figures=figures,
     linked="forces",

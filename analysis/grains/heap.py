@@ -185,10 +185,7 @@ def flank_of(x: np.ndarray, surface: np.ndarray, depth: np.ndarray, side: int, s
     error = sqrt(total / (len(part) - 2) / float(place @ place) * (1.0 + together) / (1.0 - together))
     ends = tuple(float(y.mean() - fall * place[k]) for k in (0, -1))
     return Flank(
-        fall,
-        student(len(part) - 2, 0.975) * error,
-        (float(x[part[0]]), float(x[part[-1]])),
-        (ends[0], ends[1]),
+        fall, student(len(part) - 2, 0.975) * error, (float(x[part[0]]), float(x[part[-1]])), (ends[0], ends[1])
     )
 
 
@@ -364,10 +361,7 @@ def figures(heap: Heap, gathered: Gathered) -> Drawings:
     shape, remains = heap.shape, gathered.histories.get("heap")
     if shape is None:
         return {}
-    lines = [
-        Trace("discs, last frame", shape.x, shape.bed + shape.depth),
-        Trace("bed", shape.x, shape.bed, "faint"),
-    ]
+    lines = [Trace("discs, last frame", shape.x, shape.bed + shape.depth), Trace("bed", shape.x, shape.bed, "faint")]
     for flank, angle in zip(shape.flanks, (heap.angle_left, heap.angle_right), strict=True):
         if isfinite(angle):
             lines.append(Trace(f"flank, {angle:z.1f} degrees", np.array(flank.x), np.array(flank.y), "fit"))

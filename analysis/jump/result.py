@@ -270,10 +270,7 @@ def _judge(result: MeasuredJump, heap: StandingHeap, gravity: float, to_inlet: f
     if abs(motion.speed) <= max(uncertain, 1e-6 * sqrt(gravity * result.track.mass_depth_2[result.used].mean())):
         words = "stands still within the error"
     tail = "" if result.developed else " No level stretch behind its end: the downstream state is a lower bound."
-    return (
-        "jump",
-        f"the front {words}.{tail}",
-    )
+    return ("jump", f"the front {words}.{tail}")
 
 
 def _why_none(

@@ -79,10 +79,7 @@ def frame_chart(jump: Jump) -> Chart | None:
     depth = mean("mass_depth")
     covered = xi[np.isfinite(depth)]
     limits = max(jump.upstream.zone[0] - 2, covered[0]), min(jump.downstream.zone[1] + 2, covered[-1])
-    lines = [
-        Trace("free surface h", xi, mean("surface_depth")),
-        Trace("mass depth s", xi, depth, "second"),
-    ]
+    lines = [Trace("free surface h", xi, mean("surface_depth")), Trace("mass depth s", xi, depth, "second")]
     for state, name in ((jump.upstream, "s₁"), (jump.downstream, "s₂")):
         lines.append(Trace(name, np.array(state.zone), np.full(2, state.mass_depth), "fit"))
     levels = {f"Bélanger, {jump.of}": jump.belanger_y2} if jump.belanger_y2 > 0 else {}

@@ -51,8 +51,7 @@ class _Panel(_CurvePart):
     levels: Labelled
     marks: Labelled
     solids: Annotated[
-        list[Annotated[list[tuple[Value, Value]], Field(max_length=MOST_VALUES)]],
-        Field(max_length=MOST_LINES),
+        list[Annotated[list[tuple[Value, Value]], Field(max_length=MOST_VALUES)]], Field(max_length=MOST_LINES)
     ]
     xlim: Ends
     ylim: Ends

@@ -137,11 +137,7 @@ def place(value: float) -> str:
 # --- verdicts of a jump in words, and which numbers go with which verdict ---------------------------------------------
 
 
-A_JUMP = {
-    "jump": "A hydraulic jump",
-    "marginal jump": "Now and then a jump",
-    "jump not developed": "A growing jump",
-}
+A_JUMP = {"jump": "A hydraulic jump", "marginal jump": "Now and then a jump", "jump not developed": "A growing jump"}
 """Verdicts on flows that have a jump, in words."""
 WITH = {(): "", ("friction",): " with friction", ("slope",): " on a slope",
         ("friction", "slope"): " with friction on a slope"}  # fmt: skip

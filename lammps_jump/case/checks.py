@@ -492,12 +492,7 @@ def _less_jitter(case: CaseFields) -> str:
 
 
 def _check_discs_free_of(
-    wall: Wall,
-    field: str,
-    case: CaseFields,
-    positions: np.ndarray,
-    diameters: np.ndarray,
-    allowed: float,
+    wall: Wall, field: str, case: CaseFields, positions: np.ndarray, diameters: np.ndarray, allowed: float
 ) -> None:
     if not len(positions):
         return

@@ -123,8 +123,7 @@ class Contact(Strict):
         "1 (native engine or compiled kernel; kernels.md)",
     )
     touch_width: FineLength | None = Field(
-        default=None,
-        description="width of the soft start of `smooth`. Without it, the distance of two steps at v0",
+        default=None, description="width of the soft start of `smooth`. Without it, the distance of two steps at v0"
     )
 
     @model_validator(mode="after")

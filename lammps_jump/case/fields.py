@@ -133,9 +133,7 @@ class Means(Strict):
     """Place and time of means."""
 
     bin_width: units.Length | None = Field(
-        default=None,
-        title="width of the bins",
-        description="width of the bins of profiles. Without it, five diameters",
+        default=None, title="width of the bins", description="width of the bins of profiles. Without it, five diameters"
     )
     window: Annotated[tuple[units.Moment, units.Moment], AfterValidator(units.ordered)] | None = Field(
         default=None, description="`[from, to]`: time of the means. Without it, the last quarter of the run"
@@ -189,8 +187,7 @@ class RunFields(Strict):
     """Duration, time step and output."""
 
     duration: units.Duration = Field(
-        title="simulated time",
-        description="counted from the opening of the gates; whole frames within 0.1 % of it",
+        title="simulated time", description="counted from the opening of the gates; whole frames within 0.1 % of it"
     )
     time_step_fraction: units.Plain = Field(
         default=0.05,
@@ -237,8 +234,7 @@ class RunFields(Strict):
         "of the engine",
     )
     checkpoint_interval: units.Duration = Field(
-        default=60.0,
-        description="wall time between checkpoints; they come more rarely where one takes over 1 % of it",
+        default=60.0, description="wall time between checkpoints; they come more rarely where one takes over 1 % of it"
     )
     dump_format: Literal["text", "gz", "binary"] = Field(
         default="text", description="how the frames are written: as `text`, packed (`gz`) or `binary`"

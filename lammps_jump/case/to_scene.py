@@ -13,16 +13,7 @@ import numpy as np
 from lammps_jump.errors import FieldError
 from lammps_jump.physics import contact
 from lammps_jump.physics.slip import FRICTION_LAWS
-from lammps_jump.scene import (
-    Beginning,
-    InletRow,
-    MovingWall,
-    Outlet,
-    Pour,
-    Scene,
-    Sizes,
-    Stations,
-)
+from lammps_jump.scene import Beginning, InletRow, MovingWall, Outlet, Pour, Scene, Sizes, Stations
 from lammps_jump.scene.pressed import FaceStretch
 from lammps_jump.scene.scene import STABILITY_MEAN, Weighed
 from lammps_jump.scene.schedule import Schedule, fitted_step, plan_stations, plan_steps
@@ -104,11 +95,7 @@ def _coefficients(case: CaseFields, integrator: str, sizes: Sizes | None) -> con
 
 def _times(case: CaseFields) -> tuple[float, float, float | None]:
     """Duration, time between frames and window of the probes, s; None without probes."""
-    return (
-        case.run.duration,
-        case.output_interval,
-        case.probes.interval if case.probes.recorded else None,
-    )
+    return (case.run.duration, case.output_interval, case.probes.interval if case.probes.recorded else None)
 
 
 def build_scene(case: CaseFields, runs: Runs) -> Scene:

@@ -160,9 +160,7 @@ def animate(
 
 
 @app.command()
-def show(
-    folder: Annotated[Path, typer.Argument(help=OR_STUDY, show_default=False)],
-) -> None:
+def show(folder: Annotated[Path, typer.Argument(help=OR_STUDY, show_default=False)]) -> None:
     """Open the page of a run or of a study in the browser; prints its path."""
     marker = read_marker(folder)
     kind = marker.kind if marker else ""

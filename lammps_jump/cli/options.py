@@ -153,15 +153,10 @@ Collect = Annotated[
 ]
 Until = Annotated[
     list[str] | None,
-    typer.Option(
-        "--until",
-        metavar="PATH=SHARE",
-        help="Add members until the interval is as narrow: jump.speed=3%.",
-    ),
+    typer.Option("--until", metavar="PATH=SHARE", help="Add members until the interval is as narrow: jump.speed=3%."),
 ]
 Laws = Annotated[
-    Path | None,
-    typer.Option("--laws", help="Folder of laws and studies (default: validation/ of the source tree)."),
+    Path | None, typer.Option("--laws", help="Folder of laws and studies (default: validation/ of the source tree).")
 ]
 Fresh = Annotated[bool, typer.Option("--fresh", help="Measure again what is stored.")]
 

@@ -131,8 +131,7 @@ def check(
     ] = None,
     within: Annotated[str, typer.Option("--within", help="Share of it that ± is to be (95 %), for --of.")] = "5%",
     pilot: Annotated[
-        int | None,
-        typer.Option("--pilot", min=3, max=100, help="Run so many starts for --of, where none are known."),
+        int | None, typer.Option("--pilot", min=3, max=100, help="Run so many starts for --of, where none are known.")
     ] = None,
 ) -> None:
     """Check a case; prints all numbers that follow from it. Runs nothing without --pilot, draws with --picture."""
@@ -196,12 +195,10 @@ def import_(
         typer.Option("--layer", metavar="LAYER=WALL", help="Take this layer alone, as this wall. May be repeated."),
     ] = None,
     scale: Annotated[
-        str | None,
-        typer.Option(metavar="UNIT", help="Unit of the drawing, such as mm, metres of one unit, or 1:100."),
+        str | None, typer.Option(metavar="UNIT", help="Unit of the drawing, such as mm, metres of one unit, or 1:100.")
     ] = None,
     shift: Annotated[
-        Any,
-        typer.Option(parser=shift_of, metavar="X,Y", help="Where the drawing's origin comes to lie, m."),
+        Any, typer.Option(parser=shift_of, metavar="X,Y", help="Where the drawing's origin comes to lie, m.")
     ] = "0,0",
     reverse: Annotated[list[str] | None, layers("--reverse", "Its open lines run the other way.")] = None,
     inside: Annotated[list[str] | None, layers("--inside", "Its closed outlines hold the discs inside.")] = None,

@@ -135,10 +135,7 @@ class Platform:
 
 PLATFORMS = (
     Platform(
-        "Linux",
-        "x86_64",
-        "linux_x86_64",
-        {level: f"-march={level}" for level in ("x86-64-v4", "x86-64-v3", "x86-64")},
+        "Linux", "x86_64", "linux_x86_64", {level: f"-march={level}" for level in ("x86-64-v4", "x86-64-v3", "x86-64")}
     ),
     Platform("Linux", "aarch64", "manylinux_2_28_aarch64", {"armv8-a": "-mcpu=generic"}, "aarch64-linux-gnu.2.28"),
     Platform("Darwin", "arm64", "macosx_11_0_arm64", {"armv8-a": "-mcpu=apple_m1"}, "aarch64-macos.11.0"),

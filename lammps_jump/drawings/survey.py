@@ -20,10 +20,7 @@ from lammps_jump.units import to_si
 
 from .strokes import FARTHEST_DRAWN, GatheredStrokes, LayeredDrawing, Point
 
-COLUMNS = {
-    "chainage": ("chainage", "station", "distance", "x"),
-    "level": ("level", "elevation", "height", "z", "y"),
-}
+COLUMNS = {"chainage": ("chainage", "station", "distance", "x"), "level": ("level", "elevation", "height", "z", "y")}
 """Words of the head of a table, for each of its two columns."""
 MOST_LINES = 2_000_000
 """Lines of a table, empty ones among them."""

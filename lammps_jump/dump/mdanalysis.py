@@ -187,12 +187,7 @@ class JumpDumpReader(ReaderBase):  # type: ignore[misc]
             ts.velocities = velocity
             ts.data["velocities"] = velocity
         ts.dimensions = [*np.ptp(frame.box, axis=1), 90.0, 90.0, 90.0] if self._box else None
-        ts.data.update(
-            present=here,
-            box_low=frame.box[:, 0].copy(),
-            step=frame.step,
-            time=self._time(frame),
-        )
+        ts.data.update(present=here, box_low=frame.box[:, 0].copy(), step=frame.step, time=self._time(frame))
         return ts
 
     def close(self) -> None:

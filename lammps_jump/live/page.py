@@ -278,10 +278,7 @@ def require_place(path: Path) -> None:
 
 
 def write_page(
-    flow: LiveFlow | Sequence[LiveStart],
-    path: Path,
-    again: RunAgain | str = "",
-    recorded: Recorded | None = None,
+    flow: LiveFlow | Sequence[LiveStart], path: Path, again: RunAgain | str = "", recorded: Recorded | None = None
 ) -> Path:
     """Write the page of `live_page`, in place of a live page that stands there.
 

@@ -369,12 +369,7 @@ def with_fewer(given: ReadCase, flow: LiveFlow) -> list[LiveStart]:
 
 
 def from_times(
-    given: ReadCase,
-    run: Path,
-    times: Sequence[float | str],
-    told: Told = lambda text: None,
-    *,
-    numbers: bool = True,
+    given: ReadCase, run: Path, times: Sequence[float | str], told: Told = lambda text: None, *, numbers: bool = True
 ) -> list[LiveStart]:
     """Starts with the discs of a run at some times, s, or at its end (``last``); see `prepare`."""
     found: list[LiveStart] = []

@@ -172,12 +172,7 @@ class Case(ReadCase):
         return self.replace(path if isinstance(path, Mapping) else {path: value})
 
     def start(
-        self,
-        folder: str | Path | None = None,
-        *,
-        moves: Sequence[str] = (),
-        force: bool = False,
-        resume: bool = False,
+        self, folder: str | Path | None = None, *, moves: Sequence[str] = (), force: bool = False, resume: bool = False
     ) -> SteppedRun:
         """A run of the case on the native engine that Python steps: ``with case.start(folder) as run: run.advance(2)``.
 

@@ -12,18 +12,7 @@ from math import inf, nan, sqrt
 from lammps_jump.physics.contact import WallLaw, restitution_of
 from lammps_jump.scene import Block, Box, Interval, MovingWall, Plane, Scene, Wall
 
-from .regions import (
-    FAR,
-    LammpsRegion,
-    NotInStock,
-    check_motion,
-    clock,
-    joints,
-    level,
-    polyline,
-    single_regions,
-    way,
-)
+from .regions import FAR, LammpsRegion, NotInStock, check_motion, clock, joints, level, polyline, single_regions, way
 from .regions import number as number
 from .regions import numbers as numbers
 

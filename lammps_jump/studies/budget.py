@@ -532,13 +532,7 @@ def default_folder(case: Case, of: str) -> Path:
 
 
 def budget(
-    case: Case,
-    of: str,
-    out: str | Path | None = None,
-    *,
-    fresh: bool = False,
-    say: Say = print,
-    **design: Any,
+    case: Case, of: str, out: str | Path | None = None, *, fresh: bool = False, say: Say = print, **design: Any
 ) -> Results:
     """Make a budget of the error of one number of a case; writes ``budget.json`` and ``budget.html``.
 

@@ -553,11 +553,7 @@ def _draw(problem: RootProblem, tried: Mapping[float, np.ndarray], answer: Cross
         if isfinite(answer.value):
             panel.axvspan(answer.low, answer.high, color=BLUE, alpha=0.2, lw=0, label="95 %")
             panel.axvline(answer.value, color=RED, lw=1.2, label="answer")
-        panel.set(
-            xlabel=axis_heading(problem.path),
-            ylabel=asked_for,
-            xlim=problem.room,
-        )
+        panel.set(xlabel=axis_heading(problem.path), ylabel=asked_for, xlim=problem.room)
         panel.legend()
         return save(figure, place / "find.png")
 

@@ -213,10 +213,7 @@ def kick_drift(state: State) -> bool:
         d.torque[:n] = 0.0
         if d.uomega is not None:
             d.uomega[:n] = 1.5 * d.omega[:n] - 0.5 * old
-    for v, f, u, x, weight in (
-        (d.vx, d.fx, d.ux, d.x, motion.weight_x),
-        (d.vy, d.fy, d.uy, d.y, motion.weight_y),
-    ):
+    for v, f, u, x, weight in ((d.vx, d.fx, d.ux, d.x, motion.weight_x), (d.vy, d.fy, d.uy, d.y, motion.weight_y)):
         old = v[:n].copy()
         v[:n] += dt / motion.mass / square * f[:n]
         if u is not None:
