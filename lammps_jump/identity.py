@@ -40,11 +40,10 @@ if TYPE_CHECKING:
 
 NO_NUMBERS = ("name", "description", "skipped", "warnings", "adapted", "stiffer", "stability", "stability_mean")
 """Fields of a scene that change no trajectory."""
-DEFAULTS_SINCE_V1, TEXTS_SINCE_V1 = (
-    {"earlier": None, "cohesion": 0.0, "pressure": ()},
-    (", holding=None", ", went=None", ", given=()"),
-)
-"""Fields that were added after keys were stored: left out of the hash at their default, and so in texts."""
+LATER = {"later": True}
+"""Metadata of a field of a scene that was added after keys were stored: left out of the hash at its default."""
+TEXTS_SINCE_V1 = (", holding=None", ", went=None", ", given=()")
+"""The same of fields of what a scene holds, in its text."""
 Plain = Mapping[str, object]
 
 
@@ -85,14 +84,17 @@ def analysis_key(rest: Plain, outputs: Plain) -> str:
 def scene_key(scene: DataclassInstance) -> str:
     """Hash of every number of a scene: another version of the program may make other numbers of the same case."""
     found = hashlib.sha256()
-    for field in fields(scene):
-        value = getattr(scene, field.name)
-        if field.name not in NO_NUMBERS and not (
-            field.name in DEFAULTS_SINCE_V1 and value == DEFAULTS_SINCE_V1[field.name]
-        ):
-            found.update(field.name.encode())
-            found.update(value.tobytes() if isinstance(value, np.ndarray) else _text(value).encode())
+    numbers = {one.name: getattr(scene, one.name) for one in fields(scene) if one.name not in NO_NUMBERS}
+    for name, value in without_later(scene, numbers).items():
+        found.update(name.encode())
+        found.update(value.tobytes() if isinstance(value, np.ndarray) else _text(value).encode())
     return found.hexdigest()
+
+
+def without_later(of: DataclassInstance | type[DataclassInstance], values: Plain) -> dict[str, object]:
+    """Values by the fields of a dataclass, without those of `LATER` fields at their default."""
+    defaults = {one.name: one.default for one in fields(of) if one.metadata.get("later")}
+    return {name: one for name, one in values.items() if name not in defaults or one != defaults[name]}
 
 
 def _text(value: object) -> str:

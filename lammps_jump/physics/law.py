@@ -114,9 +114,14 @@ def stored_energy(overlap: float, touch: float | None) -> float:
     return 0.5 * (overlap * overlap - touch * overlap + touch * touch / 3.0)
 
 
+def spring_of(of: LawNumbers) -> float:
+    """Stiffness of the spring along the normal, N/m."""
+    return of.stiffness
+
+
 def contact_energy(overlap: float, of: LawNumbers) -> float:
     """Energy stored in a contact, J per m of width: that of its spring, less what the attraction has given."""
-    return of.stiffness * stored_energy(overlap, of.touch or None) - of.cohesion * overlap
+    return spring_of(of) * stored_energy(overlap, of.touch or None) - of.cohesion * overlap
 
 
 def pressing(push: float, of: LawNumbers) -> float:
@@ -152,7 +157,7 @@ def contact_force(
     nx, ny = normal
     vx, vy = slip
     opening = vx * nx + vy * ny
-    push, dashpot = normal_force(overlap, opening, of.stiffness, of.damping, of.touch or None, of.cohesion)
+    push, dashpot = normal_force(overlap, opening, spring_of(of), of.damping, of.touch or None, of.cohesion)
     fx = push * nx
     fy = push * ny
     tangential = 0.0

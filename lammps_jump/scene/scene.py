@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from lammps_jump.core.law import LawNumbers
+from lammps_jump.identity import LATER
 from lammps_jump.physics.contact import Coefficients, ContactNumbers, WallLaw, derive, stiffness
 from lammps_jump.physics.inlet import Hydrograph
 from lammps_jump.physics.slip import FRICTION_LAWS, Springs, slots_of
@@ -371,7 +372,7 @@ class Scene(Measures):
     overlap_limit: float = 0.0
     touch: str = "sharp"
     touch_width: float = 0.0
-    cohesion: float = 0.0
+    cohesion: float = field(default=0.0, metadata=LATER)
     sizes: Sizes | None = None
     size_steps: int = 1
     fixed: Fixed | None = None
@@ -387,10 +388,10 @@ class Scene(Measures):
     stiffer: str = "make the contacts stiffer"
     groups: tuple[tuple[str, tuple[str, ...]], ...] = ()
     gauges: tuple[float, ...] = ()
-    pressure: tuple[FaceStretch, ...] = ()
+    pressure: tuple[FaceStretch, ...] = field(default=(), metadata=LATER)
     stability: tuple[tuple[str, Weighed], ...] = ()
     stability_mean: float = STABILITY_MEAN
-    earlier: Earlier | None = None
+    earlier: Earlier | None = field(default=None, metadata=LATER)
 
     def __post_init__(self) -> None:
         """Let walls that are given alone stand; record what is weighed and groups; CaseError where these move apart."""

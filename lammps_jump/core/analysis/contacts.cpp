@@ -102,8 +102,9 @@ JUMP_API void jump_whole_forces(const jump_whole_forces_input *input)
 {
   JUMP_WHOLE_FORCES(JUMP_LOCAL)
   const double *const u = state, *const v = state + discs, *const rim = state + 2 * discs;
-  const auto tangential = !rubs ? Choice::NONE : laws->sign_ramp > 0.0 ? Choice::SIGN : Choice::RAMP;
-  with_slots({tangential, laws->touch > 0.0, slope, 0.0}, [&](const auto &law) {
+  Choice choice = choice_of(*laws, false, slope, 0.0);
+  if (!rubs) choice.tangential = Choice::NONE;
+  with_slots(choice, [&](const auto &law) {
     for (int64_t k = 0; k < n; k++) {
       const int64_t i = first[k], j = second[k];
       const auto at = [&](int row) { return contact[row * n + k]; };

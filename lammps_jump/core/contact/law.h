@@ -59,26 +59,29 @@ struct Attraction {
   template <class Number> Number pressing(const LawNumbers &of, const Number &push) const { return push + of.cohesion; }
 };
 
+/** Stiffness of the spring along the normal, N/m. */
+inline double spring_of(const LawNumbers &of) { return of.stiffness; }
+
 struct Spring : Attraction {
   template <class Number> Number force(const LawNumbers &of, const Number &overlap) const
   {
-    return of.stiffness * overlap - of.cohesion;
+    return spring_of(of) * overlap - of.cohesion;
   }
   template <class Number> Number energy(const LawNumbers &of, const Number &overlap) const
   {
-    return of.stiffness * (0.5 * overlap * overlap) - of.cohesion * overlap;
+    return spring_of(of) * (0.5 * overlap * overlap) - of.cohesion * overlap;
   }
 };
 
 struct SmoothSpring : Attraction {
   template <class Number> Number force(const LawNumbers &of, const Number &overlap) const
   {
-    const double k = of.stiffness, width = of.touch;
+    const double k = spring_of(of), width = of.touch;
     return (overlap < width ? 0.5 * k * overlap * overlap / width : k * (overlap - 0.5 * width)) - of.cohesion;
   }
   template <class Number> Number energy(const LawNumbers &of, const Number &overlap) const
   {
-    const double k = of.stiffness, width = of.touch;
+    const double k = spring_of(of), width = of.touch;
     return k * (overlap < width ? overlap * overlap * overlap / (6.0 * width)
                                 : 0.5 * (overlap * overlap - width * overlap + width * width / 3.0)) - of.cohesion * overlap;
   }
@@ -187,6 +190,16 @@ struct Choice {
 
   bool rubs() const { return tangential != NONE; }
 };
+
+/** What these numbers ask for; `remembers`: contacts have springs with memory. A new formula is chosen here alone. */
+inline Choice choice_of(const LawNumbers &of, bool remembers, double slope, double time_step)
+{
+  const auto tangential = remembers                    ? Choice::SLIDER
+                          : of.friction != of.friction ? Choice::NONE
+                          : of.sign_ramp > 0.0         ? Choice::SIGN
+                                                       : Choice::RAMP;
+  return {tangential, of.touch > 0.0, slope, time_step};
+}
 
 /** Calls run(law) with this friction and a touch that is smooth or sharp. */
 template <class Tangential, class Run> inline void with_touch(bool smooth, const Tangential &tangential, const Run &run)

@@ -29,16 +29,10 @@ inline double slope_of(const jump_state &s, double fastest)
   return eps > 1e-300 ? 1.0 / eps : 1e300;    // nothing moves: the limit of the law, sat -> sign
 }
 
-inline bool has(double number) { return number == number; }
-
 /** The law that a state asks for. */
 inline Choice choice_of(const jump_state &s, double slope)
 {
-  const auto tangential = s.partner                ? Choice::SLIDER
-                          : !has(s.pair.friction)  ? Choice::NONE
-                          : s.pair.sign_ramp > 0.0 ? Choice::SIGN
-                                                   : Choice::RAMP;
-  return {tangential, s.pair.touch > 0.0, slope, s.memory_step};
+  return choice_of(s.pair, s.partner, slope, s.memory_step);
 }
 
 /** Calls run(law, sizes, spin) with the law of a state. */

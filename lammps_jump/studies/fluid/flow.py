@@ -18,8 +18,9 @@ from lammps_jump.compiling.cache import usual_folder
 from lammps_jump.errors import CaseError, DumpError
 from lammps_jump.files import SUMMARY_FILE, plain, read_json
 from lammps_jump.foreign import foreign
-from lammps_jump.identity import DEFAULTS_SINCE_V1, short_hash
+from lammps_jump.identity import short_hash, without_later
 from lammps_jump.physics import jump
+from lammps_jump.scene import Scene
 
 from .cell import FluidDiscs, Friction, discs_of, viscosity
 
@@ -143,11 +144,7 @@ def measured_key(discs: FluidDiscs, flow: FlowScales) -> str:
     """Key of what is measured: the discs, and pressure and depth in three digits."""
     scales = [f"{value:z.3g}" for value in (flow.pressure(discs.density), slosh_depth(discs, flow), flow.gravity)]
     numbers = plain(discs)
-    numbers |= {
-        name: value
-        for name, value in numbers.pop("law").items()
-        if name not in DEFAULTS_SINCE_V1 or value != DEFAULTS_SINCE_V1[name]
-    }
+    numbers |= without_later(Scene, numbers.pop("law"))
     return short_hash({"method": METHOD, "discs": numbers, "scales": scales})
 
 
