@@ -24,6 +24,7 @@ class Spread(Estimates):
     """Height from the lowest disc to the highest."""
 
     height: float = estimate("m", "height that the discs are spread over", label="spread")
+    reason: str | None = None
     tables: dict[str, np.ndarray] = field(default_factory=dict, metadata={"summary": False})
 
 
@@ -45,6 +46,8 @@ class SpreadWatch:
 def analyse(gathered: Gathered) -> Spread:
     """Mean of the record."""
     time, height = gathered.histories["spread"]
+    if np.isnan(height).all():
+        return Spread(reason="no frame holds a disc")
     found = mean_of(height)
     return Spread(**as_fields(height=Mean(found.value, found.error)), tables={"time": time, "height": height})
 

@@ -139,6 +139,20 @@ def unexplained(text: str) -> list[str]:
     return found
 
 
+def test_tests_that_pages_name_are_there():
+    """A file, a folder or a function; a file may be named without its folder."""
+    files = {str(path.relative_to(ROOT)): path for path in (ROOT / "tests").rglob("*.py")}
+    known = {name.rpartition("/")[2] for name in files}
+    known |= {name for path in files.values() for name in re.findall(r"def (test_\w+)", path.read_text())}
+    missing = {
+        (page.name, name)
+        for page in {*PAGES, *ROOT.glob("*.md"), *DOCS.rglob("*.md")} - {ROOT / "CHANGELOG.md"}
+        for name in re.findall(r"\b(?:tests/[\w/.]*\w|test_\w+(?:\.py)?)", page.read_text())
+        if name not in known and not (ROOT / name).exists()
+    }
+    assert not missing, missing
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_house_words_are_explained(page):
     assert not unexplained(page.read_text())
