@@ -259,7 +259,7 @@ def write_fields(flow: Flow, profiles: xr.Dataset, dump: Dump, out: Path) -> tup
     if len(indices) > FIELD_FRAMES:
         indices = indices[np.round(np.linspace(0, len(indices) - 1, FIELD_FRAMES)).astype(int)]
     bed = profiles["bed"].values
-    surface = profiles["surface_depth"].values[indices] + bed
+    surface = (profiles["surface_depth"] + profiles.get("bed_at", profiles["bed"])).values[indices]
     low = float(np.nanmin(bed)) if np.isfinite(bed).any() else flow.scene.domain[1][0]
     high = max(float(surface[np.isfinite(surface)].max(initial=low)), low) + 5 * flow.scene.diameter
     extent = {"x": (profiles.attrs["x_low"], profiles.attrs["x_high"]), "y": (low, high)}

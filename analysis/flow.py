@@ -198,7 +198,19 @@ class Flow:
         gates = {wall.name for wall, _ in self.scene.gates}
         return tuple(wall for wall in self.walls_at(time) if wall.name in gates)
 
-    def bed_height(self, x: np.ndarray | float) -> np.ndarray:
+    @cached_property
+    def bed_moves(self) -> bool:
+        """Tells whether a wall that counts as bed moves."""
+        return any(motion.kind is not None and not motion.free for _, motion in self.scene.standing)
+
+    def bed_walls(self, time: float | None = None) -> tuple[Wall, ...]:
+        """Walls that count as bed: where they are at a time (s), else where the case has them."""
+        if time is None or not self.bed_moves:
+            return self.scene.permanent
+        bodies = {wall.name for wall, _ in self.scene.bodies}
+        return (*(wall for wall in self.standing_at(time) if wall.name not in bodies), *self.scene.beds)
+
+    def bed_height(self, x: np.ndarray | float, time: float | None = None) -> np.ndarray:
         """Height y_b of the bed at x, m; NaN where nothing lies below.
 
         It is the highest top of the walls that stay, of those that solids below carry without a gap that a disc could
@@ -207,31 +219,35 @@ class Flow:
         Parameters
         ----------
         x : array_like, m
+        time : float, optional
+            s; without it walls that move are where the case has them.
 
         Returns
         -------
         ndarray of x's shape, m
         """
-        return bed_height(self.scene.permanent, x, self.scene.smallest)
+        return bed_height(self.bed_walls(time), x, self.scene.smallest)
 
-    def mean_bed(self, edges: np.ndarray) -> np.ndarray:
+    def mean_bed(self, edges: np.ndarray, time: float | None = None) -> np.ndarray:
         """Mean height of the bed in each bin, m: exact for straight faces; NaN where any part has no bed.
 
         Parameters
         ----------
         edges : ndarray, shape (bins + 1,), m
+        time : float, optional
+            As of `bed_height`.
 
         Returns
         -------
         ndarray, shape (bins,), m
         """
-        ends = np.concatenate([edges, *(_ends(wall) for wall in self.scene.permanent)])
+        ends = np.concatenate([edges, *(_ends(wall) for wall in self.bed_walls(time))])
         cuts = np.unique(ends[(ends >= edges[0]) & (ends <= edges[-1])])
         middle, width = 0.5 * (cuts[1:] + cuts[:-1]), np.diff(cuts)
         # rounding of a bin edge must not borrow a sliver of the next step
         middle, width = middle[width > 1e-9 * self.scene.diameter], width[width > 1e-9 * self.scene.diameter]
         aside = width / np.sqrt(12.0)  # two Gauss points a piece
-        height = 0.5 * (self.bed_height(middle - aside) + self.bed_height(middle + aside))
+        height = 0.5 * (self.bed_height(middle - aside, time) + self.bed_height(middle + aside, time))
         index = np.clip(np.searchsorted(edges, middle, side="right") - 1, 0, len(edges) - 2)
         total = np.bincount(index, height * width, len(edges) - 1)
         return total / np.bincount(index, width, len(edges) - 1)

@@ -228,7 +228,8 @@ def bin_frames(frames: Iterable[Frame], flow: Flow) -> xr.Dataset:
     -------
     xarray.Dataset
         Coordinates ``time`` (s) and ``x`` (bin centres, m); variables of `VARIABLES` with dims (time, x), NaN where
-        a bin holds nothing to average or has no bed; ``bed`` (x); ``step``, ``discs``, ``mass_total``, ``mass_left``
+        a bin holds nothing to average or has no bed; ``bed`` (x), and ``bed_at`` (time, x) where a wall of it moves,
+        of which ``bed`` is the mean; ``step``, ``discs``, ``mass_total``, ``mass_left``
         and ``mass_right`` of the bins (time), kg per metre of width.
 
     Raises
@@ -248,10 +249,11 @@ class Binner:
     def __init__(self, flow: Flow):
         self.flow, self.edges = flow, bin_edges(flow.x_range, flow.bin_width)
         bins, width = len(self.edges) - 1, flow.bin_width
-        self.bed = flow.mean_bed(self.edges)
         lines = bins * max(1, int(np.ceil(LINES_PER_DIAMETER * width / flow.scene.diameter - 1e-9)))
-        places = self.edges[0] + (np.arange(lines) + 0.5) * (bins * width / lines)
-        self.bed_lines, self.ends = flow.bed_height(places), OpenEnds.of(flow)
+        self.places = places = self.edges[0] + (np.arange(lines) + 0.5) * (bins * width / lines)
+        self.ends = OpenEnds.of(flow)
+        self.bed, self.bed_lines = flow.mean_bed(self.edges), flow.bed_height(places)
+        self._beds: list[np.ndarray] = []
         # a line at an inlet sees discs on one side of it alone, and none of half of those that it should
         away = 0.5 * flow.scene.largest
         seen = ((places > self.ends.begin + away) & (places < self.ends.end - away)).reshape(bins, -1)
@@ -275,7 +277,10 @@ class Binner:
         )
         if coming:  # they are behind the inlet, and not there
             beyond[0 if rows.u[0] > 0 else 1] -= counted.mass[-coming:].sum()
-        joined = connected(discs, flow.bed_height(discs.x), REACH * 2.0 * flow.largest_radius(frame))
+        if flow.bed_moves:
+            self.bed_lines = flow.bed_height(self.places, time)
+            self._beds.append(flow.mean_bed(self.edges, time))
+        joined = connected(discs, flow.bed_height(discs.x, time), REACH * 2.0 * flow.largest_radius(frame))
         surface = surface_of(discs, joined, self.bed_lines, low, width, bins, self.seen)
         self._kept.append((time, frame.step, frame.n, mass.sum(), beyond, sums, *surface))
 
@@ -290,9 +295,10 @@ class Binner:
             raise DumpError("there is no frame to make profiles of.")
         columns = (np.array(part) for part in zip(*self._kept, strict=True))
         times, steps, discs, total, beyond, sums, surface, top_speed = columns
-        values = _values(sums, surface, top_speed, self.bed, self.flow.bin_width, self.flow)
+        bed = np.array(self._beds) if self.flow.bed_moves else self.bed
+        values = _values(sums, surface, top_speed, bed, self.flow.bin_width, self.flow)
         masses = (self.flow.scene.mass * part for part in (total, *beyond.T))
-        return _dataset(values, times, steps, discs, masses, self.edges, self.bed, self.flow)
+        return _dataset(values, times, steps, discs, masses, self.edges, bed, self.flow)
 
 
 def _values(
@@ -330,6 +336,9 @@ def _dataset(
     total, left, right = masses
     when = ("s", "simulated time") if flow.timed else ("1", "step")
     variables = {name: described(values[name], *VARIABLES[name], ("time", "x")) for name in VARIABLES}
+    if bed.ndim > 1:
+        variables["bed_at"] = described(bed, "m", "height of the bed, which moves (mean over the bin)", ("time", "x"))
+        bed = bed.mean(axis=0)
     variables |= {
         "bed": described(bed, "m", "height of the bed (mean over the bin)", ("x",)),
         "step": described(steps, "1", "time step of the frame"),
@@ -407,7 +416,9 @@ def add_means(dataset: xr.Dataset, window: tuple[float, float] | None = None) ->
             f"no frame between t = {window[0]:zg} and {window[1]:zg} s: "
             f"the dump covers {time[0]:zg} to {time[-1]:zg} s."
         )
-    means = {}
+    means: dict[str, Any] = {}
+    if "bed_at" in dataset:
+        means["bed"] = "x", dataset["bed_at"].values[inside].mean(axis=0), dataset["bed"].attrs
     for name, (units, long_name) in VARIABLES.items():
         values = dataset[name].values[inside]
         mean, error = block_average(values)

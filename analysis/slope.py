@@ -93,7 +93,7 @@ class TurnedFlow(Flow):
         assert self.whole is not None
         return tuple(_turned_wall(wall, self.stretch) for wall in self.whole.walls_at(time))
 
-    def bed_height(self, x: np.ndarray | float) -> np.ndarray:
+    def bed_height(self, x: np.ndarray | float, time: float | None = None) -> np.ndarray:
         """Height of the bed, m: level along the stretch, NaN outside; upright walls, which lean here, are no bed."""
         x, (low, high) = np.asarray(x, float), self.x_range
         return np.where((x >= low) & (x <= high), self.stretch.y, np.nan)

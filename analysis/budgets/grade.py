@@ -112,6 +112,7 @@ def line_of(profiles: xr.Dataset, flow: Flow) -> GradeLine | str:
     names = ("mass_depth", "surface_depth", "centroid_height", "discharge", "energy_flux")
     s, h, centre, q, e = (np.nan_to_num(profiles[name].values[inside]) for name in names)
     x, bed = profiles["x"].values, profiles["bed"].values
+    beds = profiles["bed_at"].values[inside] if "bed_at" in profiles else bed
     depth, discharge = s.mean(axis=0), q.mean(axis=0)
     wet = (depth > 0.5 * flow.scene.diameter) & np.isfinite(bed)
     towards = -1 if discharge[wet].sum() < 0 else 1
@@ -121,7 +122,7 @@ def line_of(profiles: xr.Dataset, flow: Flow) -> GradeLine | str:
         return "no stream runs along the bed in the window"
     across, along = flow.gravity / g, flow.scene.gravity[0] / g
     with np.errstate(invalid="ignore", divide="ignore"):
-        height = (across * (bed + centre + 0.5 * np.minimum(s, h)) - along * x) * s
+        height = (across * (beds + centre + 0.5 * np.minimum(s, h)) - along * x) * s
         level = np.where(stream, height.mean(axis=0) / depth, nan)
         kinetic = np.where(stream, e.mean(axis=0) / discharge / g, nan)
         uniform = (discharge / depth) ** 2 / (2.0 * g)

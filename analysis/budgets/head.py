@@ -72,7 +72,7 @@ class EnergyFluxes:
         fields = np.zeros((len(FIELDS), bins))
         place = np.floor((x - low) / width).astype(int)
         inside = (place >= 0) & (place < bins)
-        height = y - np.nan_to_num(flow.bed_height(x))
+        height = y - np.nan_to_num(flow.bed_height(x, time))
         energy = 0.5 * (u * u + v * v) + flow.gravity * height - flow.scene.gravity[0] * x
         for row, amount in enumerate((np.ones_like(u), u, u * u, energy, energy * u)):
             fields[row] = np.bincount(place[inside], (mass * amount)[inside], bins)

@@ -10,6 +10,8 @@ from made_up import columns_of_discs, disc_frame, flow_context
 from lammps_jump.analysis.budgets import grade
 from lammps_jump.analysis.profiles import compute_profiles
 from lammps_jump.dump.frame import make_frame
+from lammps_jump.scene.motion import Motion, MovingWall
+from lammps_jump.scene.tracks import Translate
 from lammps_jump.scene.walls import Block, Plane
 
 D, G = 0.2, 9.81
@@ -54,6 +56,21 @@ def test_heads_of_two_states(towards):
     assert found.lost == pytest.approx(heads[0] - heads[1], rel=1e-9)
     assert found.upstream == (5.5 if towards > 0 else 15.5)
     assert found.between(found.upstream, found.downstream).lost == found.lost
+
+
+@pytest.mark.parametrize("begin", [0.0, 0.8])
+def test_a_sill_that_has_moved_is_bed_where_it_is(begin):
+    """A sill below a stream of one depth goes 10 m, before the window or in it: heads are those of its place."""
+    motion = Motion(kind=Translate((10.0, 0.0), begin=begin, until=begin + 1.0), time_step=0.1)
+    lows = [3.0 + min(max(k - round(10 * begin), 0), 10) for k in range(20)]
+    frames = []
+    for k, low in enumerate(lows):
+        parts = [(0.0, low, 5, 0.0, 4.0, 0.0), (low, low + 2, 5, 0.4, 4.0, 0.0), (low + 2, 20.0, 5, 0.0, 4.0, 0.0)]
+        frames += stream(parts, k + 1)[k:]
+    found = grade_of(frames, (*FLOOR, MovingWall(Block("sill", (3, 5), (0, 0.4)), motion)), window=(1.0, 1.9))
+    share = np.mean([(found.line.x > low) & (found.line.x < low + 2) for low in lows[10:]], axis=0)
+    assert found.line.head == pytest.approx(1.0 + 16 / (2 * G) + 0.4 * share, rel=1e-9)
+    assert found.line.bed == pytest.approx(0.4 * share, abs=1e-12)
 
 
 def test_a_free_jet_has_no_pressure():

@@ -16,6 +16,8 @@ from lammps_jump.analysis.statistics import block_average
 from lammps_jump.dump.exports import read_netcdf, write_netcdf
 from lammps_jump.dump.frame import make_frame
 from lammps_jump.errors import DumpError
+from lammps_jump.scene.motion import Motion, MovingWall
+from lammps_jump.scene.tracks import Translate
 from lammps_jump.scene.walls import Block, Plane
 
 D = 0.2
@@ -112,6 +114,32 @@ def test_depth_is_measured_from_the_sill_and_not_at_all_beyond_the_floor():
     np.testing.assert_allclose(ds.centroid_height[0, :12], 0.5, rtol=1e-12)
     assert np.isnan(ds.surface_depth[0, 12:]).all()
     np.testing.assert_allclose(ds.discharge[0], 1.0, rtol=1e-12)  # mass needs no floor
+
+
+def travelling_sill(speed=4.0, **more):
+    """A block of 1 m on the floor from x = 2 to 4 m at t = 0, and frames of discs 1 m deep above it and the floor."""
+    motion = Motion(kind=Translate((speed, 0.0)), time_step=1.0)
+    walls = (Plane("floor", "y", 0.0, "above"), MovingWall(Block("sill", (2, 4), (0, 1)), motion))
+    frames = []
+    for step in range(4):
+        low = 2.0 + speed * step
+        parts = lattice(5, -1, low), lattice(5, low, low + 2, bed=1.0), lattice(5, low + 2, 21)
+        x, y = (np.concatenate(part) for part in zip(*parts, strict=True))
+        frames.append(frame(x, y, u=2.0, step=step, time=float(step)))
+    return frames, context(walls=walls, time_step=1.0, **more)
+
+
+def test_the_bed_is_where_a_sill_is_at_the_time_of_the_frame():
+    """Depths above a sill that travels 12 m are those of its place in each frame; `bed` is the mean of the window."""
+    frames, flow = travelling_sill(window=(2.0, 3.0))
+    ds = compute_profiles(frames, flow)
+    for step in range(4):
+        above = (ds.x.values > 2 + 4 * step) & (ds.x.values < 4 + 4 * step)
+        np.testing.assert_allclose(ds.bed_at[step], above, atol=1e-12)
+    np.testing.assert_allclose(ds.surface_depth, 1.0, rtol=1e-12)
+    np.testing.assert_allclose(ds.centroid_height, 0.5, rtol=1e-12)
+    np.testing.assert_allclose(ds.bed, 0.5 * (ds.bed_at[2] + ds.bed_at[3]), atol=1e-12)
+    assert "bed_at" not in compute_profiles(frames, context())
 
 
 points = st.lists(
