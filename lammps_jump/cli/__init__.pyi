@@ -1,4 +1,3 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-from . import doctor as doctor
 from . import live as live
 from . import progress as progress

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import re
 import sys
@@ -17,9 +18,9 @@ import typer
 
 import lammps_jump as lj
 import lammps_jump.case as cases
-from lammps_jump import cli, compiling, core, drawings, engines, files, live, runs, served, studies, sweeps
+from lammps_jump import compiling, core, drawings, engines, files, live, runs, served, studies, sweeps
 from lammps_jump.engines import interrupts
-from lammps_jump.errors import CaseError, FieldError, SetupError
+from lammps_jump.errors import CaseError, FieldError, JumpError, SetupError
 from lammps_jump.foreign import bounded
 from lammps_jump.quoting import echoed, shortened, typed
 from lammps_jump.units import parse_accuracy, to_si, unit_in_words
@@ -292,7 +293,7 @@ def _with_units(schema: dict[str, Any]) -> dict[str, Any]:
 @app.command()
 def doctor() -> None:
     """Tell what this machine lacks, and how to install it."""
-    text, healthy = cli.doctor.examine()
+    text, healthy = examine()
     print(text)
     if not healthy:
         raise typer.Exit(1)
@@ -318,3 +319,50 @@ def kernels_status() -> None:
         print(f"{title}: {status.reason}")
     if not all(status.available for status in states.values()):
         raise typer.Exit(1)
+
+
+OPTIONAL = {"animations": "imageio_ffmpeg", "MDAnalysis bridge": "MDAnalysis"}
+"""Parts that work only with a further module."""
+
+
+def examine() -> tuple[str, bool]:
+    """Report as text, and whether the LAMMPS engine works (the rest is optional)."""
+    rows: list[tuple[str, bool, str]] = []
+    try:
+        rows.append(("MPI library", True, engines.lammps.mpi_library().name))
+        engine = engines.lammps.new_engine(["-log", "none", "-screen", "none", "-nocite"])
+        rows.append(("LAMMPS", True, f"wheel {engines.lammps.wheel_version()}, version {engine.version()}"))
+        granular = "GRANULAR" in engine.installed_packages
+        rows.append(("package GRANULAR", granular, "" if granular else "a lammps wheel with it is needed"))
+        engine.close()
+    except JumpError as error:
+        rows.append(("LAMMPS", False, str(error)))
+    healthy = all(good for _, good, _ in rows)
+    for name in ("lmp", "mpiexec"):
+        there = engines.lammps.program(name) is not None
+        missing = "not found in the wheels; only --ranks 1 works"
+        rows.append((f"program {name}", there, "" if there else missing))
+    waiting = []
+    for product in engines.plugin.PRODUCTS:
+        status = compiling.availability(product)
+        waiting += [product.title] if status.available and status.path is None else []
+        rows.append((product.title.removeprefix("the "), status.available, status.reason))
+    for name, module in OPTIONAL.items():
+        there = importlib.util.find_spec(module) is not None
+        rows.append((name, there, "" if there else f"optional: pip install {module.replace('_', '-')}"))
+    width = max(len(name) for name, _, _ in rows)
+    lines = [f"{'ok' if good else '--'}  {name:<{width}}  {text}".rstrip() for name, good, text in rows]
+    lines.append(_ended(healthy, waiting))
+    return "\n".join(lines), healthy
+
+
+def _ended(healthy: bool, waiting: Sequence[str]) -> str:
+    """Last line: whether cases run, and what the first of them compiles."""
+    if not healthy:
+        return "not ready: correct the lines marked -- at the top"
+    if not waiting:
+        return "ready: cases run on LAMMPS"
+    return (
+        f"ready, but not compiled yet: {' and '.join(waiting)}. The first run does that, some ten seconds to a minute; "
+        "`lammps-jump kernels build` does it now"
+    )

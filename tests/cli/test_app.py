@@ -14,7 +14,8 @@ from made_up import INPUTS
 from typer.testing import CliRunner
 
 import lammps_jump as lj
-from lammps_jump.cli import doctor
+from lammps_jump import compiling
+from lammps_jump.cli import tools
 from lammps_jump.cli.app import app
 from lammps_jump.compiling.build import Status
 
@@ -85,9 +86,9 @@ def test_the_status_is_the_program_s_own_where_its_streams_are_closed(closed):
 
 def test_doctor_says_that_the_first_run_compiles(monkeypatch):
     """A machine where a library would be built on first use is ready, but the first run takes longer."""
-    healthy, _ = doctor.examine()
+    healthy, _ = tools.examine()
     assert "ready" in healthy.splitlines()[-1]
-    monkeypatch.setattr(doctor, "availability", lambda product: Status(True, "not built yet"))
-    told, good = doctor.examine()
+    monkeypatch.setattr(compiling, "availability", lambda product: Status(True, "not built yet"))
+    told, good = tools.examine()
     last = told.splitlines()[-1]
     assert good and last.startswith("ready, but not compiled yet: ") and "lammps-jump kernels build" in last
