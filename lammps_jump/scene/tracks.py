@@ -90,8 +90,8 @@ class Kind:
         Annotated[units.Second, Field(ge=0, le=1e6)] | None,
         Field(
             description="time that each change of velocity takes; the wall then comes half of it late. Without it, 10 "
-            "contact times π/ω of the wall for translate and rotate, and 0 for oscillate and table: these are followed "
-            "as given. 0: at once"
+            "contact times π/ω of the wall, and 0 where the motion is followed as given, as oscillate and table are. "
+            "0: at once"
         ),
     ] = field(default=None, kw_only=True)
 
