@@ -20,7 +20,7 @@ import lammps_jump as lj
 import lammps_jump.case as cases
 from lammps_jump import compiling, core, drawings, engines, files, live, runs, served, studies, sweeps
 from lammps_jump.engines import interrupts
-from lammps_jump.errors import CaseError, FieldError, JumpError, SetupError
+from lammps_jump.errors import CaseError, JumpError, SetupError
 from lammps_jump.foreign import bounded
 from lammps_jump.quoting import echoed, shortened, typed
 from lammps_jump.units import parse_accuracy, to_si, unit_in_words
@@ -163,10 +163,7 @@ def foretold(
     """Time of a run, and starts that numbers will take; `pilot` starts are run for those of which none are known."""
     share = parse_accuracy(within)
     for path in of:
-        try:
-            sweeps.collected(path, case, "--of")
-        except FieldError as error:
-            raise CaseError(str(error)) from None
+        sweeps.collected_alone(path, case)
     if pilot and not of:
         raise CaseError("--pilot runs starts for a number; name it with --of, such as --of jump.y2")
     if pilot and any(runs.known.scatter_of(case, path) is None for path in of):

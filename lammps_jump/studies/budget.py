@@ -27,12 +27,12 @@ from lammps_jump.analysis.statistics import student
 from lammps_jump.analysis.tables import Column, cells, markdown
 from lammps_jump.case import discs
 from lammps_jump.case.discs import GradingCurve
-from lammps_jump.errors import CaseError, FieldError
+from lammps_jump.errors import CaseError
 from lammps_jump.runs.results import looked_at
 from lammps_jump.runs.run import Case, Run
 from lammps_jump.sweeps import Results, Say
 from lammps_jump.sweeps.page import write_study_page
-from lammps_jump.sweeps.study import Collected, collected
+from lammps_jump.sweeps.study import Collected, collected_alone
 from lammps_jump.sweeps.table import number_at
 from lammps_jump.units import shown
 
@@ -202,8 +202,8 @@ def _size(case: Case, by: float) -> Part:
     part = partial(
         Part, "disc diameter, m", key="size", advice="smaller discs; a run takes as many times longer, cubed"
     )
-    if not all(isinstance(item, discs.Column) for item in case.fields.initial):
-        return part({}, reason="the case places its discs one by one, or takes them from a run")
+    if not all(isinstance(item, discs.Column | discs.PackedBed) for item in case.fields.initial):
+        return part({}, reason="the case places its discs one by one or as a lattice, or takes them from a run")
     if isinstance(given.sizes, discs.ListSizes | GradingCurve):
         return part({}, reason="discs.sizes tells the diameters themselves")
     return _usable(case, part(_two("discs.diameter", given.diameter / by, given.diameter * by)))
@@ -591,10 +591,7 @@ def plan_budget(case: Case, of: str, design: Design) -> PlannedBudget:
         least, most = ALLOWED[name]
         if not (isfinite(value) and least <= value <= most):
             raise CaseError(f"--{name} {value:zg}: allowed is {least:zg} to {most:zg}")
-    try:
-        number = collected(of, case, "--of")
-    except FieldError as error:
-        raise CaseError(str(error)) from None
+    number = collected_alone(of, case)
     key = of.partition(".")[0]
     if key not in QUANTITIES:
         raise CaseError(f"--of {of}: is no number of an analysis; allowed are numbers of {', '.join(QUANTITIES)}")

@@ -17,6 +17,7 @@ from .store import Say as Say
 from .store import Store as Store
 from .store import all_versions as all_versions
 from .study import collected as collected
+from .study import collected_alone as collected_alone
 from .study import parse_axis as parse_axis
 from .study import parse_set as parse_set
 from .study import parse_until as parse_until

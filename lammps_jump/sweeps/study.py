@@ -19,6 +19,7 @@ from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.analysis.report.page import heading
 from lammps_jump.case import CaseFields, ReadCase
 from lammps_jump.case.base import Strict
+from lammps_jump.case.doubts import in_vain
 from lammps_jump.case.field_words import explain, fields_at, label_of, unit_of
 from lammps_jump.case.text import CaseSource, nearest, parse_source, read_source, read_text
 from lammps_jump.errors import CaseError, FieldError
@@ -341,6 +342,30 @@ def collected(path: str, case: ReadCase, field: str = "collect") -> Collected:
         )
     number = numbers.get(key)
     return Collected(path, number.unit if number else "", number.meaning if number else path)
+
+
+def collected_alone(path: str, case: ReadCase) -> Collected:
+    """The description of the number that ``--of`` names, for which runs are made.
+
+    Raises
+    ------
+    CaseError
+        No such number, or one that no run of the case has.
+    """
+    try:
+        number = collected(path, case, "--of")
+    except FieldError as error:
+        raise CaseError(str(error)) from None
+    name = path.partition(".")[0]
+    if getattr(case.fields.analysis, name, None) is False:
+        asked = case.replace({f"analysis.{name}": True})
+        for said in in_vain(asked.fields, asked.scene().walls):
+            if said.startswith(f"analysis.{name}: "):
+                why = said.removeprefix(f"analysis.{name}: ").removesuffix("; drop it")
+                raise CaseError(
+                    f"--of {path}: no run of the case has it: {why}; change the case, or take another number"
+                )
+    return number
 
 
 def parse_axis(text: str) -> tuple[str, object]:

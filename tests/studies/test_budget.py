@@ -143,6 +143,34 @@ def test_a_number_that_is_not_there_is_refused(of, said, monkeypatch, capsys, tm
     assert status == 2 and said in told and not (tmp_path / "o").exists()
 
 
+def test_a_number_that_no_run_has_is_refused_before_the_first_run(monkeypatch, capsys, tmp_path):
+    """An analysis that finds nothing in the scene: neither a budget nor a pilot is run for it."""
+    jump, out = INPUTS / "quick_jump.yaml", tmp_path / "o"
+    status, _, told = call(monkeypatch, capsys, "budget", jump, "--of", "drum.angle", "--out", out)
+    assert status == 2 and "no run of the case has it: no wall turns" in told and not out.exists()
+    monkeypatch.chdir(tmp_path)
+    status, _, told = call(monkeypatch, capsys, "check", jump, "--of", "drum.angle", "--pilot", "3")
+    assert status == 2 and "--of drum.angle: no run of the case has it: no wall turns" in told
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_packed_bed_has_discs_of_other_sizes():
+    """Beds of any packing are made with smaller and larger discs; a lattice is not."""
+    case = {
+        "name": "bed", "discs": {"diameter": 0.1}, "run": {"duration": 1},
+        "contact": {"stiffness": 1e6, "restitution": 0.5},
+        "walls": [{"kind": "box", "name": "box", "x": [0, 3], "y": [0, 2]}],
+        "domain": {"x": [-1, 4], "y": [-1, 3]},
+    }  # fmt: skip
+    for packing in (0.4, 0.7):
+        bed = {"kind": "packed_bed", "x": [0, 3], "y": [0, 1], "packing": packing}
+        size = {part.key: part for part in budgets.parts_of(load_case(case | {"initial": [bed]}), 1.25)}["size"]
+        assert not size.reason and [*size.settings] == ["0.08", "0.125"]
+    lattice = {"kind": "lattice", "nx": 3, "ny": 3, "spacing": 0.2, "origin": [0.5, 0.5]}
+    (size,) = (one for one in budgets.parts_of(load_case(case | {"initial": [lattice]}), 1.25) if one.key == "size")
+    assert "as a lattice" in size.reason
+
+
 @pytest.mark.long
 def test_a_budget_of_a_box_of_discs_is_kept_and_shown(tmp_path, monkeypatch, capsys):
     case = load_case(BOX)
