@@ -53,20 +53,13 @@ class Defect(NamedTuple):
 
 CONTACT, JUMP, LAW = (f"lammps_jump/physics/{name}.py" for name in ("contact", "jump", "law"))
 LEDGER, EVENTS, STATE = (f"lammps_jump/engines/native/{name}.py" for name in ("ledger", "events", "state"))
-CORE_LAW, CORE_CONTACT, CORE_FACES, CORE_NEAR, CORE_SLOTS, CORE_MOTION, CORE_WALL = (
+CORE_LAW, CORE_CONTACT, CORE_FACES, CORE_MOTION, CORE_WALL = (
     f"lammps_jump/core/{name}.h"
-    for name in (
-        "contact/law",
-        "contact/contact",
-        "walls/faces",
-        "walls/near",
-        "contact/history",
-        "walls/motion",
-        "walls/wall",
-    )
+    for name in ("contact/law", "contact/contact", "walls/faces", "walls/motion", "walls/wall")
 )
 CORE_DRIFT, CORE_PAIRS, CORE_LISTS, CORE_SUMS = (
-    f"lammps_jump/core/{name}" for name in ("step/integrate.cpp", "step/pair_sums.h", "step/lists.cpp", "sums/sums.cpp")
+    f"lammps_jump/core/{name}"
+    for name in ("step/integrate.cpp", "step/pair_sums.cpp", "step/lists.cpp", "sums/sums.cpp")
 )
 CORE_PARTITION, CORE_SEARCH = "lammps_jump/core/step/thread_partition.h", "lammps_jump/core/step/pair_search.h"
 CORE_EVENTS = "lammps_jump/core/step/events.cpp"
@@ -113,10 +106,10 @@ DEFECTS = [
     Defect("corner", CORE_FACES, "at_end", "(joint == CORNER && front && !shared)", "false", TWIN_TESTS),
     Defect("joint", CORE_FACES, "at_end", "(shared && behind)", "shared", TWIN_TESTS),
     Defect("tie", CORE_FACES, "touching", "TIE *", "", TWIN_TESTS),
-    Defect("reach", CORE_NEAR, "is_near", "away <", "away < 0.1 *", TWIN_TESTS),
-    Defect("ends", CORE_NEAR, "is_plain", "< -", "<", TWIN_TESTS),
-    Defect("partner", CORE_SLOTS, "held", "!= partner", "== 0", TWIN_TESTS),
-    Defect("foot", CORE_SLOTS, "way_of", "least(rest, around - rest)", "rest", TWIN_TESTS),
+    Defect("reach", CORE_FACES, "is_near", "away <", "away < 0.1 *", TWIN_TESTS),
+    Defect("ends", CORE_FACES, "is_plain", "< -", "<", TWIN_TESTS),
+    Defect("partner", CORE_CONTACT, "held", "!= partner", "== 0", TWIN_TESTS),
+    Defect("foot", CORE_CONTACT, "way_of", "least(rest, around - rest)", "rest", TWIN_TESTS),
     Defect("candidates", CORE_SEARCH, "list", "far, low", "far, low + 1", TWIN_TESTS),
     Defect("pose", CORE_MOTION, "inward", "+ wall.s * dy", "- wall.s * dy", TWIN_TESTS),
     Defect("kick", CORE_MOTION, "drift", "(first ? 0.5 * clock.dt : clock.dt)", "clock.dt", TWIN_TESTS),
@@ -162,7 +155,7 @@ DEFECTS = [
     Defect("left out", FIX_CPP, "FixJumpStep::post_run", "pair->put_motion_of_step();", "{}", ARRAY_TESTS),
     Defect("left out", FIX_CPP, "FixJumpStep::is_seen_at_end", "== output->next || step", "", ARRAY_TESTS),
     Defect("left out", PAIR_CPP, "PairJumpDisc::hand_over_forces", "- s.weight_y * square", "", ARRAY_TESTS),
-    Defect("formula", "lammps_jump/core/analysis/circular_segment.h", "circular_segment_area", "* a", "",
+    Defect("formula", "lammps_jump/core/analysis/profiles.cpp", "circular_segment_area", "* a", "",
            "analysis/test_profiles.py"),
     Defect("left out", "analysis/profiles.py", "_values.values", "- bed", "", "analysis/test_profiles.py"),
     Defect("off by one", "analysis/profiles.py", "within", "] -", "] +", "analysis/test_profiles.py analysis"),
@@ -174,7 +167,7 @@ DEFECTS = [
            "analysis/test_front.py"),
     Defect("off by one", "analysis/statistics.py", "block_average", "/ (n - 1)", "/ n",
            "analysis/test_profiles.py analysis"),
-    Defect("left out", "lammps_jump/core/analysis/pairs.cpp", "jump_close_pairs", "-1", "0",
+    Defect("left out", "lammps_jump/core/analysis/cells.cpp", "jump_close_pairs", "-1", "0",
            "analysis/test_contacts.py"),
     Defect("factor", "analysis/budgets/head.py", "EnergyFluxes.add.energy", "= 0.5", "= 1.0",
            "analysis/test_budget.py"),

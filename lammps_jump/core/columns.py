@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Columns of arrays that the core reads as structs, and numbers that stand for something, by their names.
 
-The core has the same names (``columns.cpp``). They are compared where it is loaded: `require_columns`.
+The core has the same names (``api.cpp``). They are compared where it is loaded: `require_columns`.
 """
 
 from __future__ import annotations

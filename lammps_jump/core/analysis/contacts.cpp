@@ -6,7 +6,7 @@
 
 #include "api.h"
 #include "contact/contact.h"
-#include "walls/near.h"
+#include "walls/faces.h"
 
 namespace jump {
 namespace {

@@ -4,7 +4,10 @@
    Libraries of systems differ in the last bit of these; sums, products, quotients and roots do not. The argument of sine and
    cosine is reduced by pi/2 with 192 bits of 2/pi (Payne and Hanek 1983, SIGNUM Newsletter 18:19). Sums of two numbers and
    their error are those of Knuth and Dekker (Muller et al. 2018, Handbook of Floating-Point Arithmetic, 4.3 and 4.4).
-   physics/elementary.py has the same operations in the same order; tests compare the bits. */
+   physics/elementary.py has the same operations in the same order; tests compare the bits.
+
+   All of the core is compiled without contraction and without `fastmath` (compiling/product.py): every operation is rounded as it
+   is written. */
 
 #ifndef JUMP_CORE_ELEMENTARY_H
 #define JUMP_CORE_ELEMENTARY_H
@@ -14,6 +17,19 @@
 #include <limits>
 
 namespace jump {
+
+/* Operations of a number, by the names that a vector of numbers has too (simd.h). */
+
+constexpr double PI = 3.14159265358979323846;
+
+inline double root(double x) { return std::sqrt(x); }
+inline double magnitude(double x) { return std::fabs(x); }
+
+/** A number in the form of another: itself, or the same in every lane. */
+inline double spread(double x, double) { return x; }
+
+template <class Number> inline Number least(const Number &a, const Number &b) { return a < b ? a : b; }
+template <class Number> inline Number most(const Number &a, const Number &b) { return a > b ? a : b; }
 
 /** A double, and what it lacks of the number that is meant. */
 struct Double {

@@ -18,7 +18,7 @@
 #ifndef JUMP_CORE_LAW_H
 #define JUMP_CORE_LAW_H
 
-#include "contact/scalar_ops.h"
+#include "contact/elementary.h"
 
 #include <type_traits>
 

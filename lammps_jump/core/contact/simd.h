@@ -7,7 +7,7 @@
 #ifndef JUMP_CORE_SIMD_H
 #define JUMP_CORE_SIMD_H
 
-#include "contact/scalar_ops.h"
+#include "contact/elementary.h"
 
 #include <cstdint>
 

@@ -2,7 +2,6 @@
 // What happens at certain steps (events.h).
 
 #include "step/events.h"
-#include "step/relist.h"
 #include "step/step.h"
 
 #include <algorithm>

@@ -5,10 +5,8 @@
 #define JUMP_CORE_KINDS_H
 
 #include "contact/contact.h"
-#include "walls/effective.h"
-#include "step/native.h"
-#include "contact/history.h"
 #include "walls/wall.h"
+#include "step/native.h"
 
 namespace jump {
 

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-/* The step of the native engine: forces of pairs and walls, kick and drift.
+/* The step of the native engine: forces of pairs and walls, kick and drift; and a scene, step by step, with all that
+   happens at its steps: what a host calls.
 
    Time levels. Between steps the arrays hold x_n, v_(n-1/2) and F_n. Velocity Verlet and the thesis' leap-frog differ in
    the velocity that dashpot and friction see: v_(n-1/2), or 1.5 v_(n-1/2) - 0.5 v_(n-3/2) (thesis 3.7-3.9). Where discs have
-   radii of their own, constants are those of a radius of 1 m: mass and weight grow as R^2, the moment of inertia as R^4. */
+   radii of their own, constants are those of a radius of 1 m: mass and weight grow as R^2, the moment of inertia as R^4.
 
-#include "step/thread_partition.h"
-#include "step/forces.h"
+   Order of a step, LAMMPS' own: half kick, drift, [lists, outlets, arrivals, gates], forces, half kick, [sizes, stations, windows,
+   tailgates]. */
+
+#include "step/events.h"
 #include "step/kinds.h"
-#include "step/relist.h"
 #include "step/step.h"
 
 #include <algorithm>
@@ -174,9 +176,62 @@ int64_t advance(jump_state &s, ThreadPartition &partition, int64_t steps, bool f
   }
 }
 
+namespace {
+
+bool is_too_deep(const jump_state &s, const jump_events &e, ThreadPartition &partition)
+{
+  double worst;
+  int64_t where[2];
+  if (!(e.overlap_limit > 0.0)) return false;
+  elastic_of(s, partition, nullptr, &worst, where);
+  return worst > e.overlap_limit;
+}
+
+bool has_no_slot(const jump_state &s) { return s.partner && *s.full != 0; }
+
+/** Drift and forces up to the drift of a step. */
+RunEnd drift_to(jump_state &s, jump_events &e, ThreadPartition &partition, int64_t stop)
+{
+  bool forces_pending = false;
+  while (e.step < stop) {
+    StopReason why;
+    if (s.clock) s.clock->step = (double) e.step;
+    const int64_t done = advance(s, partition, stop - e.step, forces_pending, why);
+    e.step += done;
+    e.disc_steps += (double) (done * s.n);
+    if (s.clock) s.clock->step = (double) e.step;
+    if (why == LIST_STALE) return NO_LISTS;
+    if (why == CHECK_OVERLAP && is_too_deep(s, e, partition)) return TOO_DEEP;
+    if (has_no_slot(s)) return NO_SLOT;
+    forces_pending = true;
+  }
+  return AT_TARGET;
+}
+
+RunEnd run(jump_state &s, jump_events &e, ThreadPartition &partition, int64_t target)
+{
+  while (e.step < target) {
+    const int64_t stop = least(next_event(s, e), target);
+    if (const RunEnd end = drift_to(s, e, partition, stop); end != AT_TARGET) return end;
+    if (is_between(s, e) && !happen_between(s, e, partition)) return NO_LISTS;
+    StopReason why;
+    if (s.moving) place_walls(s, (double) e.step);    // a tailgate has a new speed
+    advance(s, partition, 0, true, why);
+    if (has_no_slot(s)) return NO_SLOT;
+    happen_after(s, e, partition);
+  }
+  return AT_TARGET;
+}
+
+}    // namespace
 }    // namespace jump
 
-using jump::ThreadPartition;
+using namespace jump;
+
+JUMP_SIZE(jump_inlet)
+JUMP_SIZE(jump_outlet)
+JUMP_SIZE(jump_tailgate)
+JUMP_SIZE(jump_events)
 
 ThreadPartition *jump_partition(const char *threads)
 {
@@ -191,12 +246,28 @@ int64_t jump_partition_threads(const ThreadPartition *partition) { return partit
 
 int64_t jump_advance(jump_state *state, ThreadPartition *partition, int64_t steps, int64_t forces_pending, int64_t *left)
 {
-  jump::StopReason found;
-  const int64_t done = jump::advance(*state, *partition, steps, forces_pending != 0, found);
+  StopReason found;
+  const int64_t done = advance(*state, *partition, steps, forces_pending != 0, found);
   *left = found;
   return done;
 }
 
-int64_t jump_list_pairs(jump_state *state, ThreadPartition *partition) { return jump::list_pairs(*state, *state->lists, *partition); }
+int64_t jump_list_pairs(jump_state *state, ThreadPartition *partition) { return list_pairs(*state, *state->lists, *partition); }
 
-void jump_place_walls(const jump_state *state, int64_t step) { jump::place_walls(*state, (double) step); }
+void jump_place_walls(const jump_state *state, int64_t step) { place_walls(*state, (double) step); }
+
+int64_t jump_run(jump_state *state, jump_events *events, ThreadPartition *partition, int64_t target)
+{
+  if (state->moving) place_walls(*state, (double) events->step);
+  return run(*state, *events, *partition, target);
+}
+
+const double *jump_windows(ThreadPartition *partition, int64_t *numbers)
+{
+  *numbers = (int64_t) partition->rooms.windows.size();
+  return partition->rooms.windows.data();
+}
+
+void jump_forget_windows(ThreadPartition *partition) { partition->rooms.windows.clear(); }
+
+void jump_forget_rooms(ThreadPartition *partition) { partition->rooms.forget(); }

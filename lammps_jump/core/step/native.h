@@ -8,7 +8,6 @@
 #include "api.h"
 #include "walls/faces.h"
 #include "contact/law.h"
-#include "sums/pressed.h"
 #include "walls/motion.h"
 
 #include <cstdint>
@@ -60,6 +59,15 @@ class ThreadPartition;
 }    // namespace jump
 
 extern "C" {
+
+/** Stretches of walls: those of a wall are first[wall] .. first[wall + 1); ends along its outline, m; sums of the force on it
+    across and along (N/m) and of the first times the place (N). */
+struct jump_pressed {
+  int64_t stretches;
+  const int64_t *first;
+  const double (*ends)[2];
+  double (*sums)[3];
+};
 
 struct jump_grid {
   const jump::Face *faces;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /* What pairs remember while steps are made: their springs stand in the order of the list of pairs, so that no step looks for a slot.
 
-   Slots (contact/history.h) are the form that lasts: hosts, sums and sorting of the discs know them alone. `begin` takes the
+   Slots (contact/contact.h) are the form that lasts: hosts, sums and sorting of the discs know them alone. `begin` takes the
    springs of pairs out of the slots, `end` puts them back. Between the two, slots hold contacts with walls alone. */
 
 #ifndef JUMP_CORE_PAIR_MEMORY_H

@@ -21,6 +21,12 @@ struct Lost {
   Sum dashpots, friction;
 };
 
+/** The force of one contact on a wall: across it, along its outline, and where, m. */
+struct Press {
+  int64_t wall;
+  double across, along, place;
+};
+
 /** Where the contacts with a wall end among those of a part. */
 struct Ends {
   size_t push, lost;

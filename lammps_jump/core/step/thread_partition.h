@@ -8,7 +8,7 @@
 
 #include "step/integrate.h"
 #include "step/pair_memory.h"
-#include "step/thread_tuner.h"
+#include "step/threads.h"
 #include "step/rooms.h"
 #include "step/thread_part.h"
 

@@ -1,15 +1,33 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-/* Walls in a step: where they are, their forces on the discs near them, and what they feel. */
+/* Walls in a step: where they are, their forces on the discs near them, those of bodies on each other, and what they feel. */
 
 #include "contact/no_contraction.h"
 
-#include "step/forces.h"
-#include "step/kinds.h"
+#include "step/step.h"
+#include "walls/bodies.h"
 
 #include <algorithm>
 #include <initializer_list>
 
 namespace jump {
+
+/* Forces of discs on stretches of outlines, summed over steps: pressure along a face. engines/twin/loops.py states the same. */
+
+/** The press of a disc at (px, py) in the wall's own frame, on which the wall acts with (fx, fy) and the normal (nx, ny). */
+static Press press_of(int64_t wall, const Face &face, double px, double py, double nx, double ny, double fx, double fy)
+{
+  return {wall, fx * nx + fy * ny, fy * nx - fx * ny, foot_of(face, px, py)};
+}
+
+static void add_press(const jump_pressed &to, const Press &press)
+{
+  for (int64_t k = to.first[press.wall]; k < to.first[press.wall + 1]; k++) {
+    if (press.place < to.ends[k][0] || press.place >= to.ends[k][1]) continue;
+    to.sums[k][0] += press.across;
+    to.sums[k][1] += press.along;
+    to.sums[k][2] += press.across * press.place;
+  }
+}
 
 /** Rows of the list of one wall whose discs a part has. */
 static std::pair<int64_t, int64_t> rows_of(const jump_state &s, int64_t wall, const ThreadPart &part)
@@ -169,3 +187,7 @@ void clear_fixed(const jump_state &s, const ThreadPart &part)
 }
 
 }    // namespace jump
+
+void jump::body_forces(const jump_state &s, double slope) { push_bodies(s, slope); }
+
+double jump::body_elastic(const jump_state &s) { return stored_by_bodies(s); }

@@ -23,7 +23,7 @@ inline bool gives_way(const jump_state &s, int64_t wall)
   return s.moving && s.moving[wall] >= LOADED && gives_way(s.load[wall], s.pushed[wall]);
 }
 
-/** What a wall gives way to a push (effective.h). */
+/** What a wall gives way to a push (wall.h). */
 inline double yielding(const jump_state &s, int64_t wall, const Sum &push)
 {
   return gives_way(s, wall) ? yielding(s.load[wall], s.pushed[wall], push) : 0.0;

@@ -7,14 +7,13 @@
 #define JUMP_CORE_MOTION_H
 
 #include "contact/elementary.h"
-#include "contact/scalar_ops.h"
 
 #include <cstdint>
 
 namespace jump {
 
 /** How a wall moves: it follows a track; a lid and a body are pushed by what touches them; a tailgate goes at the speed that
-    its `Pushed` has, as its mass is infinite. A body is felt with its mass, and by walls too (bodies.cpp). core/columns.py
+    its `Pushed` has, as its mass is infinite. A body is felt with its mass, and by walls too (bodies.h). core/columns.py
     has the same numbers. */
 enum WallMotion : int64_t { STANDS, FOLLOWS, LOADED, TAILGATE, BODY };
 

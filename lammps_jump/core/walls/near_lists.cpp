@@ -2,8 +2,8 @@
 /* Lists of what is near walls: discs, and corners of bodies. The native engine and the plugin make them. */
 
 #include "step/kinds.h"
-#include "step/relist.h"
-#include "walls/near.h"
+#include "step/step.h"
+#include "walls/faces.h"
 
 namespace jump {
 

@@ -6,8 +6,6 @@
 #include "step/integrate.cpp"
 #include "contact/no_contraction.h"    // before what takes contacts one at a time
 #include "step/lists.cpp"
-#include "step/relist.cpp"
 #include "step/wall_forces.cpp"
 #include "sums/sums.cpp"
-#include "walls/bodies.cpp"
 #include "walls/near_lists.cpp"

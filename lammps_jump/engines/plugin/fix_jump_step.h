@@ -15,7 +15,7 @@
      ones get their own diameter d by id, COUNT of which are known, and the mass DENSITY d^2.
    - slots: each disc keeps S of them, of four numbers: the array of the fix. A row holds S partners (whole numbers of 64 bits), then
      as many arc lengths of the foot, elongations of the tangential and of the rolling spring, m. The law history needs them.
-   - contacts: those of each step that is a multiple of EVERY, with their forces, go to FILE (record.h).
+   - contacts: those of each step that is a multiple of EVERY, with their forces, go to FILE (ContactRow).
    - poses: a row of time, name, displacement and turn of each lid, tailgate and body goes to FILE at such a step.
    - probes: mean over each window of EVERY steps of the force ON the wall and of its moment (counter-clockwise).
 
@@ -29,10 +29,40 @@
 #include "step/pair_search.h"    // before the core: its templates take vectors
 
 #include "fix.h"
-#include "record.h"
-#include "step/forces.h"
+#include "step/step.h"
 #include "step/image.h"
-#include "step/relist.h"
+
+#include <cstdio>
+#include <cstring>
+#include <string>
+#include <vector>
+
+namespace jump {
+
+/* Contacts of a frame with their forces, as lammps_jump/dump/contacts.py reads them. */
+
+/** Id of the disc that the force acts on, that of the other or -1 - w of a wall; point, force, power (not known here). */
+struct ContactRow {
+  int32_t one, other;
+  float x, y, fx, fy, power;
+};
+
+/** Whether the rows of a step have been put into a file; the first step begins it anew. */
+inline bool put_rows(const std::string &name, int64_t step, const std::vector<ContactRow> &rows)
+{
+  static_assert(sizeof(ContactRow) == 28, "rows are read in 28 bytes");
+  FILE *const file = std::fopen(name.c_str(), step == 0 ? "wb" : "ab");
+  if (!file) return false;
+  char head[20] = {'L', 'J', 'C', '1'};
+  const int64_t count = (int64_t) rows.size();
+  std::memcpy(head + 4, &step, 8);
+  std::memcpy(head + 12, &count, 8);
+  bool done = std::fwrite(head, 1, sizeof head, file) == sizeof head;
+  done = done && std::fwrite(rows.data(), sizeof(ContactRow), rows.size(), file) == rows.size();
+  return !std::fclose(file) && done;
+}
+
+}    // namespace jump
 
 namespace LAMMPS_NS {
 

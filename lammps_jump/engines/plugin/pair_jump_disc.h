@@ -27,7 +27,7 @@
 
 #include "halo.h"
 #include "pair.h"
-#include "step/forces.h"
+#include "step/step.h"
 #include "step/image.h"
 #include "step/kinds.h"
 #include "step/thread_partition.h"

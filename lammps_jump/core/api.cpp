@@ -1,11 +1,32 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// What the columns of Python's arrays are (core/columns.py), and what numbers stand for; compared where the core is loaded.
+/* What Python compares where it loads the core: version, names of the numbers of a law, columns of arrays (core/columns.py) and what
+   numbers stand for. Elementary functions for tests, which hold them against those of other systems: angles in rad. */
 
+#include "api.h"
+#include "contact/elementary.h"
+#include "contact/law.h"
 #include "walls/faces.h"
 #include "step/events.h"
 
 #include <cstddef>
 #include <string>
+
+JUMP_API int64_t jump_core_version() { return jump::VERSION; }
+
+using jump_law = jump::LawNumbers;
+JUMP_SIZE(jump_law)
+
+// Names of the numbers of a law in their order, each with a space behind it.
+JUMP_API const char *jump_law_fields()
+{
+#define JUMP_NAME(name) #name " "
+  return JUMP_LAW(JUMP_NAME);
+#undef JUMP_NAME
+}
+
+JUMP_API double jump_sin(double x) { return jump::sine(x); }
+JUMP_API double jump_cos(double x) { return jump::cosine(x); }
+JUMP_API double jump_atan2(double y, double x) { return jump::arctangent(y, x); }
 
 namespace jump {
 namespace {

@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 /* Forces of touching pairs, in batches: pairs that touch are gathered without a branch, which would be guessed wrong often,
-   their contacts are computed in vectors, and the forces are added in the order of the list. A host compiles what it takes
-   (forces.h): `pair_forces<WithLosses>` or `pair_forces<ForcesAlone>`. */
-
-#ifndef JUMP_CORE_PAIR_SUMS_H
-#define JUMP_CORE_PAIR_SUMS_H
+   their contacts are computed in vectors, and the forces are added in the order of the list. JUMP_SUMS is what a
+   host takes (step.h): `WithLosses`, or in the plugin `ForcesAlone`. */
 
 #include "contact/batch.h"    // before the core: its templates take vectors
 
-#include "step/forces.h"
+#include "step/step.h"
 #include "step/kinds.h"
 #include "step/pair_memory.h"
 
@@ -383,4 +380,7 @@ void borrow(const jump_state &s, ThreadPart &part)
 
 }    // namespace jump
 
+#ifndef JUMP_SUMS
+#define JUMP_SUMS WithLosses
 #endif
+template void jump::pair_forces<jump::JUMP_SUMS>(const jump_state &, double, ThreadPart &, ListRows);
