@@ -35,7 +35,7 @@ _normal_forces = function("jump_normal_forces", INTEGER, LAWS, INTEGERS, REALS, 
 _elastic_sum = function("jump_elastic_sum", INTEGER, LAWS, INTEGERS, REALS, result=REAL)
 _whole_forces = entry(
     "jump_whole_forces", n=INTEGER, laws=LAWS, which=INTEGERS, first=INTEGERS, second=INTEGERS, state=REALS,
-    discs=INTEGER, contact=REALS, rubs=INTEGER, slope=REAL, fx=REALS, fy=REALS,
+    discs=INTEGER, contact=REALS, has_friction=INTEGER, slope=REAL, fx=REALS, fy=REALS,
 )  # fmt: skip
 _thrust = entry(
     "jump_thrust", n=INTEGER, x=REALS, first=INTEGERS, second=INTEGERS, fx=REALS, low=REAL, width=REAL, bins=INTEGER,
@@ -299,7 +299,7 @@ def whole_forces(
     laws, which = _laws(flow, contacts)
     _whole_forces(
         n=len(still), laws=laws, which=which, first=first, second=second, state=np.array([u, v, rim]), discs=len(u),
-        contact=numbers, rubs=rubs, slope=slope, fx=computed[0], fy=computed[1],
+        contact=numbers, has_friction=rubs, slope=slope, fx=computed[0], fy=computed[1],
     )  # fmt: skip
     if flow.written is None or not velocity:
         return computed

@@ -32,15 +32,15 @@ namespace jump {
 namespace {
 
 /** A member of a struct of words of 8 bytes: its name, first word and number of words. */
-std::string told(const char *name, size_t offset, size_t size)
+std::string entry(const char *name, size_t offset, size_t size)
 {
   return std::string(" ") + name + "=" + std::to_string(offset / 8) + "+" + std::to_string(size / 8);
 }
 
 /** A number that has a name. */
-std::string told(const char *name, int64_t number) { return std::string(" ") + name + "=" + std::to_string(number); }
+std::string entry(const char *name, int64_t number) { return std::string(" ") + name + "=" + std::to_string(number); }
 
-#define JUMP_MEMBER(of, member) told(#member, offsetof(of, member), sizeof(of::member))
+#define JUMP_MEMBER(of, member) entry(#member, offsetof(of, member), sizeof(of::member))
 
 std::string columns()
 {
@@ -63,7 +63,7 @@ std::string columns()
   return text;
 }
 
-#define JUMP_NUMBER(name) told(#name, name)
+#define JUMP_NUMBER(name) entry(#name, name)
 
 std::string numbers()
 {

@@ -92,18 +92,18 @@ JUMP_API double jump_elastic_sum(int64_t n, const LawNumbers *laws, const int64_
 #define JUMP_WHOLE_FORCES(FIELD) \
   FIELD(int64_t, n) FIELD(const LawNumbers *, laws) FIELD(const int64_t *, which) FIELD(const int64_t *, first) \
   FIELD(const int64_t *, second) FIELD(const double *, state) FIELD(int64_t, discs) FIELD(const double *, contact) \
-  FIELD(int64_t, rubs) FIELD(double, slope) FIELD(double *, fx) FIELD(double *, fy)
+  FIELD(int64_t, has_friction) FIELD(double, slope) FIELD(double *, fx) FIELD(double *, fy)
 JUMP_INPUT(jump_whole_forces, JUMP_WHOLE_FORCES)
 
 // Force of each contact on its second disc. state: u, v, rim (radius times spin) of each disc and, behind them, of what
 // never moves; contact: nx, ny, overlap, dashpot, ramp, velocity of the wall. n contacts each. slope: 1/eps of the sign law,
-// s/m; rubs 0: without friction.
+// s/m; has_friction 0: without friction.
 JUMP_API void jump_whole_forces(const jump_whole_forces_input *input)
 {
   JUMP_WHOLE_FORCES(JUMP_LOCAL)
   const double *const u = state, *const v = state + discs, *const rim = state + 2 * discs;
   Choice choice = choice_of(*laws, false, slope, 0.0);
-  if (!rubs) choice.tangential = Choice::NONE;
+  if (!has_friction) choice.tangential = Choice::NONE;
   with_slots(choice, [&](const auto &law) {
     for (int64_t k = 0; k < n; k++) {
       const int64_t i = first[k], j = second[k];

@@ -53,7 +53,7 @@ inline Number stored_energy(const Law &law, const LawNumbers &of, const Number &
 /** What dashpot and friction take while the centre of the disc moves at (vx, vy) against its partner, W per m of width; the
     work of torques is left out. */
 template <class Number>
-inline Number taken(const ContactForce<Number> &of, const Number &nx, const Number &ny, const Number &vx, const Number &vy)
+inline Number dissipated_power(const ContactForce<Number> &of, const Number &nx, const Number &ny, const Number &vx, const Number &vy)
 {
   return -of.dashpot * (nx * vx + ny * vy) - of.tangential * (nx * vy - ny * vx);
 }

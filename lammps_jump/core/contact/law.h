@@ -188,7 +188,7 @@ struct Choice {
   double slope = 0.0;         // of the sign law, s/m
   double time_step = 0.0;     // of springs, s; 0: they stay as they are
 
-  bool rubs() const { return tangential != NONE; }
+  bool has_friction() const { return tangential != NONE; }
 };
 
 /** What these numbers ask for; `remembers`: contacts have springs with memory. A new formula is chosen here alone. */
@@ -232,7 +232,7 @@ template <class Run> inline void with_kind(const Choice &choice, bool sizes, boo
     if (sizes) run(std::true_type{}, turns);
     else run(std::false_type{}, turns);
   };
-  if (spin && choice.rubs()) sized(std::true_type{});
+  if (spin && choice.has_friction()) sized(std::true_type{});
   else sized(std::false_type{});
 }
 

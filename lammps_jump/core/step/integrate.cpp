@@ -178,10 +178,10 @@ template <bool SIZES, class Number> static ByMass<Number> by_mass(const jump_sta
   }
 }
 
-/** Kick and drift of a block. LEDGER: `taken` gets what dashpots and friction take over the whole kick: v_n is the mean of the
+/** Kick and drift of a block. LEDGER: `dissipated` gets what dashpots and friction take over the whole kick: v_n is the mean of the
     velocities around it. */
 template <bool SIZES, bool EXTRA, bool LEDGER, class Kicks>
-static void kick_drift(const jump_state &s, int64_t begin, int64_t end, const StepRows &rows, double (*next)[4], Dissipated *taken, Kicks &kicks)
+static void kick_drift(const jump_state &s, int64_t begin, int64_t end, const StepRows &rows, double (*next)[4], Dissipated *dissipated, Kicks &kicks)
 {
   const double dt = s.time_step;
   double *const friction_x = s.friction_x, *const friction_y = s.friction_y;
@@ -218,18 +218,18 @@ static void kick_drift(const jump_state &s, int64_t begin, int64_t end, const St
     kicks.see(i, px, py, new_x, new_y);
   });
   if constexpr (LEDGER) {
-    taken->dashpots = sum_of(dashpots);
-    taken->friction = sum_of(friction);
+    dissipated->dashpots = sum_of(dashpots);
+    dissipated->friction = sum_of(friction);
   }
 }
 
 template <bool SIZES, bool EXTRA>
-static int64_t drift_kind(const jump_state &s, int64_t begin, int64_t end, Dissipated *taken, const StepRows &rows, double (*next)[4])
+static int64_t drift_kind(const jump_state &s, int64_t begin, int64_t end, Dissipated *dissipated, const StepRows &rows, double (*next)[4])
 {
   WholeKicks kicks(s);
   for (int64_t from = begin; from < end; from += BLOCK) {
     const int64_t to = std::min(from + BLOCK, end);
-    Dissipated *const of = taken + from / BLOCK;
+    Dissipated *const of = dissipated + from / BLOCK;
     if (s.friction_x && s.omega) of->turning = power_of_torque<SIZES>(s, from, to, 0.5 * s.time_step / s.inertia);
     if (s.omega) kick_spin<SIZES, EXTRA>(s, from, to, kicks);
     if (s.dashpot_x) kick_drift<SIZES, EXTRA, true>(s, from, to, rows, next, of, kicks);
@@ -276,11 +276,11 @@ SpeedRange drift_by_halves(const jump_state &s, int64_t begin, int64_t end, bool
   return both ? drift_halves<false, true>(s, begin, end, rows) : drift_halves<false, false>(s, begin, end, rows);
 }
 
-int64_t drift(const jump_state &s, int64_t begin, int64_t end, Dissipated *taken, const StepRows &rows, double (*next)[4])
+int64_t drift(const jump_state &s, int64_t begin, int64_t end, Dissipated *dissipated, const StepRows &rows, double (*next)[4])
 {
   if (s.radius)
-    return s.ux ? drift_kind<true, true>(s, begin, end, taken, rows, next) : drift_kind<true, false>(s, begin, end, taken, rows, next);
-  return s.ux ? drift_kind<false, true>(s, begin, end, taken, rows, next) : drift_kind<false, false>(s, begin, end, taken, rows, next);
+    return s.ux ? drift_kind<true, true>(s, begin, end, dissipated, rows, next) : drift_kind<true, false>(s, begin, end, dissipated, rows, next);
+  return s.ux ? drift_kind<false, true>(s, begin, end, dissipated, rows, next) : drift_kind<false, false>(s, begin, end, dissipated, rows, next);
 }
 
 }    // namespace jump

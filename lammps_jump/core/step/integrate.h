@@ -30,9 +30,9 @@ void store(const jump_state &s, int64_t begin, int64_t end, const StepRows &rows
 
 /** Of discs `begin` to `end`: v += dt F/m, x += dt v, F = weight.
 
-    `taken` has a place for each block of all discs; without a ledger it is not used. `next` takes the places and velocities. Returns
+    `dissipated` has a place for each block of all discs; without a ledger it is not used. `next` takes the places and velocities. Returns
     the number of discs further than half the skin from their place in the list. A NaN counts as moved. */
-int64_t drift(const jump_state &s, int64_t begin, int64_t end, Dissipated *taken, const StepRows &rows, double (*next)[4]);
+int64_t drift(const jump_state &s, int64_t begin, int64_t end, Dissipated *dissipated, const StepRows &rows, double (*next)[4]);
 
 /** Velocities of discs, m/s: least and largest along each axis. */
 struct SpeedRange {

@@ -15,7 +15,7 @@ namespace {
 
 /** Smallest box around discs, and the last of those outside the domain, or -1. */
 struct BoxOfDiscs : BoxOfPlaces {
-  int64_t lost = -1;
+  int64_t outside = -1;
 
   explicit BoxOfDiscs(const jump_lists &l) : BoxOfPlaces{l.xhi, l.xlo, l.yhi, l.ylo} {}
 
@@ -23,7 +23,7 @@ struct BoxOfDiscs : BoxOfPlaces {
   {
     for (int64_t i = from; i < to; i++) {
       const double px = s.x[i], py = s.y[i];
-      if (!(px >= l.xlo && px <= l.xhi && py >= l.ylo && py <= l.yhi)) lost = i;
+      if (!(px >= l.xlo && px <= l.xhi && py >= l.ylo && py <= l.yhi)) outside = i;
       xlo = least(px, xlo);
       xhi = most(px, xhi);
       ylo = least(py, ylo);
@@ -37,7 +37,7 @@ struct BoxOfDiscs : BoxOfPlaces {
     xhi = most(other.xhi, xhi);
     ylo = least(other.ylo, ylo);
     yhi = most(other.yhi, yhi);
-    lost = most(other.lost, lost);
+    outside = most(other.outside, outside);
   }
 };
 
@@ -76,7 +76,7 @@ int64_t list_pairs(jump_state &s, const jump_lists &l, ThreadPartition &partitio
   std::vector<BoxOfDiscs> parts((size_t) partition.shares(), box);
   partition.stretches(s.n, [&](int k, int64_t from, int64_t to) { parts[(size_t) k].see(s, l, from, to); });
   for (const BoxOfDiscs &part : parts) box.join(part);
-  if (box.lost >= 0) return box.lost;
+  if (box.outside >= 0) return box.outside;
   s.rows = s.sorted = s.n;
   s.listed_as = next_list();
   s.start[0] = 0;
@@ -153,7 +153,7 @@ struct Span {
 };
 
 /** Work of weight along a channel from x = 0 to where the discs are, J per m of width. */
-static double fallen(const jump_state &s)
+static double work_of_weight(const jump_state &s)
 {
   double sum = 0.0;
   for (int64_t i = 0; i < s.n; i++) sum += (s.radius ? s.radius[i] * s.radius[i] : 1.0) * s.x[i];
@@ -163,9 +163,9 @@ static double fallen(const jump_state &s)
 /** Let discs that have left a channel in at its other end. */
 static void wrap(const jump_state &s, const jump_lists &l)
 {
-  *l.slope_work += fallen(s);
+  *l.slope_work += work_of_weight(s);
   for (int64_t i = 0; i < s.n; i++) s.x[i] -= l.period * std::floor((s.x[i] - l.xlo) / l.period);
-  *l.slope_work -= fallen(s);
+  *l.slope_work -= work_of_weight(s);
 }
 
 /** Whether a wall that is pushed has come to the seam, as `at_seam` of scene/motion.py has it. */
@@ -241,10 +241,10 @@ int64_t jump_search_cells(jump_state *state) { return search_cells(*state) ? sta
 /** Index of a disc outside the domain, or -1; a NaN is outside. */
 int64_t jump_outside(int64_t n, const double *x, const double *y, const double *domain)
 {
-  int64_t lost = -1;
+  int64_t outside = -1;
   for (int64_t i = 0; i < n; i++)
-    if (!(x[i] >= domain[0] && x[i] <= domain[1] && y[i] >= domain[2] && y[i] <= domain[3])) lost = i;
-  return lost;
+    if (!(x[i] >= domain[0] && x[i] <= domain[1] && y[i] >= domain[2] && y[i] <= domain[3])) outside = i;
+  return outside;
 }
 
 #define JUMP_IMAGE_ROWS(FIELD) \

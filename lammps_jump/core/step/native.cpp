@@ -67,10 +67,10 @@ static int64_t end_drift(const jump_state &s, const ThreadPartition &partition)
   for (const ThreadPart &part : partition.parts) moved += part.moved;
   if (!s.dashpot_x) return moved;
   Dissipated all{0.0, 0.0, 0.0};
-  for (const Dissipated &taken : partition.taken) {
-    all.dashpots += taken.dashpots;
-    all.friction += taken.friction;
-    all.turning += taken.turning;
+  for (const Dissipated &block : partition.dissipated) {
+    all.dashpots += block.dashpots;
+    all.friction += block.friction;
+    all.turning += block.turning;
   }
   s.work->whole.dashpots -= s.time_step * all.dashpots;
   if (!s.friction_x) return moved;
@@ -81,7 +81,7 @@ static int64_t end_drift(const jump_state &s, const ThreadPartition &partition)
 
 static void drift_part(const jump_state &s, ThreadPartition &partition, ThreadPart &part, double (*next)[4])
 {
-  part.moved = drift(s, part.begin, part.end, partition.taken.data(), part.rows(), next);
+  part.moved = drift(s, part.begin, part.end, partition.dissipated.data(), part.rows(), next);
 }
 
 static int64_t drift(const jump_state &s, ThreadPartition &partition)

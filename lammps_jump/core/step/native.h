@@ -136,7 +136,7 @@ struct jump_state {
   const double *far;
   const jump::Load *load;
   jump::Pushed *pushed;
-  jump::WallLoads *taken;
+  jump::WallLoads *wall_loads;
   jump::StepClock *clock;
   // law of two discs; its friction is NaN where nothing rubs
   double diameter;

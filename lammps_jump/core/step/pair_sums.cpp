@@ -21,7 +21,7 @@ template <int ROOM> struct SummedBatch : ContactBatch<ROOM> {
 
 /** … of which forces and their lost parts are asked for. */
 struct BatchWithLosses : SummedBatch<BATCH> {
-  alignas(64) Column fx, fy, dashpot_x, dashpot_y, rubbed_x, rubbed_y;
+  alignas(64) Column fx, fy, dashpot_x, dashpot_y, tangential_x, tangential_y;
   alignas(64) double given[BATCH][4];      // force and its lost part
 };
 
@@ -36,8 +36,8 @@ struct PairGiven {
 };
 
 /** With friction: its part of the force, and the torque. */
-struct Rubbed : PairGiven {
-  double rubbed_x = 0.0, rubbed_y = 0.0, torque = 0.0;
+struct PairGivenWithFriction : PairGiven {
+  double tangential_x = 0.0, tangential_y = 0.0, torque = 0.0;
 };
 
 /** Calls run(row, i, p, apart, touches) for the pairs of some rows that have a disc of the part, in their order; `apart` has
@@ -79,11 +79,11 @@ template <bool SIZES, bool SPIN, class Law, class Sums> class PairSums {
   static constexpr bool HAS_FRICTION = Law::Friction::HAS_FRICTION, MEMORY = Law::Friction::HAS_HISTORY;
   static constexpr bool LOSSES = Sums::LOSSES;
   using Batch = typename Sums::Batch;
-  using Added = std::conditional_t<HAS_FRICTION, Rubbed, PairGiven>;
+  using Added = std::conditional_t<HAS_FRICTION, PairGivenWithFriction, PairGiven>;
 
  public:
   PairSums(const jump_state &s, const Law &law, const ThreadPart &part)
-      : s(s), law(law), part(part), seen(seen_by(s)), at(part.at), memory(memory_of(part)), rubs(HAS_FRICTION && s.friction_x),
+      : s(s), law(law), part(part), seen(seen_by(s)), at(part.at), memory(memory_of(part)), sums_friction(HAS_FRICTION && s.friction_x),
         rolls(MEMORY && SPIN && s.pair.rolling > 0.0)
   {
   }
@@ -154,7 +154,7 @@ template <bool SIZES, bool SPIN, class Law, class Sums> class PairSums {
   const double (*const at)[4];
   using Memory = std::conditional_t<MEMORY, PairMemory, NoPairMemory>;
   Memory *const memory;
-  const bool rubs, rolls;
+  const bool sums_friction, rolls;
   size_t remote_history = 0;    // of the part's, those that are read
   static constexpr int ROOM = LOSSES ? BATCH : 2 * BATCH;
   Batch b;
@@ -210,8 +210,8 @@ template <bool SIZES, bool SPIN, class Law, class Sums> class PairSums {
       lanes(b.dashpot_x + c) = out.dashpot * out.nx;
       lanes(b.dashpot_y + c) = out.dashpot * out.ny;
       if constexpr (HAS_FRICTION) {
-        lanes(b.rubbed_x + c) = out.tangential * out.ny;
-        lanes(b.rubbed_y + c) = out.tangential * out.nx;
+        lanes(b.tangential_x + c) = out.tangential * out.ny;
+        lanes(b.tangential_y + c) = out.tangential * out.nx;
       }
     });
     for (int c = 0; c < b.n; c += 4)
@@ -300,9 +300,9 @@ template <bool SIZES, bool SPIN, class Law, class Sums> class PairSums {
   {
     force(j) -= *reinterpret_cast<const Four *>(b.given[c]);
     if constexpr (SPIN) s.torque[j] += b.moment[1][c];
-    if (!rubs) return;
-    s.friction_x[j] += b.rubbed_x[c];
-    s.friction_y[j] -= b.rubbed_y[c];
+    if (!sums_friction) return;
+    s.friction_x[j] += b.tangential_x[c];
+    s.friction_y[j] -= b.tangential_y[c];
   }
 
   /** Add it to the sum of its first disc. */
@@ -311,8 +311,8 @@ template <bool SIZES, bool SPIN, class Law, class Sums> class PairSums {
     sum.given += *reinterpret_cast<const Four *>(b.given[c]);
     if constexpr (SPIN) sum.torque += b.moment[0][c];
     if constexpr (HAS_FRICTION) {
-      sum.rubbed_x -= b.rubbed_x[c];
-      sum.rubbed_y += b.rubbed_y[c];
+      sum.tangential_x -= b.tangential_x[c];
+      sum.tangential_y += b.tangential_y[c];
     }
   }
 
@@ -328,9 +328,9 @@ template <bool SIZES, bool SPIN, class Law, class Sums> class PairSums {
     force(i) += sum.given;
     if constexpr (SPIN) s.torque[i] += sum.torque;
     if constexpr (HAS_FRICTION) {
-      if (!rubs) return;
-      s.friction_x[i] += sum.rubbed_x;
-      s.friction_y[i] += sum.rubbed_y;
+      if (!sums_friction) return;
+      s.friction_x[i] += sum.tangential_x;
+      s.friction_y[i] += sum.tangential_y;
     }
   }
 

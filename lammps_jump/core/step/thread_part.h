@@ -17,7 +17,7 @@
 namespace jump {
 
 /** What dashpots and friction of one contact with a wall that moves take. */
-struct Lost {
+struct DissipatedAtWall {
   Sum dashpots, friction;
 };
 
@@ -29,7 +29,7 @@ struct Press {
 
 /** Where the contacts with a wall end among those of a part. */
 struct Ends {
-  size_t push, lost;
+  size_t push, dissipated;
 };
 
 /** Candidates of the list that are looked at together: what belongs to them stays in the first-level cache. */
@@ -51,7 +51,7 @@ struct alignas(128) ThreadPart {
   PairMemory *memory = nullptr;         // of all pairs of the list
   std::vector<Stretch<double>> remote_history;    // of contacts in rows of other parts, as they begin the step
   std::vector<Sum> on_walls;            // forces of contacts with walls on its discs, wall by wall
-  std::vector<Lost> lost_at_walls;      // of those with walls that move
+  std::vector<DissipatedAtWall> dissipated_at_walls;    // of those with walls that move
   std::vector<Ends> walls_end;
   std::vector<Press> presses;           // of contacts with walls whose pressure is asked for
   int64_t moved = 0;                    // discs that have gone further than the list allows

@@ -38,7 +38,7 @@ class ThreadPartition {
   bool in_blocks = true;         // sums of rows are kept until the end of a block
   std::vector<ThreadPart> parts;
   PairMemory memory;
-  std::vector<Dissipated> taken;    // of each block of discs
+  std::vector<Dissipated> dissipated;    // of each block of discs
 
   /** Give each thread its part of the discs and of their list, as these are now. */
   void divide(const jump_state &s)
@@ -50,7 +50,7 @@ class ThreadPartition {
     if (!known) know(s);
     divided_as = listed_as;
     n = s.n;
-    taken.resize((size_t) blocks);
+    dissipated.resize((size_t) blocks);
     for (auto *rows : {&at[0], &at[1], &forces}) rows->resize((size_t) (n + others));
     pool.resize((int) count);
     if ((int64_t) parts.size() == count) learn();

@@ -252,11 +252,11 @@ inline void ThreadTuner::begin_step(int count)
 inline void ThreadTuner::end_step(bool odd)
 {
   if (fixed || odd || discs < FEW_DISCS) return;
-  const double took = std::chrono::duration<double>(WallClock::now() - begun).count() / discs;
-  spent += took;
+  const double seconds = std::chrono::duration<double>(WallClock::now() - begun).count() / discs;
+  spent += seconds;
   steps++;
-  const bool lost = probing && spent > (1.2 * steps + COLD) * cost;    // no need to see the rest of it
-  if (steps == WINDOW || lost) end_window();
+  const bool is_slower = probing && spent > (1.2 * steps + COLD) * cost;    // no need to see the rest of it
+  if (steps == WINDOW || is_slower) end_window();
 }
 
 /** Whether so many threads have cores of their own now, beside what else runs; true where the system does not tell. */

@@ -62,7 +62,7 @@ static void forces_of(const jump_state &s, const Law &law, int64_t wall, ThreadP
     const double own = radius_of(s, i), *const row_of = part.at[i], x = row_of[0], y = row_of[1];
     const DiscAtWall disc{i, own, x, y, row_of[2], row_of[3], SPIN ? spins[i] : 0.0};
     double px = x, py = y;
-    view.see(px, py);
+    view.into_frame(px, py);
     const int count = view.touching(s, row, px, py, own, found);
     for (int c = 0; c < count; c++) {
       const AtWall<double> at = view.meet(disc, found[c]);
@@ -86,19 +86,19 @@ static void forces_of(const jump_state &s, const Law &law, int64_t wall, ThreadP
       }
       if (!moves) continue;
       const double arm_x = to_x - view.cx - view.placed->now.x, arm_y = to_y - view.cy - view.placed->now.y;
-      part.lost_at_walls.push_back({
+      part.dissipated_at_walls.push_back({
           {out.dashpot * at.nx, out.dashpot * at.ny, out.dashpot * (arm_x * at.ny - arm_y * at.nx)},
           {-out.tangential * at.ny, out.tangential * at.nx, out.tangential * (arm_x * at.nx + arm_y * at.ny) + rolls},
       });
     }
   }
-  part.walls_end.push_back({part.on_walls.size(), part.lost_at_walls.size()});
+  part.walls_end.push_back({part.on_walls.size(), part.dissipated_at_walls.size()});
 }
 
 void wall_forces(const jump_state &s, double slope, ThreadPart &part)
 {
   part.on_walls.clear();
-  part.lost_at_walls.clear();
+  part.dissipated_at_walls.clear();
   part.walls_end.clear();
   part.presses.clear();
   with_law(s, slope, [&](const auto &law, auto sizes, auto spin) {
@@ -112,17 +112,17 @@ void sum_walls(const jump_state &s, const std::vector<ThreadPart> &parts)
     for (const ThreadPart &part : parts)
       for (const Press &press : part.presses) add_press(*s.pressed, press);
   for (int64_t wall = 0; wall < s.walls; wall++) {
-    Sum on_wall, lost, slid;
+    Sum on_wall, dashpots, friction;
     for (const ThreadPart &part : parts) {
       const Ends first = wall > 0 ? part.walls_end[wall - 1] : Ends{0, 0}, last = part.walls_end[wall];
       for (size_t c = first.push; c < last.push; c++) on_wall -= part.on_walls[c];
-      for (size_t c = first.lost; c < last.lost; c++) {
-        lost += part.lost_at_walls[c].dashpots;
-        slid += part.lost_at_walls[c].friction;
+      for (size_t c = first.dissipated; c < last.dissipated; c++) {
+        dashpots += part.dissipated_at_walls[c].dashpots;
+        friction += part.dissipated_at_walls[c].friction;
       }
     }
     s.wall_sum[wall].force += on_wall;
-    if (s.moving && s.moving[wall] != STANDS) s.taken[wall] = {on_wall, on_wall, lost, slid};
+    if (s.moving && s.moving[wall] != STANDS) s.wall_loads[wall] = {on_wall, on_wall, dashpots, friction};
   }
 }
 
@@ -135,17 +135,17 @@ void end_walls(const jump_state &s)
   for (int64_t wall = 0; wall < s.walls; wall++) {
     const int64_t kind = s.moving[wall];
     if (kind == STANDS) continue;
-    const WallLoads &taken = s.taken[wall];
+    const WallLoads &loads = s.wall_loads[wall];
     Pushed &pushed = s.pushed[wall];
-    pushed.force[0] = taken.all.x;
-    pushed.force[1] = taken.all.y;
-    pushed.force[2] = taken.all.moment;
+    pushed.force[0] = loads.all.x;
+    pushed.force[1] = loads.all.y;
+    pushed.force[2] = loads.all.moment;
     if (kind >= LOADED) centre(s.placed[wall], pushed, s.load[wall], dt);
     const Pose &rate = s.placed[wall].centred;
-    s.wall_sum[wall].power -= taken.of_discs.power(rate);
-    of_walls.dashpots += dt * taken.dashpots.power(rate);
-    of_walls.friction += dt * taken.friction.power(rate);
-    if (kind != LOADED && kind != BODY) of_walls.walls -= dt * taken.all.power(rate);    // the energy of the others is part of the whole
+    s.wall_sum[wall].power -= loads.of_discs.power(rate);
+    of_walls.dashpots += dt * loads.dashpots.power(rate);
+    of_walls.friction += dt * loads.friction.power(rate);
+    if (kind != LOADED && kind != BODY) of_walls.walls -= dt * loads.all.power(rate);    // the energy of the others is part of the whole
   }
   whole.dashpots += of_walls.dashpots;
   whole.friction += of_walls.friction;

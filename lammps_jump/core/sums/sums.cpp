@@ -54,7 +54,7 @@ template <class Run> static void each_wall_contact(const jump_state &s, const Ru
       const int64_t i = s.near_discs[row];
       if (view.passes(s, i)) continue;
       double px = s.x[i], py = s.y[i];
-      view.see(px, py);
+      view.into_frame(px, py);
       const int count = view.touching(s, row, px, py, radius_of(s, i), found);
       for (int c = 0; c < count; c++) run(view, wall, i, found[c], px, py);
     }
@@ -106,7 +106,7 @@ static void list_contacts(const jump_state &s, const Law &law, const ContactVelo
     if (j >= s.n && s.ids[i] < s.ids[j]) return;    // the other rank lists it
     const PairForce<double> out = contact_of<SIZES, SPIN>(s, law, seen, i, j, {dx, dy, r2}, a, b);
     const double way = way_to_middle(a, out.overlap), sx = at_step.vx[i] - at_step.vx[j], sy = at_step.vy[i] - at_step.vy[j];
-    double power = taken(out, out.nx, out.ny, sx, sy);
+    double power = dissipated_power(out, out.nx, out.ny, sx, sy);
     if constexpr (SPIN) power -= out.on_a * at_step.spin[i] + out.on_b * at_step.spin[j];
     record.add(s.ids[i], s.ids[j], xi - way * out.nx, s.y[i] - way * out.ny, out.fx, out.fy, power);
   });
@@ -119,14 +119,14 @@ static void list_contacts(const jump_state &s, const Law &law, const ContactVelo
     const double at_x = x - at.gap * at.nx, at_y = y - at.gap * at.ny;
     const Pose wall_v = view.placed ? view.velocity(view.placed->centred, at_x, at_y) : Pose{0.0, 0.0, 0.0};
     const double sx = at_step.vx[i] - wall_v.x, sy = at_step.vy[i] - wall_v.y;
-    double power = taken(out, at.nx, at.ny, sx, sy);
+    double power = dissipated_power(out, at.nx, at.ny, sx, sy);
     if constexpr (SPIN) power -= out.torque * at_step.spin[i];
     record.add(s.ids[i], -1 - wall, at_x, at_y, out.fx, out.fy, power);
   });
 }
 
 /** Discs between the stations: what crossed, what they hold, and what forces on them do. */
-static void between_discs(const jump_state &s, const jump_stations &at, double *sums, double &push, double &lost, double &slid)
+static void between_discs(const jump_state &s, const jump_stations &at, double *sums, double &push, double &dashpots, double &friction)
 {
   const double dt = s.time_step, half = 0.5 * dt;
   double held = 0.0;
@@ -149,10 +149,10 @@ static void between_discs(const jump_state &s, const jump_stations &at, double *
     held += energy;
     const double hx = s.vx[i] + half / mass * s.fx[i], hy = s.vy[i] + half / mass * s.fy[i];
     push += s.fx[i] - s.weight_x * square;
-    lost += s.dashpot_x[i] * hx + s.dashpot_y[i] * hy;
+    dashpots += s.dashpot_x[i] * hx + s.dashpot_y[i] * hy;
     if (!s.friction_x) continue;
-    slid += s.friction_x[i] * hx + s.friction_y[i] * hy;
-    if (s.omega) slid += s.torque[i] * (s.omega[i] + half / inertia * s.torque[i]);
+    friction += s.friction_x[i] * hx + s.friction_y[i] * hy;
+    if (s.omega) friction += s.torque[i] * (s.omega[i] + half / inertia * s.torque[i]);
   }
   sums[HELD] = held;
 }
@@ -164,8 +164,8 @@ static void between_discs(const jump_state &s, const jump_stations &at, double *
     (docs/theory.md). */
 static void between(const jump_state &s, const jump_stations &at, double *sums)
 {
-  double handed = 0.0, push = 0.0, lost = 0.0, slid = 0.0;
-  between_discs(s, at, sums, push, lost, slid);
+  double handed = 0.0, push = 0.0, dashpots = 0.0, friction = 0.0;
+  between_discs(s, at, sums, push, dashpots, friction);
   if (!at.pushed) return;
   const ContactVelocities seen = seen_by(s);
   with_law(s, slope_of(s, seen), [&](const auto &law, auto sizes, auto spin) {
@@ -182,16 +182,16 @@ static void between(const jump_state &s, const jump_stations &at, double *sums)
       const double mx = 0.5 * (one.vx + two.vx), my = 0.5 * (one.vy + two.vy);
       double turn = 0.0;
       if constexpr (SPIN) turn = 0.5 * (out.on_a * two.spin - out.on_b * one.spin);
-      slid -= way * (out.tangential * (out.nx * my - out.ny * mx) + turn);
+      friction -= way * (out.tangential * (out.nx * my - out.ny * mx) + turn);
       handed += way * (out.fx * (mx - at.speed) + out.fy * my + turn);
       push -= way * out.fx;
-      lost -= way * out.dashpot * (out.nx * mx + out.ny * my);
+      dashpots -= way * out.dashpot * (out.nx * mx + out.ny * my);
     });
   });
   sums[CONTACTS] += s.time_step * handed;
   sums[WALLS] -= s.time_step * at.speed * push;
-  sums[DASHPOTS] -= s.time_step * lost;
-  sums[FRICTION] -= s.time_step * slid;
+  sums[DASHPOTS] -= s.time_step * dashpots;
+  sums[FRICTION] -= s.time_step * friction;
 }
 
 /** Radii for the discs with ids above `known`, behind a step and with its forces; what this gives to the energy.

@@ -74,9 +74,9 @@ template <class Run> inline void each_body_contact(const jump_state &s, const Ru
       const Corner &corner = s.corner[i];
       const WallView own(s, corner.wall);
       double x = corner.x, y = corner.y;
-      own.show(x, y);
+      own.out_of_frame(x, y);
       double px = x, py = y;
-      view.see(px, py);
+      view.into_frame(px, py);
       const int count = view.touching(c, row, px, py, corner.radius, found);
       for (int k = 0; k < count; k++) {
         const Pose v = own.placed ? own.velocity(own.placed->rate, x, y) : Pose{0.0, 0.0, 0.0};
@@ -190,11 +190,11 @@ inline void add_to_wall(const jump_state &s, int64_t wall, const BodyContact &co
   const double *const arm = contact.arm[sense < 0.0];
   const double fx = sense * out.fx, fy = sense * out.fy, dashpot = sense * out.dashpot, tangential = sense * out.tangential;
   if (s.moving && s.moving[wall] != STANDS) {
-    WallLoads &taken = s.taken[wall];
-    taken.all.add(fx, fy, arm[0], arm[1]);
+    WallLoads &loads = s.wall_loads[wall];
+    loads.all.add(fx, fy, arm[0], arm[1]);
     // the ledger has these as they act on discs
-    taken.dashpots.add(-dashpot * contact.at.nx, -dashpot * contact.at.ny, arm[0], arm[1]);
-    taken.friction.add(tangential * contact.at.ny, -tangential * contact.at.nx, arm[0], arm[1]);
+    loads.dashpots.add(-dashpot * contact.at.nx, -dashpot * contact.at.ny, arm[0], arm[1]);
+    loads.friction.add(tangential * contact.at.ny, -tangential * contact.at.nx, arm[0], arm[1]);
   }
   if (s.moving && s.moving[wall] == BODY) return;    // a probe of a body is of discs alone
   const bool moves = s.moving && s.moving[wall] != STANDS;
@@ -203,7 +203,7 @@ inline void add_to_wall(const jump_state &s, int64_t wall, const BodyContact &co
   s.wall_sum[wall].force.add(fx, fy, contact.x - x_ref, contact.y - y_ref);
 }
 
-/** Forces between bodies, and of bodies and walls, on `taken` and, of walls, `wall_sum`. */
+/** Forces between bodies, and of bodies and walls, on `wall_loads` and, of walls, `wall_sum`. */
 inline void push_bodies(const jump_state &s, double slope)
 {
   const jump_state &c = *s.corners;

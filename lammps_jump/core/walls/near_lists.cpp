@@ -47,7 +47,7 @@ static bool list_near_walls(const jump_state &walls, jump_state &s, const jump_g
     const WallView view(walls, wall);
     const bool whole = walls.gone[wall] || list_near(grids[wall], s.n, to, [&](int64_t i, double &px, double &py) {
       place(wall, i, px, py);
-      view.see(px, py);
+      view.into_frame(px, py);
     });
     if (!whole) return false;
     s.near_rows[wall + 1] = to.row;
@@ -76,7 +76,7 @@ static void list_corners(jump_state &s, Rooms &rooms)
     if (corner.wall < 0 || s.gone[corner.wall] || !l.meets[corner.wall * s.walls + wall]) return;
     px = corner.x;
     py = corner.y;
-    WallView(s, corner.wall).show(px, py);
+    WallView(s, corner.wall).out_of_frame(px, py);
   };
   int64_t room[2] = {l.corner_rows_room, l.corner_faces_room};
   while (!list_near_walls(s, *s.corners, l.corner_grids, room, place))

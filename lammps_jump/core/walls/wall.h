@@ -21,13 +21,13 @@ struct WallInPlace {
   double arm(double gap, double radius) const { return body ? radius : gap; }
 
   /** The point of a disc in the wall's own frame. */
-  void see(double &px, double &py) const
+  void into_frame(double &px, double &py) const
   {
     if (placed) inward(*placed, cx, cy, px, py);
   }
 
   /** A point of that frame, where it is. */
-  void show(double &x, double &y) const
+  void out_of_frame(double &x, double &y) const
   {
     if (!placed) return;
     double dx = x - cx, dy = y - cy;

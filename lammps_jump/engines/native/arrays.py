@@ -120,7 +120,7 @@ class Moves(NamedTuple):
         `LoadColumns`, of pushed walls.
     pushed : ndarray, shape (walls, 13)
         `PushedColumns`, of pushed walls.
-    taken : ndarray, shape (walls, 12)
+    wall_loads : ndarray, shape (walls, 12)
         `WallLoadsColumns`.
     clock : ndarray, shape (5,)
         `StepClockColumns`.
@@ -135,7 +135,7 @@ class Moves(NamedTuple):
     far: np.ndarray
     load: np.ndarray
     pushed: np.ndarray
-    taken: np.ndarray
+    wall_loads: np.ndarray
     clock: np.ndarray
 
 

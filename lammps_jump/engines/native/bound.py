@@ -19,7 +19,7 @@ from .arrays import BodyState, Constants, ContactVelocities, Lists, Memory, Move
 
 ARRAY = c_void_p
 DISCS = "ids x y vx vy fx fy x0 y0 ux uy omega torque uomega dashpot_x dashpot_y friction_x friction_y radius fixed"
-MOVES = "track first moving centre now listed far load pushed taken clock"
+MOVES = "track first moving centre now listed far load pushed wall_loads clock"
 MEMORY = "chain around full"
 WINDOW_WIDTH = SumsOnWallColumns.width() + PlacedColumns.width()
 """Numbers of a wall in a window of the probes."""
@@ -46,7 +46,7 @@ class jump_state(Struct):
         *fields(
             c_void_p, "faces deep gone at_wall about near_rows near_discs near_plain near_last near_faces wall_sum"
         ),
-        *fields(c_void_p, "track track_first moving centre placed listed far load pushed taken clock"),
+        *fields(c_void_p, "track track_first moving centre placed listed far load pushed wall_loads clock"),
         *fields(c_double, "diameter"),
         ("pair", jump_law),
         *fields(c_double, "time_step mass inertia weight_x weight_y reach2"),

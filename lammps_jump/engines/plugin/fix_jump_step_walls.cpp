@@ -72,9 +72,9 @@ void FixJumpStep::end_pushed()
 {
   const jump_state &s = *state;
   for (const int64_t wall : pushed_walls) {
-    const jump::Sum here = s.taken[wall].of_discs;
-    MPI_Allreduce(&here.x, &s.taken[wall].all.x, 3, MPI_DOUBLE, MPI_SUM, world);
-    felt[wall] += s.taken[wall].all;
+    const jump::Sum here = s.wall_loads[wall].of_discs;
+    MPI_Allreduce(&here.x, &s.wall_loads[wall].all.x, 3, MPI_DOUBLE, MPI_SUM, world);
+    felt[wall] += s.wall_loads[wall].all;
   }
   if (s.corners) push_bodies();
   if (!s.moving) return;

@@ -162,7 +162,7 @@ def _add(state: State, wall: int, point: Vector, parts: Sequence[np.ndarray]) ->
     if moving:
         columns = WallLoadsColumns.ALL, WallLoadsColumns.DASHPOTS, WallLoadsColumns.FRICTION
         for there, part in zip(columns, parts, strict=True):
-            moves.taken[wall, there] += wrench(part, point, pushed.about(moves, wall))
+            moves.wall_loads[wall, there] += wrench(part, point, pushed.about(moves, wall))
     if not contact.is_body(state, wall):
         about = walls.near.about[wall] + (moves.now[wall, PlacedColumns.NOW][:2] if moving else 0.0)
         walls.sums[wall, SumsOnWallColumns.FORCE] += wrench(parts[0], point, about)

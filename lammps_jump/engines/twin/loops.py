@@ -116,7 +116,7 @@ def _pair_forces(state: State, seen: ContactVelocities, slope: float | None) -> 
 
 
 def _wall_forces(state: State, wall: int, seen: ContactVelocities, slope: float | None) -> None:
-    """Forces of one wall; `Walls.sums` takes the force on it and its moment, `Moves.taken` those and what is lost."""
+    """Forces of one wall: `Walls.sums` gets the force on it, `Moves.wall_loads` also what is dissipated there."""
     walls, moves = state.walls, state.walls.moves
     moving = contact.is_moving(moves, wall)
     about, centre = walls.near.about[wall].copy(), np.zeros(2)
@@ -124,7 +124,7 @@ def _wall_forces(state: State, wall: int, seen: ContactVelocities, slope: float 
         here = moves.now[wall, PlacedColumns.NOW][:2]
         about += here
         centre = moves.centre[wall] + here
-    push, lost, slid = np.zeros(3), np.zeros(3), np.zeros(3)  # of the wall: along x and y, and the moment
+    push, dashpots, friction = np.zeros(3), np.zeros(3), np.zeros(3)  # of the wall: along x and y, and the moment
     for touched in contact.touched_faces(state, wall):
         found = contact.wall_contact(state, wall, touched, seen, slope)
         _add(state.discs, touched[0], found, 1.0, found.torques[0])
@@ -137,12 +137,12 @@ def _wall_forces(state: State, wall: int, seen: ContactVelocities, slope: float 
                 walls.pressed, wall, foot_at(walls.faces, touched[1], *inner), (fx * nx + fy * ny, fy * nx - fx * ny)
             )
         push[2] += found.torques[1]
-        lost += wrench((dashpot * nx, dashpot * ny), found.point, centre)
-        slid += wrench((-tangential * ny, tangential * nx), found.point, centre)
-        slid[2] -= found.torques[1]
+        dashpots += wrench((dashpot * nx, dashpot * ny), found.point, centre)
+        friction += wrench((-tangential * ny, tangential * nx), found.point, centre)
+        friction[2] -= found.torques[1]
     walls.sums[wall, SumsOnWallColumns.FORCE] += push
     if moving:
-        moves.taken[wall] = [*push, *push, *lost, *slid]
+        moves.wall_loads[wall] = [*push, *push, *dashpots, *friction]
 
 
 def _press(pressed: PressedSums, wall: int, foot: float, force: tuple[float, float]) -> None:
@@ -162,15 +162,15 @@ def _end_walls(state: State) -> None:
     walls, moves = state.walls, state.walls.moves
     dt, work = moves.clock[StepClockColumns.DT], state.work[WorkColumns.OF_WALLS]
     for wall in np.flatnonzero(moves.moving).tolist():
-        of_discs, push, lost, slid = moves.taken[wall].reshape(4, 3)
+        of_discs, push, dashpots, friction = moves.wall_loads[wall].reshape(4, 3)
         moves.pushed[wall, PushedColumns.FORCE] = push
         if moves.moving[wall] >= WallMotion.LOADED:
             pushed.centre(moves, wall)
         rate = moves.now[wall, PlacedColumns.CENTRED]
         walls.sums[wall, SumsOnWallColumns.POWER] -= of_discs @ rate
         if state.discs.dashpot_x is not None:
-            work[WorkPartsColumns.DASHPOTS] += dt * lost @ rate
-            work[WorkPartsColumns.FRICTION] += dt * slid @ rate
+            work[WorkPartsColumns.DASHPOTS] += dt * dashpots @ rate
+            work[WorkPartsColumns.FRICTION] += dt * friction @ rate
         if moves.moving[wall] not in (WallMotion.LOADED, WallMotion.BODY):  # their energy is part of the whole
             work[WorkPartsColumns.WALLS] -= dt * push @ rate
 

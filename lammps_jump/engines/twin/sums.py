@@ -121,7 +121,7 @@ def between(state: State, stations: StationStep, sums: np.ndarray) -> None:
     at c (docs/theory.md).
     """
     dt, speed = state.constants.motion.time_step, stations.speed
-    push, lost, slid = _between_discs(state, stations, sums)
+    push, dashpots, friction = _between_discs(state, stations, sums)
     if not stations.pushed:
         return
     handed, seen, x = 0.0, contact.seen_by(state), state.discs.x
@@ -139,21 +139,21 @@ def between(state: State, stations: StationStep, sums: np.ndarray) -> None:
         (nx, ny), (fx, fy) = of.normal, of.force
         mx, my = 0.5 * (one[0] + two[0]), 0.5 * (one[1] + two[1])
         turn = 0.5 * (of.torques[0] * two[2] - of.torques[1] * one[2])
-        slid -= way * (of.tangential * (nx * my - ny * mx) + turn)
+        friction -= way * (of.tangential * (nx * my - ny * mx) + turn)
         handed += way * (fx * (mx - speed) + fy * my + turn)
         push -= way * fx
-        lost -= way * of.dashpot * (nx * mx + ny * my)
+        dashpots -= way * of.dashpot * (nx * mx + ny * my)
     sums[CONTACTS] += dt * handed
     sums[WALLS] -= dt * speed * push
-    sums[DASHPOTS] -= dt * lost
-    sums[FRICTION] -= dt * slid
+    sums[DASHPOTS] -= dt * dashpots
+    sums[FRICTION] -= dt * friction
 
 
 def _between_discs(state: State, stations: StationStep, sums: np.ndarray) -> tuple[float, float, float]:
     """Energy that crosses the stations and that is held between them; force and losses of the discs between."""
     d, motion, (left, width, speed, moved, _) = state.discs, state.constants.motion, stations
     dt = motion.time_step
-    held = push = lost = slid = 0.0
+    held = push = dashpots = friction = 0.0
     for i in range(d.n):
         place, w = d.x[i] - left, d.vx[i] - speed
         now = int(place >= 0.0) + int(place >= width)
@@ -173,10 +173,10 @@ def _between_discs(state: State, stations: StationStep, sums: np.ndarray) -> tup
             vx, vy, spin = _at_step(state, i)
             held += energy
             push += d.fx[i] - motion.weight_x * square
-            lost += d.dashpot_x[i] * vx + d.dashpot_y[i] * vy
+            dashpots += d.dashpot_x[i] * vx + d.dashpot_y[i] * vy
             if d.friction_x is not None:
-                slid += d.friction_x[i] * vx + d.friction_y[i] * vy
+                friction += d.friction_x[i] * vx + d.friction_y[i] * vy
                 if d.omega is not None:
-                    slid += d.torque[i] * spin
+                    friction += d.torque[i] * spin
     sums[HELD] = held
-    return push, lost, slid
+    return push, dashpots, friction
