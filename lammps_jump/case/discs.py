@@ -379,7 +379,7 @@ class DiscList(Strict):
 
 
 class PackedBed(Strict):
-    """Discs at random that fill a rectangle to a chosen packing, at rest and without overlaps."""
+    """Discs at random that fill a rectangle to a chosen packing, at rest; without `jitter` none overlap."""
 
     kind: Literal["packed_bed"]
     x: units.Extent = Field(description="from and to; the sides are as walls")

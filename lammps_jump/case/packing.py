@@ -157,6 +157,7 @@ def arrange(
         diameters = bed_diameters(item, discs.diameter, sizes, first)
         positions = bed_positions(item, diameters, seed if item.seed is None else item.seed)
         velocities = np.zeros_like(positions)
+        random.uniform(size=positions.shape)  # of one seed, the bed began with these: shifts by them would widen it
     elif isinstance(item, Column):
         positions = pile(item, sizes, first) if sizes else column_positions(item, discs, gravity, contact)
         if not len(positions):

@@ -62,6 +62,19 @@ def test_packing_is_reached_within_half_a_disc_without_overlaps(sizes, packing):
 
 
 @pytest.mark.long
+@pytest.mark.parametrize("jitter", [0.01, 0.03])
+@pytest.mark.parametrize("seed", [1, 2])
+def test_jitter_shifts_each_disc_for_itself(jitter, seed):
+    """A shift does not follow from the place, also where bed and shifts have one seed; it makes overlaps."""
+    changes = "initial.0.packing=0.8", "initial.0.seed=1", f"run.seed={seed}", "initial.0.y=[-0.9, 0.6]"
+    still, shaken = (bed(*changes, f"initial.0.jitter={one}").scene().positions for one in (0.0, jitter))
+    shift = (shaken - still) / (0.1 * jitter)
+    assert np.abs(shift).max() <= 1 + 1e-9 and np.ptp(shift, axis=0) == pytest.approx([2, 2], abs=0.1)
+    for axis in (0, 1):
+        assert abs(np.corrcoef(still[:, axis], shift[:, axis])[0, 1]) < 4 / np.sqrt(len(still))
+    assert deepest_overlap(shaken, np.full(len(shaken), 0.1))[0] > 0.1 * jitter
+
+
 def test_discs_are_at_random_and_not_a_crystal():
     """Sixfold order of the discs inside: 1 in a crystal; random beds of two sizes have about a third."""
     scene = bed(f"discs.sizes={SIZES['two']}", "initial.0.packing=0.8").scene()
