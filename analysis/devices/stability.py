@@ -40,6 +40,7 @@ from lammps_jump.physics.bodies import (
 from lammps_jump.scene.bodies import Free
 from lammps_jump.scene.motion import MovingWall, reference
 from lammps_jump.scene.scene import Weighed
+from lammps_jump.scene.schedule import windows_of
 from lammps_jump.units import as_summary, from_summary, known, number
 
 from .bodies import BodyResult
@@ -222,7 +223,7 @@ def found_of(loads: Loads, window: tuple[float, float], mean_time: float) -> Sta
         Of the moving mean, s.
     """
     sums, stands = sums_of(loads), loads.stands
-    samples = max(1, round(mean_time / max(float(np.median(loads.lengths)), 1e-300))) | 1
+    samples = windows_of(mean_time, float(np.median(loads.lengths)))
     smooth, whole = sums.mean(samples), moving_mean(stands.astype(float), samples) > 1.0 - 1e-9
     single, means = _factors(sums, loads.friction, stands), _factors(smooth, loads.friction, whole)
     toe = min(("right", "left"), key=lambda side: np.nanmin(single[side], initial=inf))

@@ -16,7 +16,7 @@ from lammps_jump.physics import contact
 from lammps_jump.physics.inlet import LEAST_GAP, REFUSAL_GAP, TRAVEL
 from lammps_jump.physics.slip import FRICTION_LAWS, slip_warnings, spring_warnings
 from lammps_jump.scene import Beginning, InletRow, Interval, MovingWall, Scene, Sizes, Wall
-from lammps_jump.scene.schedule import MOST_BINS, MOST_FRAMES, rounding_notes, told_of_window
+from lammps_jump.scene.schedule import MOST_BINS, MOST_FRAMES, rounding_notes, told_of_window, windows_of
 from lammps_jump.scene.shapes import open_ends
 
 from .discs import Column, PackedBed
@@ -324,6 +324,10 @@ def adapted(case: CaseFields, scene: Beginning, inlets: tuple[InletRow, ...]) ->
     notes = rounding_notes(asked)
     if case.probes.recorded and case.probes.interval <= case.run.duration:
         notes += told_of_window(case.probes.interval, scene.probe_steps * dt, case.output_interval)
+    mean, window = case.probes.stability_mean, scene.probe_steps * dt
+    if mean is not None and mean <= case.run.duration:
+        why = f"a moving mean takes an odd number of the windows of the probes, {window:z.4g} s each"
+        notes += rounding_notes({"probes.stability_mean": (mean, windows_of(mean, window) * window)}, why=why)
     if not isinstance(case.inflow, RowsInflow) or case.inflow.table:
         return notes
     depth, speed = case.inflow.over(0.0, 0.0)

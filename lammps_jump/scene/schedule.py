@@ -114,6 +114,11 @@ def rounding_notes(
     )
 
 
+def windows_of(mean: float, window: float) -> int:
+    """Windows (s) of a moving mean over a time (s): an odd number, so that one stands in the middle."""
+    return max(1, round(mean / max(window, 1e-300))) | 1
+
+
 def told_of_window(asked: float, made: float, output_interval: float) -> tuple[str, ...]:
     """Sentences on a window of the probes that differs from the one asked for (s), and why it does."""
     why = "windows are whole steps, and whole numbers of them make the time between frames"

@@ -238,6 +238,18 @@ def test_a_structure_with_a_weight_that_is_drawn_into_the_floor_or_above_it_is_t
     assert len(found) == bool(words) and all(words in text for text in found)
 
 
+@pytest.mark.parametrize(("windows", "made"), [(0.4, 1), (3, 0), (4, 5), (7.3, 7), (10, 11), (11, 0)])
+def test_a_moving_mean_that_windows_round_is_told(windows, made):
+    """The mean is over an odd number of windows, from below one on; `check` says which time that makes."""
+    base = {"probes.stability": {"structure": {"density": 2400, "friction": 0.6}}}
+    scene = load_case(INPUTS / "dam_break.yaml", base).scene()
+    window = scene.probe_steps * scene.time_step
+    mean = load_case(INPUTS / "dam_break.yaml", base | {"probes.stability_mean": windows * window}).scene()
+    said = [text for text in mean.adapted if "stability_mean" in text]
+    words = f"probes.stability_mean: {made * window:.4g} s in place of {windows * window:.4g} s"
+    assert [text.partition(", because")[0] for text in said] == [words] * bool(made)
+
+
 def test_a_moving_mean_that_is_longer_than_the_run_is_told():
     (text,) = weight_notes(**{"walls.structure.y": [0, 2], "probes.stability_mean": 100})
     assert "probes.stability_mean: 100 s is longer than the run (5 s)" in text
