@@ -205,7 +205,7 @@ DEFECTS = [
     Defect("sign", SHAPES, "_of_circles.along", "+ p * p -", "- p * p +", "scene/test_chains.py"),
     Defect("foot", SLOTS, "slot_of", "slots.sigma[i, best] = foot", "", "physics/test_slots.py"),
     Defect("taken twice", SLOTS, "slot_of", "or slots.used[i, s] == 1", "", "physics/test_slots.py"),
-    Defect("sizes", CORE_LISTS, "add", "radius ? far + radius[j] :", "", LIST_TESTS),
+    Defect("sizes", CORE_LISTS, "add", "radius ? far + radius[j] :", "", "engines/test_native_lists.py"),
     Defect("cells", CORE_LISTS, "Span", "(place + reach)", "place", LIST_TESTS),
     Defect("sign", FLUID, "of_record", "-float", "float", "studies/test_fluid.py"),
     Defect("factor", FLUID, "coulomb_friction", "8.0 *", "4.0 *", "studies/test_fluid.py"),

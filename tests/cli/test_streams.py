@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import subprocess
 import sys
@@ -10,53 +11,61 @@ import sys
 import pytest
 from made_up import INPUTS
 
-from lammps_jump.cli.app import PatientStream, patient_output
+from lammps_jump.cli.app import PatientStream, main, patient_output
 
 COMMAND = [sys.executable, "-m", "lammps_jump"]
 SHORT = ["--engine", "native", "--set", "run.duration=0.05", "--set", "analysis.figures=none"]
 
 
-def environment(**more):
-    paths = [*sys.path, os.environ.get("PYTHONPATH", "")]
-    return {**os.environ, "PYTHONPATH": os.pathsep.join(path for path in paths if path), **more}
+def status_of(monkeypatch, *words) -> int:
+    """Exit status of the command line, in this process."""
+    monkeypatch.setattr(sys, "argv", ["lammps-jump", *map(str, words)])
+    with pytest.raises(SystemExit) as stop:
+        main()
+    return int(stop.value.code or 0)
 
 
-def test_run_goes_on_where_nobody_reads(tmp_path):
+def test_run_goes_on_where_nobody_reads(tmp_path, monkeypatch, capsys):
     read, write = os.pipe()
     os.close(read)
-    command = [*COMMAND, "build-and-run", str(INPUTS / "energy_box_7.yaml"), "--out", str(tmp_path / "run"), *SHORT]
-    done = subprocess.run(command, stdout=write, stderr=subprocess.PIPE, text=True, env=environment())
-    os.close(write)
-    assert done.returncode == 0 and "Traceback" not in done.stderr and "BrokenPipe" not in done.stderr
+    with open(write, "w") as closed:
+        monkeypatch.setattr(sys, "stdout", closed)
+        status = status_of(monkeypatch, "build-and-run", INPUTS / "energy_box_7.yaml", "--out", tmp_path / "run", *SHORT)
+    errors = capsys.readouterr().err
+    assert status == 0 and "Traceback" not in errors and "BrokenPipe" not in errors
     assert (tmp_path / "run" / "profiles.nc").exists()
 
 
 def test_full_device_is_an_error_without_a_traceback():
+    """In a process of its own: what is left in the buffer at its end must not become a traceback."""
     if not os.path.exists("/dev/full"):
         pytest.skip("no /dev/full here")
     with open("/dev/full", "w") as full:
-        done = subprocess.run([*COMMAND, "schema"], stdout=full, stderr=subprocess.PIPE, text=True, env=environment())
+        done = subprocess.run([*COMMAND, "schema"], stdout=full, stderr=subprocess.PIPE, text=True)
     assert done.returncode == 1 and done.stderr.startswith("error: standard output cannot be written")
     assert done.stderr.count("\n") == 1
 
 
-def test_ascii_output_and_a_name_with_an_accent(tmp_path):
-    options = {"cwd": tmp_path, "capture_output": True, "env": environment(PYTHONIOENCODING="ascii")}
-    case = tmp_path / "été.yaml"
-    case.write_text((INPUTS / "quick_jump.yaml").read_text())
-    done = subprocess.run([*COMMAND, "build", "été.yaml", "--out", "dépôt"], **options)
-    assert done.returncode == 0 and b"d?p?t: run it with" in done.stdout, done.stderr
-    done = subprocess.run([*COMMAND, "check", "à.yaml"], **options)
-    assert done.returncode == 2 and b"no such case file" in done.stderr and b"Traceback" not in done.stderr
+def test_ascii_output_and_a_name_with_an_accent(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    written = {}
+    for name in ("stdout", "stderr"):
+        written[name] = io.BytesIO()
+        monkeypatch.setattr(sys, name, io.TextIOWrapper(written[name], encoding="ascii"))
+    (tmp_path / "été.yaml").write_text((INPUTS / "quick_jump.yaml").read_text())
+    assert status_of(monkeypatch, "build", "été.yaml", "--out", "dépôt") == 0
+    assert b"d?p?t: run it with" in written["stdout"].getvalue()
+    assert status_of(monkeypatch, "check", "à.yaml") == 2
+    assert b"no such case file" in written["stderr"].getvalue() and b"?.yaml" in written["stderr"].getvalue()
 
 
-def test_folder_that_is_gone(tmp_path):
+def test_folder_that_is_gone(tmp_path, monkeypatch, capsys):
     gone = tmp_path / "gone"
     gone.mkdir()
-    script = f"import os; os.rmdir({str(gone)!r}); import sys; sys.argv = ['lammps-jump', 'doctor']\n"
-    script += "from lammps_jump.cli.app import main; main()"
-    done = subprocess.run([sys.executable, "-c", script], cwd=gone, capture_output=True, text=True, env=environment())
-    assert done.returncode == 2 and done.stderr.startswith("error: the current folder was deleted")
+    monkeypatch.chdir(gone)
+    gone.rmdir()
+    assert status_of(monkeypatch, "doctor") == 2
+    assert capsys.readouterr().err.startswith("error: the current folder was deleted")
 
 
 def test_streams_are_given_back():

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Lists that the core makes by itself are those of the driver, and sums over chosen discs those of the twin."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from made_up import INPUTS
@@ -54,3 +56,22 @@ def test_the_elastic_energy_of_chosen_discs_is_that_of_their_contacts(compiled_c
         assert found == pytest.approx(known, rel=1e-12)
         touching += found[0] > 0
     assert touching and loops.elastic(loops.state, np.ones(simulation.discs.n, bool)) == whole
+
+
+@pytest.mark.parametrize("radii", [None, (0.02, 0.12)], ids=["equal", "sizes"])
+def test_rows_across_the_seam_of_a_channel_hold_the_pairs_that_are_near(compiled_core, radii):
+    """A list that misses a pair a step too long shows in no run of some steps: here the pairs themselves are compared."""
+    rng, n, period, skin = np.random.default_rng(7), 60, 1.0, 0.05
+    x, y = rng.uniform(0.0, period, n), rng.uniform(0.0, 0.4, n)
+    radius = None if radii is None else rng.uniform(*radii, n)
+    sums = np.full((n, n), 0.2) if radius is None else radius[:, None] + radius
+    widest = sums.max() + skin
+    near = np.hypot(x[:, None] + period - x, y[:, None] - y) < sums + skin
+    for loops in (Core(), Twin()):
+        owner, shift = np.empty(2 * n, np.int32), np.empty(2 * n)
+        start, neighbours = np.zeros(2 * n + 1, np.int64), np.empty(n * n, np.int32)
+        discs = SimpleNamespace(n=n, x=x, y=y, radius=radius, period=period, start=start, neighbours=neighbours)
+        rows = loops.image_rows(discs, (widest if radius is None else skin, widest, 0.0), owner, shift)
+        listed = [(owner[row], j) for row in range(n, rows) for j in neighbours[start[row] : start[row + 1]]]
+        assert set(shift[n:rows]) == {period} and len(listed) == len(set(listed)) > 20
+        assert set(listed) == set(zip(*np.nonzero(near), strict=True))
