@@ -62,17 +62,25 @@ def pytest_collection(session):
     gc.disable()  # while the modules are imported it finds nothing, and takes a quarter of the processor time
     if not session.config.getoption("--hypothesis-profile"):
         register_profiles().load_profile("same_each_time")
+        from hypothesis.internal.conjecture import providers
+
+        if hasattr(providers, "_get_local_constants"):
+            # each worker would parse all modules, 3 s, and any new constant in one of them would change the examples
+            providers._get_local_constants = lambda: providers._local_constants
 
 
 @pytest.fixture(scope="session", autouse=True)
 def remembered():
-    """What many tests make alike is made once: the command line, trees of YAML, piles of discs."""
+    """What many tests make alike is made once: the command line, trees of YAML, piles of discs, texts of the C++."""
     import typer.main  # not in the process that only hands out tests
 
     from lammps_jump.case import packing, text
+    from lammps_jump.compiling.product import Product
+    from lammps_jump.core import CORE
+    from lammps_jump.engines.plugin import PLUGIN
 
-    commands, trees, piles = {}, {}, {}
-    get_command, compose, piled = typer.main.get_command, text._compose, packing.piled
+    commands, trees, piles, sources = {}, {}, {}, {}
+    get_command, compose, piled, included = typer.main.get_command, text._compose, packing.piled, Product.included
 
     def command_of(app):
         if id(app) not in commands:
@@ -93,7 +101,15 @@ def remembered():
             piles[key] = piled(*key)
         return piles[key].copy()
 
+    def included_in(product, unit):
+        if product not in (CORE, PLUGIN):  # those of a test, whose files change
+            return included(product, unit)
+        if (product.name, unit) not in sources:
+            sources[product.name, unit] = included(product, unit)
+        return dict(sources[product.name, unit])
+
     with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Product, "included", included_in)
         patch.setattr(typer.main, "get_command", command_of)
         patch.setattr(text, "_compose", tree_of)
         patch.setattr(packing, "piled", pile_of)
@@ -163,6 +179,7 @@ def tried(record_property):
 def pytest_collection_finish(session):
     """From here on only what tests make is looked at for garbage."""
     gc.freeze()
+    gc.set_threshold(50_000, 20, 50)  # as the command line does
     gc.enable()
 
 

@@ -10,7 +10,7 @@ sqrt(k/m_eff), xi damping ratio, h = omega dt, f = dt / (2/omega of a pair).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import nan, pi, sqrt
 from typing import NamedTuple
 
@@ -160,6 +160,7 @@ def extrapolated_restitution(xi: float, h: float) -> float:
     return exp(pi / (2.0 * acos(cosine)) * log(square))
 
 
+@lru_cache(maxsize=1024)  # cases have the same few again and again, and 80 rounded exponentials take a millisecond
 def lagged_correction(restitution: float, h: float) -> float:
     """Factor on the dashpot that makes `lagged_restitution` equal the wanted one; 1 for e = 1.
 

@@ -174,6 +174,7 @@ def content(folder):
     return {path.name: path.read_bytes() for path in sorted(folder.iterdir()) if path.is_file()}
 
 
+@pytest.mark.long
 def test_a_study_that_is_killed_five_times_ends_with_the_same_answer(monkeypatch, tmp_path):
     """At runs drawn at random; no run is made twice: the stand-in refuses to."""
     given = {"budget": 60, "members": 2}

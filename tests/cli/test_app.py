@@ -10,7 +10,7 @@ from functools import reduce
 
 import pytest
 import typer
-from made_up import INPUTS
+from made_up import INPUTS, some_long
 from typer.testing import CliRunner
 
 import lammps_jump as lj
@@ -78,7 +78,7 @@ def test_the_program_ends_at_once_but_what_is_to_be_done_at_its_end_is_done():
     assert done.stdout.splitlines() == [f"lammps-jump {lj.__version__}", "at the end"]
 
 
-@pytest.mark.parametrize("closed", [pytest.param(">&-", marks=pytest.mark.long), "2>&-", ">&- 2>&-"])
+@pytest.mark.parametrize("closed", [some_long(">&-"), some_long("2>&-"), ">&- 2>&-"])
 def test_the_status_is_the_program_s_own_where_its_streams_are_closed(closed):
     code = f'exec "$0" -m lammps_jump check nofile.yaml {closed}'
     assert subprocess.run(["sh", "-c", code, sys.executable], capture_output=True).returncode == 2

@@ -30,7 +30,9 @@ def test_run_goes_on_where_nobody_reads(tmp_path, monkeypatch, capsys):
     os.close(read)
     with open(write, "w") as closed:
         monkeypatch.setattr(sys, "stdout", closed)
-        status = status_of(monkeypatch, "build-and-run", INPUTS / "energy_box_7.yaml", "--out", tmp_path / "run", *SHORT)
+        status = status_of(
+            monkeypatch, "build-and-run", INPUTS / "energy_box_7.yaml", "--out", tmp_path / "run", *SHORT
+        )
     errors = capsys.readouterr().err
     assert status == 0 and "Traceback" not in errors and "BrokenPipe" not in errors
     assert (tmp_path / "run" / "profiles.nc").exists()

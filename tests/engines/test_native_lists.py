@@ -60,7 +60,7 @@ def test_the_elastic_energy_of_chosen_discs_is_that_of_their_contacts(compiled_c
 
 @pytest.mark.parametrize("radii", [None, (0.02, 0.12)], ids=["equal", "sizes"])
 def test_rows_across_the_seam_of_a_channel_hold_the_pairs_that_are_near(compiled_core, radii):
-    """A list that misses a pair a step too long shows in no run of some steps: here the pairs themselves are compared."""
+    """A pair that is listed some steps too late shows in few runs: here the pairs themselves are compared."""
     rng, n, period, skin = np.random.default_rng(7), 60, 1.0, 0.05
     x, y = rng.uniform(0.0, period, n), rng.uniform(0.0, 0.4, n)
     radius = None if radii is None else rng.uniform(*radii, n)

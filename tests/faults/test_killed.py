@@ -69,6 +69,7 @@ def test_a_killed_run_goes_on_to_the_same_end(scene, engine, who, step, monkeypa
 FULL = [("native", "text"), ("stock", "text"), ("stock", "gz"), ("stock", "binary"), ("compiled", "text")]
 
 
+@pytest.mark.long  # in the process, `test_files` fills a disk
 @pytest.mark.fault("full disk")
 @pytest.mark.parametrize(("engine", "dump_format"), FULL if LONG else FULL[:1])
 @pytest.mark.parametrize("steps", [(500, 900), (500, 10**9)][: 1 + LONG], ids=["a while", "for good"][: 1 + LONG])

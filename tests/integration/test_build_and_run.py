@@ -66,8 +66,9 @@ def numbers(tree):
         yield tree
 
 
-ALL_KINDS = {"quick_jump", "column_collapse"}
-"""Inlets, outlets and sizes; a gate. The native engine, the scripts and the other tests see the other scenes."""
+ALL_KINDS = {"quick_jump"}
+"""Inlets, outlets and sizes. `test_killed` and `test_stock_walls` run a gate; the native engine, the scripts and the
+other tests see the other scenes."""
 NOT_STOCK = {"heap", "spillway", "tailgate"}
 """Scenes with what LAMMPS' own styles lack: turned walls, springs at a polyline, a tailgate that holds a flow."""
 
@@ -241,7 +242,7 @@ def test_lost_disc_is_named_and_the_folder_kept(tmp_path):
         "initial: [{kind: list, positions: [[0, 0], [0, 0.5]], velocities: [[4.9, 0], [0, 0]]}]\nrun: {duration: 2}\n"
     )
     with pytest.raises(RunError, match=r"lost.*disc 1, last seen at \(\d\.\d+, 0\).*widen domain") as error:
-        run_case(case, tmp_path / "run", ["engine.kernel=stock"])
+        run_case(case, tmp_path / "run", ["engine.kernel=stock", PLAIN])
     assert error.value.exit_status == 1
     summary = json.loads((tmp_path / "run" / "summary.json").read_text())
     assert summary["status"] == "failed" and summary["discs"]["lost"] == 1
@@ -301,7 +302,7 @@ def test_other_dump_formats_hold_the_same_frames(tmp_path, dump_format, name):
         assert text.sorted().x == pytest.approx(other.sorted().x, rel=1e-9)  # ten digits in text
 
 
-def test_command_line_exit_status(tmp_path, monkeypatch, capsys):
+def test_command_line_exit_status(tmp_path, monkeypatch, capsys, blank_pictures_here):
     case = INPUTS / "energy_box_7.yaml"
     options = ["--out", tmp_path / "run", "--set", "run.duration=0.5", "--kernel", "stock"]
     status, output, _ = call(monkeypatch, capsys, "build-and-run", case, *options)
@@ -310,7 +311,7 @@ def test_command_line_exit_status(tmp_path, monkeypatch, capsys):
 
 
 def test_build_then_run(tmp_path):
-    case = load_case(INPUTS / "energy_box_7.yaml", ["run.duration=0.5", "engine.kernel=stock"])
+    case = load_case(INPUTS / "energy_box_7.yaml", ["run.duration=0.5", "engine.kernel=stock", PLAIN])
     setting = start.build(case, tmp_path)
     assert not (tmp_path / "dump.lammpstrj").exists()
     assert choose_setting(load_case(tmp_path)) == (case, setting, ())

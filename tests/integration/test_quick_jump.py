@@ -10,6 +10,9 @@ import lammps_jump as lj
 INPUTS = Path(__file__).parents[2] / "inputs"
 
 
+pytestmark = pytest.mark.long  # the golden page of this scene and the budget of a jump see its kinds of fault
+
+
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):
     changes = {"engine.name": "native", "analysis.figures": "none"}

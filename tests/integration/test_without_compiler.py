@@ -15,7 +15,7 @@ from lammps_jump.dump.exports import read_netcdf
 from lammps_jump.dump.find import read_dump
 from lammps_jump.runs.results import flow_of
 
-SHORT = ("--set", "run.duration=0.6", "--set", "run.time_step_fraction=0.2", "--set", "analysis.window=[0.2, 0.6]")
+SHORT = ("--set", "run.duration=0.3", "--set", "run.time_step_fraction=0.2", "--set", "analysis.window=[0.1, 0.3]")
 
 
 @pytest.fixture(scope="module")

@@ -135,7 +135,7 @@ def test_a_site_file_is_checked(text, said, tmp_path):
     assert str(path) in str(error.value) and "\n" not in str(error.value)
 
 
-def test_a_site_makes_a_job_file_that_stays(tmp_path):
+def test_a_site_makes_a_job_file_that_stays(tmp_path, blank_pictures_here):
     (tmp_path / "site.yaml").write_text("partition: short")
     build(INPUTS / "quick_jump.yaml", out=tmp_path / "run", site=tmp_path / "site.yaml", set_=["run.duration=0.1"])
     job = (tmp_path / "run/job.slurm").read_text()

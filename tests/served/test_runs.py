@@ -420,7 +420,9 @@ def test_a_run_that_was_cut_off_is_called_so(finished, tmp_path):
         pytest.param(
             0, "ended with status 0: lammps-jump build-and-run ./--help.yaml --out 'a run'", marks=pytest.mark.long
         ),
-        (1, "ended with status 1: lammps-jump build-and-run ./--help.yaml --out 'a run'"),
+        pytest.param(
+            1, "ended with status 1: lammps-jump build-and-run ./--help.yaml --out 'a run'", marks=pytest.mark.long
+        ),
     ],
 )
 def test_what_is_said_of_a_run_at_the_end_can_be_typed(monkeypatch, tmp_path, status, said):

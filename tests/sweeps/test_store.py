@@ -9,6 +9,7 @@ import pytest
 
 from lammps_jump.errors import RunError
 from lammps_jump.sweeps import Pool
+from lammps_jump.sweeps.pool import CallOutcome
 from lammps_jump.sweeps.store import Store
 
 pytestmark = pytest.mark.usefixtures("kept_workers")
@@ -37,10 +38,18 @@ def test_calls_are_made_once_and_kept_as_they_come(tmp_path):
     assert said == [8, 4, 16]  # what was there is not made again
 
 
+class Crashing:
+    """A pool whose first call is a crash; `test_pool` sees those of processes."""
+
+    def run(self, calls, *, done, **_):
+        done(0, CallOutcome("crash", "the process ended with status 3"))
+        for number, call in enumerate(calls[1:], 1):
+            done(number, CallOutcome("done", call()))
+
+
 def test_a_call_that_fails_is_an_error_or_an_outcome_and_the_others_are_kept(tmp_path):
     store, calls = Store(tmp_path / "s.json"), [partial(os._exit, 3), partial(int, "1")]
-    with Pool(1) as pool:
-        with pytest.raises(RunError, match="status 3"):
-            store.call(calls, pool)
-        assert list(Store(tmp_path / "s.json").pieces.values()) == [1]
-        assert store.call(calls, pool, otherwise=lambda outcome: outcome.kind) == ["crash", 1]
+    with pytest.raises(RunError, match="status 3"):
+        store.call(calls, Crashing())
+    assert list(Store(tmp_path / "s.json").pieces.values()) == [1]
+    assert store.call(calls, Crashing(), otherwise=lambda outcome: outcome.kind) == ["crash", 1]
