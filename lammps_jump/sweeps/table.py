@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from lammps_jump.analysis.quantities import QUANTITIES
 from lammps_jump.analysis.statistics import student
+from lammps_jump.analysis.tables import value_at
 
 from .study import Study
 
@@ -29,12 +30,11 @@ DISAGREE = 1.5
 
 def number_at(summary: Mapping[str, Any], path: str) -> float:
     """A number of ``summary.json``; NaN where there is none, or where it means nothing beside its verdict."""
-    found: Any = summary
-    for part in path.split("."):
-        parent, found = found, found.get(part) if isinstance(found, Mapping) else None
-    quantity, key = QUANTITIES.get(path.partition(".")[0]), path.rpartition(".")[2]
-    judged = isinstance(parent, Mapping) and "verdict" in parent
-    meant = quantity is None or not judged or quantity.applies(key, quantity.read(parent))
+    parent, _, key = path.rpartition(".")
+    found, beside = value_at(summary, path), value_at(summary, parent)
+    quantity = QUANTITIES.get(path.partition(".")[0])
+    judged = isinstance(beside, Mapping) and "verdict" in beside
+    meant = quantity is None or not judged or quantity.applies(key, quantity.read(beside))
     return float(found) if isinstance(found, int | float) and meant else nan
 
 
