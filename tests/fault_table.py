@@ -151,7 +151,7 @@ NAMED = {
 """What files name: by the field the kind of place, what stands in the case (a part of it) or study, with @ for the
 place, and a call with NAMER for that file."""
 NO_PLACE = {"doctor", "kernels build", "kernels status", "new", "schema"}
-"""Commands that take no place of the user's; the cache of `kernels` is tried by tests/engines/test_plugin_build.py."""
+"""Commands that take no place of the user's; the cache of `kernels` is tried by tests/compiling/test_build.py."""
 FAULTS = {
     **dict.fromkeys(
         (CASE, SITE, POINTS, DUMP),
